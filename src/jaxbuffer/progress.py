@@ -10,7 +10,7 @@ Reported = Callable[[Any], None]
 
 
 def counted(progress: Counted | bool | None, unit: str) -> Counted | None:
-    """What to call with runs done and asked for: ``progress`` itself, or a bar for True.
+    """Return what to call with runs done and asked for: ``progress`` itself, or a bar for True.
 
     ``unit``: what is counted."""
     if not isinstance(progress, bool):
@@ -36,8 +36,8 @@ def _bar(unit: str) -> Counted:
 
 @contextlib.contextmanager
 def reported(report: Reported | bool | None, in_words: Callable[[Record], str]) -> Iterator[Reported | None]:
-    """What to call with each evaluation's record: ``report`` itself, or for True a line that counts the evaluations and
-    says the last one ``in_words``."""
+    """Yield what to call with each evaluation's record: ``report`` itself, or for True a line that counts the
+    evaluations and says the last one ``in_words``."""
     if report is not True:
         yield report or None
         return

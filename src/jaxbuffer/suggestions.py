@@ -79,7 +79,7 @@ WORDS = (
 
 
 def suggest(name: Any, known: Iterable[str], meaning: Meaning | None = None) -> str:
-    """'; did you mean …?' for a name that is mistyped, or called otherwise; '; known: …' where none is like it.
+    """Return '; did you mean …?' for a name that is mistyped, or called otherwise; '; known: …' where none is like it.
 
     **Arguments:** ``known``: the names that there are; ``meaning``: says in words what one of them means.
     """
@@ -90,6 +90,7 @@ def suggest(name: Any, known: Iterable[str], meaning: Meaning | None = None) -> 
     with_word = [
         option for option in beside if last in _first_words(option.rpartition(".")[2], meaning and meaning(option))
     ]
+    # Too many to be a suggestion: only those that are nearest are named.
     if len(with_word) > FEW:  # the names that have the word stand before those that only mean it
         words = {option: option.rpartition(".")[2].split("_") for option in with_word}
         with_word = sorted((it for it in with_word if last in words[it]), key=lambda it: len(words[it]))[:FEW]
@@ -108,10 +109,11 @@ def listed(names: Iterable[str]) -> str:
 
 
 def nearest(name: Any, known: Iterable[str]) -> str | None:
-    """The name most like a mistyped one, if any is: each word of a dotted name must be like its counterpart."""
+    """Return the name most like a mistyped one, if any is: each word of a dotted name must be like its counterpart."""
 
     def alike(option: str) -> tuple[float, float]:
         words, others = (text.lower().split(".")[::-1] for text in (str(name), option))
+        # From the last word backwards: a section may be left out, a name may not.
         least = min(_alike(word, other) for word, other in zip(words, others, strict=False))
         return least, _alike(str(name).lower(), option.lower())
 
@@ -125,22 +127,23 @@ def _alike(word: str, other: str) -> float:
 
 
 def _first_words(option: str, means: str | None) -> list[str]:
-    """The words of a name, and the first one of what it means: "stiffness along the cylinder" of k_A."""
+    """Return the words of a name, and the first one of what it means: "stiffness along the cylinder" of k_A."""
     return [*option.split("_"), *(means or "").split()[:1]]
 
 
 def same_as(name: Any, known: Iterable[str]) -> str | None:
-    """The name of the same thing under which it is known here, if there is one: "worst" for "max"."""
+    """Return the name under which the same thing is known here, if there is one: "worst" for "max"."""
     return next((option for option in known if isinstance(name, str) and _same(name, option)), None)
 
 
 def _same(name: str, option: str) -> bool:
-    """Whether both are names of one thing."""
+    """Return whether both are names of one thing."""
     return any(name.lower() in names and option in names for names in NAMES)
 
 
 def _meant(name: str, options: Iterable[str], meaning: Meaning | None) -> list[str]:
-    """The options whose words, or else whose meanings, are the name's; the best first, all that are equally good."""
+    """Return the options whose words, or else whose meanings, are the name's; the best first, all that are equally
+    good."""
     words, scores = _words(name), dict[str, float]()
     if not words:
         return []
@@ -157,7 +160,7 @@ def _meant(name: str, options: Iterable[str], meaning: Meaning | None) -> list[s
 
 
 def _words(text: str) -> set[str]:
-    """The words of a name or a sentence, without those that say nothing."""
+    """Return the words of a name or a sentence, without those that say nothing."""
     plain = "".join(letter if letter.isalnum() else " " for letter in text)
     return {
         word
@@ -167,7 +170,7 @@ def _words(text: str) -> set[str]:
 
 
 def _kin(word: str, other: str) -> bool:
-    """Whether two words are one, misspelt or not, or name the same."""
+    """Return whether two words are one, misspelt or not, or name the same."""
     if word == other or any(word in words and other in words for words in WORDS):
         return True
     return min(len(word), len(other)) > 3 and difflib.SequenceMatcher(None, word, other).ratio() >= MISSPELT

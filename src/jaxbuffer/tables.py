@@ -13,7 +13,7 @@ WIDTH = 118  # characters
 
 
 def table(title: str, left: tuple[str, ...] = (), right: tuple[str, ...] = ()) -> Table:
-    """An empty table with its columns, words aligned to the left and numbers to the right."""
+    """Make an empty table with its columns, words aligned to the left and numbers to the right."""
     made = Table(title=title, title_justify="left", title_style="", box=SIMPLE, pad_edge=False)
     for heading in left:
         made.add_column(heading)
@@ -23,7 +23,8 @@ def table(title: str, left: tuple[str, ...] = (), right: tuple[str, ...] = ()) -
 
 
 def text(*parts: str | Table) -> str:
-    """Lines and tables one below the other."""
+    """Print lines and tables one below the other into text."""
+    # Not the terminal's own width and colours: the same text must come out everywhere, in files too.
     console = Console(file=io.StringIO(), width=WIDTH, color_system=None, force_terminal=False, legacy_windows=False)
     with console.capture() as captured:
         for part in parts:
@@ -32,12 +33,12 @@ def text(*parts: str | Table) -> str:
 
 
 def html(*parts: str | Table) -> str:
-    """The same for a notebook: lines as they are, tables as HTML."""
+    """Do as `text` for a notebook: lines stay as they are, tables become HTML."""
     return "\n".join(_html_table(it) if isinstance(it, Table) else f"<pre>{escape(it)}</pre>" for it in parts if it)
 
 
 def summary_html(summary: str) -> str:
-    """A summary of lines, a heading and then names with values two spaces apart, as an HTML table."""
+    """Turn a summary of lines, a heading and then names with values two spaces apart, into an HTML table."""
     heading, *lines = summary.splitlines()
     rows = [re.split(r"\s{2,}", line.strip(), maxsplit=1) for line in lines]
     return _html(heading, [], [], rows)
@@ -51,7 +52,7 @@ def _html_table(made: Table) -> str:
 
 
 def _html(caption: str, heads: Sequence[str], right: Sequence[bool], rows: Iterable[Sequence[str]]) -> str:
-    """A table; a row of one cell goes across."""
+    """Write a table in HTML; a row of one cell goes across."""
 
     def cells(kind: str, row: Sequence[str]) -> str:
         if len(row) == 1 and not heads:

@@ -6,7 +6,7 @@ from importlib import metadata
 
 @functools.cache
 def version() -> str:
-    """The installed version, as in pyproject.toml."""
+    """Return the installed version, as in pyproject.toml."""
     try:
         return metadata.version("jaxbuffer")
     except metadata.PackageNotFoundError:  # run from a checkout

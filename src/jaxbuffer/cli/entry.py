@@ -27,6 +27,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         code = FAILED
     if code == INTERRUPTED or (code and ENDING.first is not None):
         ENDING.leave()
+    # Flushed here, where a failure can still become an exit code.
     try:
         sys.stdout.flush()
     except OSError:

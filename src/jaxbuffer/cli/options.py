@@ -88,8 +88,11 @@ def verb(
         request = _imported("request", "CommandLine")(ctx.obj, words, begun, **general)
         return _imported(module or name, name)(request, **options)
 
+    # CONFIG.toml comes first; in the help a command's own options stand before the shared ones.
     first, *others = shared.values()
+    # By name only, so that options may stand in any order in the signature.
     keywords = [parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY) for parameter in own]
+    # typer reads a command's options off its signature and annotations.
     command.__signature__ = inspect.Signature([context, first, *keywords, *others])  # type: ignore[attr-defined]
     command.__annotations__ = {p.name: p.annotation for p in [context, first, *keywords, *others]}
     command.__name__, command.__doc__ = name, function.__doc__

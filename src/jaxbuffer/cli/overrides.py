@@ -117,8 +117,8 @@ class Command(Plain):
 
 
 def fields_like(option: str) -> list[str]:
-    """The dotted options that one without a section may mean: of the fields whose last part it is or is in, or of the
-    field nearest to it; a capture's first."""
+    """Return the dotted options that one without a section may mean: of the fields whose last part it is or is in, or
+    of the field nearest to it; a capture's first."""
     # here, because both import JAX, for which neither help nor other refusals of options wait
     from ..fields import addresses
     from ..mechanisms import all_mechanisms
@@ -128,6 +128,7 @@ def fields_like(option: str) -> list[str]:
     exact = ([path for path in known if path.rpartition(".")[2] == name] for known in every)
     partly = ([path for path in known if name in path.rpartition(".")[2]] for known in every if len(name) > 2)
     near = ([path] for known in every if (path := nearest(name, known)))
+    # The closest kind of likeness counts, within it the first mechanism: a capture's.
     matches = next((paths for group in (exact, partly, near) for paths in group if paths), [])
     return [f"--{path}" for path in matches]
 
@@ -145,12 +146,13 @@ def check_words(words: Sequence[str], repeatable: Collection[str]) -> None:
 
 
 def split(arguments: Sequence[str], unfinished: bool = False) -> tuple[list[str], dict[str, str]]:
-    """Ordinary arguments, and the dotted options with their values; ``unfinished``: whether a shell completes them, so
-    that nothing is an error yet."""
+    """Split ordinary arguments from the dotted options with their values; ``unfinished``: whether a shell completes
+    them, so that nothing is an error yet."""
     rest, overrides = list[str](), dict[str, str]()
     words = iter(arguments)
     for word in words:
         name, equals, value = word.partition("=")
+        # After this word there are no more options, by convention.
         if word == "--":
             rest += [word, *words]
         elif name.startswith("--") and "." in name:

@@ -16,7 +16,7 @@ class Ending:
         self.first: float | None = None
 
     def listen(self) -> None:
-        """From now on, except for signals that whoever started this process had ignored, as nohup does."""
+        """Catch signals from now on, except those that whoever started this process had ignored, as nohup does."""
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             if signal.getsignal(number) != signal.SIG_IGN:
                 signal.signal(number, self)

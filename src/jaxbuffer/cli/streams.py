@@ -30,14 +30,14 @@ class Heedless:
         return getattr(self.stream, name)
 
     def write(self, text: str) -> int:
-        """As the stream's, or nothing."""
+        """Write to the stream, or do nothing where that fails."""
         try:
             return self.stream.write(text)
         except OSError:
             return len(text)
 
     def flush(self) -> None:
-        """As the stream's, or nothing."""
+        """Flush the stream, or do nothing where that fails."""
         try:
             self.stream.flush()
         except OSError:
@@ -46,6 +46,7 @@ class Heedless:
 
 def prepare() -> None:
     """Let both streams print what their encoding can, and stderr fail in silence; warnings become one line each."""
+    # A terminal without these characters gets a spelling of them instead of an error.
     codecs.register_error("jaxbuffer.plain", _plain)
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:  # closed by whoever started this process

@@ -29,7 +29,7 @@ class Strength(NamedTuple):
 
 
 def maximum_stress(stress: PlyStress, strength: Strength) -> Float[Array, "*plies"]:
-    """The reserve factor by maximum stress (M152): no part of the stress knows of another.
+    """Return the reserve factor by maximum stress (M152): no part of the stress knows of another.
 
     **Arguments:** ``stress``: (…, 3) σ1, σ2, τ12 [Pa]; ``strength``: of the ply.
 
@@ -47,7 +47,7 @@ def maximum_stress(stress: PlyStress, strength: Strength) -> Float[Array, "*plie
 
 
 def tsai_hill(stress: PlyStress, strength: Strength) -> Float[Array, "*plies"]:
-    """The reserve factor by Tsai and Hill (M153), the strengths chosen by the signs of σ1 and σ2.
+    """Return the reserve factor by Tsai and Hill (M153), the strengths chosen by the signs of σ1 and σ2.
 
     **Arguments:** ``stress``: (…, 3) σ1, σ2, τ12 [Pa]; ``strength``: of the ply.
 
@@ -66,7 +66,7 @@ def tsai_hill(stress: PlyStress, strength: Strength) -> Float[Array, "*plies"]:
 
 
 def hoffman(stress: PlyStress, strength: Strength) -> Float[Array, "*plies"]:
-    """The reserve factor by Hoffman (M154): `tsai_wu` with another interaction of σ1 and σ2, -1/(X_t X_c).
+    """Return the reserve factor by Hoffman (M154): `tsai_wu` with another interaction of σ1 and σ2, -1/(X_t X_c).
 
     **Arguments:** ``stress``: (…, 3) σ1, σ2, τ12 [Pa]; ``strength``: of the ply, `is_bounded` or the criterion allows
     some stresses without limit.
@@ -77,7 +77,7 @@ def hoffman(stress: PlyStress, strength: Strength) -> Float[Array, "*plies"]:
 
 
 def tsai_wu(stress: PlyStress, strength: Strength, interaction: Scalar = -0.5) -> Float[Array, "*plies"]:
-    """The reserve factor by Tsai and Wu (M155).
+    """Return the reserve factor by Tsai and Wu (M155).
 
     **Arguments:** ``stress``: (…, 3) σ1, σ2, τ12 [Pa]; ``strength``: of the ply; ``interaction``: F12/√(F11 F22), whose
     size must be below 1 [-].
@@ -88,7 +88,7 @@ def tsai_wu(stress: PlyStress, strength: Strength, interaction: Scalar = -0.5) -
 
 
 def is_bounded(strength: Strength) -> Bool[Array, ""]:
-    """Whether Hoffman's criterion limits every plane stress: F12² < F11 F22, where it is an ellipse."""
+    """Return whether Hoffman's criterion limits every plane stress: F12² < F11 F22, where it is an ellipse."""
     return jnp.asarray((_hoffman_interaction(strength) / 2.0) ** 2 < _f11(strength) * _f22(strength))
 
 
@@ -100,7 +100,7 @@ CRITERIA: Mapping[str, Criterion] = MappingProxyType(
 
 
 def _quadratic(stress: PlyStress, strength: Strength, twice_f12: Scalar) -> Float[Array, "*plies"]:
-    """The positive root RF of A RF² + B RF = 1, where A holds the quadratic terms and B the linear ones."""
+    """Return the positive root RF of A RF² + B RF = 1, where A holds the quadratic terms and B the linear ones."""
     along, across, shear = _parts(stress)
     x_t, x_c, y_t, y_c, s = strength
     linear = (1.0 / x_t - 1.0 / x_c) * along + (1.0 / y_t - 1.0 / y_c) * across
@@ -127,7 +127,8 @@ def _parts(stress: PlyStress) -> tuple[Array, Array, Array]:
 
 
 def _by_sign(stress: PlyStress, strength: Strength) -> tuple[Array, Array]:
-    """X and Y, of tension or of compression."""
+    """Return X and Y, of tension or of compression."""
     along, across, _ = _parts(stress)
+    # Fibres and matrix fail at other stresses when they are pressed than when they are pulled.
     x = jnp.where(along < 0.0, strength.along_compression, strength.along_tension)
     return x, jnp.where(across < 0.0, strength.across_compression, strength.across_tension)

@@ -42,37 +42,39 @@ class Laminate(NamedTuple):
 
     @property
     def thickness(self) -> Float[Array, ""]:
-        """Of all plies [m]."""
+        """Return the thickness of all plies [m]."""
         return jnp.asarray(self.ply.thickness, float) * len(self.angles)
 
     @property
     def interfaces(self) -> Float[Array, " surfaces"]:
-        """(plies + 1,) the heights of the plies' surfaces above the middle surface [m]."""
+        """Return the (plies + 1,) heights of the plies' surfaces above the middle surface [m]."""
         return jnp.asarray(np.arange(len(self.angles) + 1) - len(self.angles) / 2.0) * self.ply.thickness
 
     def stiffness(self) -> Stiffness:
-        """A, B and D."""
+        """Return A, B and D."""
         z = self.interfaces
         turned = jnp.stack([self.ply.stiffness(angle) for angle in self.angles])
+        # A, B and D are one integral over the thickness, of the stiffness times z to the power 0, 1 and 2.
         weighed = lambda n: jnp.einsum("kij,k->ij", turned, (z[1:] ** n - z[:-1] ** n) / n)  # noqa: E731
         return Stiffness(weighed(1), weighed(2), weighed(3))
 
     def strains(
         self, forces: Float[Array, " 3"], moments: Float[Array, " 3"]
     ) -> tuple[Float[Array, " 3"], Float[Array, " 3"]]:
-        """Strains of the middle surface and curvatures.
+        """Return the strains of the middle surface and the curvatures.
 
         **Arguments:** ``forces``: (Nx, Ny, Nxy) per width [N/m]; ``moments``: (Mx, My, Mxy) per width [N].
 
         **Returns:** (εx, εy, γxy) [-] and (κx, κy, κxy) [1/m].
         """
         a, b, d = self.stiffness()
+        # Together, since an unsymmetric lay-up couples stretching and bending.
         whole = jnp.block([[a, b], [b, d]])
         both = jnp.linalg.solve(whole, jnp.concatenate([forces, moments]))
         return both[:3], both[3:]
 
     def stresses(self, strain: Float[Array, " 3"], curvature: Float[Array, " 3"]) -> Float[Array, "plies 2 3"]:
-        """σ1, σ2, τ12 [Pa] in each ply's own axes, at its lower and at its upper surface (M158).
+        """Return σ1, σ2, τ12 [Pa] in each ply's own axes, at its lower and at its upper surface (M158).
 
         **Arguments:** ``strain``: (3,) of the middle surface [-]; ``curvature``: (3,) [1/m].
         """
@@ -89,7 +91,7 @@ class Laminate(NamedTuple):
         strength: Strength,
         criterion: Criterion = tsai_hill,
     ) -> Float[Array, " plies"]:
-        """(plies,) the lesser reserve factor of each ply's two surfaces [-].
+        """Return the (plies,) lesser reserve factor of each ply's two surfaces [-].
 
         **Arguments:** ``forces`` [N/m] and ``moments`` [N]: as for `strains`; ``strength``: of the ply;
         ``criterion``: one of `CRITERIA`.

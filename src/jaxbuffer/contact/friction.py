@@ -17,7 +17,7 @@ class RegularisedCoulomb(eqx.Module):
     slip_speed: Scalar
 
     def force(self, normal_force: Values, slip: Values) -> Values:
-        """The friction force along the tangent [N], the shape of its arguments (M59).
+        """Return the friction force along the tangent [N], in the shape of its arguments (M59).
 
         **Arguments:**
 

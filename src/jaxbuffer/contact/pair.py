@@ -89,7 +89,7 @@ class BallPair(eqx.Module):
     friction: RegularisedCoulomb
 
     def approach(self, ball: Ball, body: Carrier) -> Approach:
-        """Gap, speeds and directions of the pair (M31, M32).
+        """Return the gap, speeds and directions of the pair (M31, M32).
 
         **Arguments:** ``ball``; ``body``: the one that carries the shape.
         """
@@ -101,6 +101,7 @@ class BallPair(eqx.Module):
         normal_y = body.sin * foot.normal_x + body.cos * foot.normal_y
         foot_x = body.cos * foot.x - body.sin * foot.y
         foot_y = body.sin * foot.x + body.cos * foot.y
+        # With the side's sign the tangents of both flanks of a cone point to the throat, so that slips compare.
         tangent_x, tangent_y = self.side * normal_y, -self.side * normal_x
         # Material points at the foot; seen from the ball's centre the foot lies at -distance · normal.
         relative_x = ball.velocity_x + ball.spin * foot.distance * normal_y - (body.velocity_x - body.spin * foot_y)
@@ -119,25 +120,25 @@ class BallPair(eqx.Module):
         )
 
     def normal_force(self, approach: Approach, touchdown_speed: Values) -> Values:
-        """F_n of each segment [N], as if all were in contact.
+        """Return F_n of each segment [N], as if all were in contact.
 
         **Arguments:** ``approach``; ``touchdown_speed``: δ̇⁻ of each segment [m/s] (M36).
         """
         return self.law.force(-approach.gap, approach.approach_speed, touchdown_speed)
 
     def friction_force(self, approach: Approach, normal_force: Values) -> Values:
-        """F_t of each segment along its tangent [N] (M59).
+        """Return F_t of each segment along its tangent [N] (M59).
 
         **Arguments:** ``approach``; ``normal_force``: F_n of each segment [N].
         """
         return self.friction.force(normal_force, approach.slip)
 
     def stored_energy(self, approach: Approach) -> Values:
-        """Energy stored in each contact [J], as if all were in contact (M37)."""
+        """Return the energy stored in each contact [J], as if all were in contact (M37)."""
         return self.law.energy(-approach.gap)
 
     def hysteresis_power(self, approach: Approach, normal_force: Values) -> Values:
-        """Power lost in each contact [W]: what the force takes less what the spring in it takes (M37).
+        """Return the power lost in each contact [W]: what the force takes less what the spring in it takes (M37).
 
         **Arguments:** ``approach``; ``normal_force``: F_n of each segment [N].
         """

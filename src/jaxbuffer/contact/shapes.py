@@ -27,7 +27,7 @@ class Shape(eqx.Module):
     """Base of the shapes."""
 
     def foot(self, x: Values | Scalar, y: Values | Scalar, side: Values | Scalar) -> Foot:
-        """The foot of the point (x, y) on the shape (M31).
+        """Return the foot of the point (x, y) on the shape (M31).
 
         **Arguments:** ``x``, ``y``: the point in the shape's axes [m]; ``side``: where a segment's front is, +1 to the
         right of its direction, -1 to the left.
@@ -52,7 +52,7 @@ class Segment(Shape):
     length: Scalar
 
     def foot(self, x: Values | Scalar, y: Values | Scalar, side: Values | Scalar) -> Foot:
-        """The foot on each segment.
+        """Return the foot on each segment.
 
         Behind a segment, between its ends, the distance is negative and the normal still points to the front: so a
         point that a long step has carried through the segment is not taken for one before it.
@@ -61,6 +61,7 @@ class Segment(Shape):
         along = from_x * self.direction_x + from_y * self.direction_y
         behind = side * (self.direction_x * from_y - self.direction_y * from_x)
         sign = jnp.where((behind > 0.0) & (along > 0.0) & (along < self.length), -1.0, 1.0)
+        # Kept on the segment: beyond its ends the end itself is touched, as a point.
         slant = jnp.clip(along, 0.0, self.length)
         foot_x, foot_y = self.start_x + slant * self.direction_x, self.start_y + slant * self.direction_y
         off_x, off_y = x - foot_x, y - foot_y
@@ -87,6 +88,7 @@ class Hole(Shape):
         square = off_x * off_x + off_y * off_y
         apart = square > 0.0
         eccentricity = jnp.sqrt(jnp.where(apart, square, 1.0))  # guarded: no derivative of a root at zero
+        # Where the centres coincide any direction would do; this one is fixed (see the class).
         out_x = jnp.where(apart, off_x / eccentricity, 1.0)
         out_y = jnp.where(apart, off_y / eccentricity, 0.0)
         distance = self.radius - jnp.where(apart, eccentricity, 0.0)

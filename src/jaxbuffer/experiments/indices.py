@@ -92,8 +92,8 @@ def sobol_indices(
     resamples: int = 999,
     seed: int = 0,
 ) -> Indices:
-    """Which share of a quantity's variance each sampled number makes: alone (first-order), and with all that it does
-    together with others (total).
+    """Find which share of a quantity's variance each sampled number makes: alone (first-order), and with all that it
+    does together with others (total).
 
     From a sample of the method "saltelli" they are read off its runs; a row of which any run failed, or ended
     otherwise than it should, is left out and counted. From any other sample they are those of its response surface.
@@ -129,6 +129,7 @@ def sobol_indices(
     else:
         surfaces = {name: response_surface(sample, name) for name in names}
         spread = points(axes, THROUGH, "saltelli", seed)
+        # A surface costs next to nothing to ask, so it is asked at the points of the scheme itself.
         values = {name: surface.predict(spread.columns()) for name, surface in surfaces.items()}
         rows = THROUGH
     estimates = {name: estimated(values[name], len(axes), *how, name=name) for name in names}
@@ -143,7 +144,7 @@ def estimated(
     seed: int = 0,
     name: str = "",
 ) -> Estimate:
-    """Indices from a quantity's values at `points` of the method "saltelli", NaN where there is none.
+    """Estimate indices from a quantity's values at `points` of the method "saltelli", NaN where there is none.
 
     **Arguments:** ``values``: d + 2 blocks; ``name``: the quantity, for a message.
 
@@ -156,6 +157,7 @@ def estimated(
         raise InputError(f"indices of {name}: {rows} rows of the sample have all their runs; at least {LEAST} must")
     size = float(np.max(np.abs(blocks)))
     blocks = blocks - np.mean(blocks[:2])  # a multiplier of the variance less [Sobol' and Levitan 1999]
+    # Written so that NaN is refused too.
     if not np.std(blocks[:2]) > ROUNDING * size:
         raise InputError(
             f"indices of {name}: it is the same in all runs but for rounding, so that it has no variance to share out"
@@ -165,6 +167,7 @@ def estimated(
         return estimators(blocks[:, chosen])
 
     first, total = of_rows(np.arange(rows))
+    # Rows are drawn by their number, as the runs of a row belong together.
     drawn = scipy.stats.bootstrap(
         (np.arange(rows),),
         of_rows,
@@ -179,7 +182,7 @@ def estimated(
 
 
 def estimators(blocks: Float[np.ndarray, "d_and_2 rows"]) -> Float[np.ndarray, "2 d"]:
-    """First-order and total indices: with f_A, f_B and f_ABi the blocks and V the variance of the first two,
+    """Return the first-order and total indices: with f_A, f_B and f_ABi the blocks and V the variance of the first two,
     S_i = mean(f_B (f_ABi - f_A)) / V and T_i = mean((f_A - f_ABi)²) / 2 V."""
     a, b, mixed = blocks[0], blocks[1], blocks[2:]
     variance = np.var(blocks[:2])

@@ -39,11 +39,11 @@ class Points:
         return len(self.shares)
 
     def columns(self) -> dict[str, np.ndarray]:
-        """Each path's value in every run, shape (n,)."""
+        """Return each path's value in every run, shape (n,)."""
         return {axis.path: axis.at(self.shares[:, k]) for k, axis in enumerate(self.axes)}
 
     def point(self, index: int) -> str:
-        """One run's values in words: "k_A 640 N/m, misalignment 0.02 rad"."""
+        """Say one run's values in words: "k_A 640 N/m, misalignment 0.02 rad"."""
         parts = []
         for k, axis in enumerate(self.axes):
             value = float(axis.at(self.shares[index, k]))
@@ -51,19 +51,20 @@ class Points:
         return ", ".join(parts)
 
     def batches(self, design: Part, scenario: Part) -> list[Batch]:
-        """All runs, with an array (n,) for each field that is sampled."""
+        """Return all runs, with an array (n,) for each field that is sampled."""
         spread = with_values(design, scenario, self.columns())
+        # All runs at once: what no field alone can say is wrong with some of them.
         check_pair(mechanism_of(design), *spread)
         return [Batch(np.arange(len(self)), *spread)]
 
     def applied(self, design: Part, scenario: Part) -> tuple[Part, Part]:
-        """Design and scenario with an array (n,) for each field that is sampled, the others as they are."""
+        """Return the design and scenario with an array (n,) for each field that is sampled, the others as they are."""
         ((_, design, scenario),) = self.batches(design, scenario)
         return design, scenario
 
 
 def points(axes: Sequence[Range], count: int, method: str = METHODS[0], seed: int = 0) -> Points:
-    """Points spread over ranges.
+    """Spread points over ranges.
 
     - "sobol": a scrambled Sobol' sequence, ``count`` a power of two [scipy.stats.qmc.Sobol].
     - "latin_hypercube": each of ``count`` equal slices of each range has one point [scipy.stats.qmc.LatinHypercube].
@@ -81,6 +82,7 @@ def points(axes: Sequence[Range], count: int, method: str = METHODS[0], seed: in
         raise InputError(f"sample.count = {count} makes {total} runs; at most {MOST} are allowed")
     if method == "latin_hypercube":
         return Points(tuple(axes), qmc.LatinHypercube(d, rng=seed).random(count), method, count, seed)
+    # A Sobol' sequence is balanced at powers of two only.
     if count & (count - 1):
         near = 1 << (count - 1).bit_length()
         raise InputError(
@@ -89,6 +91,7 @@ def points(axes: Sequence[Range], count: int, method: str = METHODS[0], seed: in
         )
     if method == "sobol":
         return Points(tuple(axes), qmc.Sobol(d, rng=seed).random(count), method, count, seed)
+    # One sequence in twice the dimensions: its halves are independent, as two sequences would not be.
     both = qmc.Sobol(2 * d, rng=seed).random(count)
     first, second = both[:, :d], both[:, d:]
     mixed = [np.where(np.arange(d) == k, second, first) for k in range(d)]

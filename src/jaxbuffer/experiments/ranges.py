@@ -40,7 +40,7 @@ class Range(Varied):
     typed: str = dataclasses.field(default="", compare=False)
 
     def at(self, shares: Float[np.ndarray, " n"]) -> Float[np.ndarray, " n"]:
-        """The values [unit] at shares of the range [-]: 0 is the low end, 1 the high one."""
+        """Return the values [unit] at shares of the range [-]: 0 is the low end, 1 the high one."""
         if self.scale == "log":
             values = self.low * np.exp(shares * math.log(self.high / self.low))
         else:
@@ -48,7 +48,7 @@ class Range(Varied):
         return np.clip(values, self.low, self.high)  # rounding leads beyond no end
 
     def shares(self, values: Float[np.ndarray, " n"]) -> Float[np.ndarray, " n"]:
-        """The inverse of `at`."""
+        """Return the shares of the range [-] at which ``values`` lie: the inverse of `at`."""
         if self.scale == "log":
             return np.log(values / self.low) / math.log(self.high / self.low)
         return (values - self.low) / (self.high - self.low)
@@ -59,7 +59,7 @@ class Range(Varied):
 
 
 def ranges(given: Mapping[str, Any], design: Part, scenario: Part) -> tuple[Range, ...]:
-    """Ranges from pairs (low, high) or triples (low, high, scale) by dotted path, "scenario.…" for the scenario's.
+    """Read ranges from pairs (low, high) or triples (low, high, scale) by dotted path, "scenario.…" for the scenario's.
 
     **Raises:** `InputError` for what is no such pair, paths that are unknown or choices, ends out of a field's range.
     """
@@ -101,7 +101,7 @@ def _range(path: str, given: Any, design: Part, scenario: Part) -> Range:
 
 
 def typed(text: str) -> tuple[str, list[Any]]:
-    """A path and its range as typed on a command line: PATH=LOW:HIGH or PATH=LOW:HIGH:SCALE."""
+    """Read a path and its range as typed on a command line: PATH=LOW:HIGH or PATH=LOW:HIGH:SCALE."""
     path, equals, values = text.partition("=")
     words = values.split(":")
     if not path or not equals or len(words) not in (2, 3):

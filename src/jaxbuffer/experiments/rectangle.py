@@ -66,8 +66,8 @@ class SafeRectangle:
 
     @property
     def between(self) -> Between | None:
-        """How the runs between the ``scenarios`` do, at those included; None where both fields are not the scenario's,
-        or no run lies there. A design that keeps its limits in each scenario may break them in between."""
+        """Return how the runs between the ``scenarios`` do, at those included; None where both fields are not the
+        scenario's, or no run lies there. A design that keeps its limits in each scenario may break them in between."""
         prefix, ranges = "scenario.", []
         inside = np.full(self.safe.shape, len(self.scenarios) > 1)
         for k, (axis, values) in enumerate(zip(self.axes, self.values, strict=True)):
@@ -94,20 +94,19 @@ class SafeRectangle:
 
     @property
     def done(self) -> int:
-        """How many runs of the sweep were computed."""
+        """Return how many runs of the sweep were computed."""
         return int((self.reasons != UNDONE).sum())
 
     @property
     def counted(self) -> str:
-        """How many runs are safe, in words: "22 of 48 captures", of an interrupted sweep "22 of 30 captures run, of
-        48"."""
+        """Say how many runs are safe: "22 of 48 captures", of an interrupted sweep "22 of 30 captures run, of 48"."""
         name, size = f"{self.swept.mechanism.view.run_name}s", self.safe.size
         of = f"{size} {name}" if self.done == size else f"{self.done} {name} run, of {size}"
         return f"{int(self.safe.sum())} of {of}"
 
     @property
     def asked(self) -> str:
-        """What makes a run safe, in words: "captured, stroke ≤ 25 mm"."""
+        """Say what makes a run safe: "captured, stroke ≤ 25 mm"."""
         mechanism = self.swept.mechanism
         codes = {mechanism.outcomes[name]: name for name in mechanism.successes}
         names = [name for code, name in codes.items() if np.any(self.swept.code == code)]
@@ -135,7 +134,7 @@ class SafeRectangle:
 
 
 def _range_words(axis: Axis, part: tuple[float, float]) -> str:
-    """A range in its unit, angles in degrees besides: "-0.05 … 0.05 rad (-2.86° … +2.86°)"."""
+    """Say a range in its unit, angles in degrees besides: "-0.05 … 0.05 rad (-2.86° … +2.86°)"."""
     low, high, symbol = ends_as_typed(part[0] + 0.0, part[1] + 0.0, axis.unit, axis.typed)
     words = range_text(low, high, symbol, 4, " … ")
     if symbol != "rad":
@@ -144,7 +143,7 @@ def _range_words(axis: Axis, part: tuple[float, float]) -> str:
 
 
 def safe_rectangle(swept: Sweep, limits: Limits | None = None, scenarios: Sequence[Part] = ()) -> SafeRectangle:
-    """Where a two-dimensional sweep is safe, and the largest rectangle of safe runs in it.
+    """Find where a two-dimensional sweep is safe, and the largest rectangle of safe runs in it.
 
     A run is safe that was solved and keeps every limit. The rectangle has the
     most runs of all whose runs are all safe; between its runs nothing was computed.
@@ -175,6 +174,7 @@ def safe_rectangle(swept: Sweep, limits: Limits | None = None, scenarios: Sequen
     first, second = (swept.grid.axes[k] for k in moving)
     if choices := [axis.path for axis in (first, second) if not axis.unit]:
         raise InputError(f"a safe rectangle is over numbers; {choices[0]} is a choice")
+    # In increasing order, since a sweep's values may be listed in any.
     right, up = np.argsort(first.values), np.argsort(second.values)
 
     def face(column: np.ndarray) -> np.ndarray:
@@ -183,6 +183,7 @@ def safe_rectangle(swept: Sweep, limits: Limits | None = None, scenarios: Sequen
     _check_limits(swept, limits)
     share, reasons = np.zeros((len(first), len(second))), face(_ends(swept, limits))
     for limit, values in _limited(swept, limits):
+        # Not `maximum`: a limit on what a run does not have must not hide the others.
         share = np.fmax(share, face(limit.share(values)))
         name, kept = limit.name.replace("_", " "), face(limit.keeps(values))
         reasons[face(np.isnan(values)) & (reasons == "")] = f"{name} not known"
@@ -217,7 +218,7 @@ def _check_limits(swept: Sweep, limits: Limits) -> None:
 
 
 def _ends(swept: Sweep, limits: Limits) -> np.ndarray:
-    """How each run ended that is not safe for its end alone, "" for the others."""
+    """Return how each run ended that is not safe for its end alone, "" for the others."""
     good = swept.solved & limits.ended(swept.mechanism, swept.code)
     named = [f"failed: {it.name}" if it.failed else it.name.replace("_", " ") for it in swept.outcomes]
     words = np.where(swept.done, np.array(named, object), UNDONE)
@@ -225,7 +226,7 @@ def _ends(swept: Sweep, limits: Limits) -> np.ndarray:
 
 
 def _limited(swept: Sweep, limits: Limits) -> Iterator[tuple[Limit, np.ndarray]]:
-    """Each limit, and what it limits in every run."""
+    """Yield each limit, and what it limits in every run."""
     for limit in limits.each:
         yield limit, swept.columns[limit.name]
     for limit in limits.of_impacts:
@@ -233,7 +234,8 @@ def _limited(swept: Sweep, limits: Limits) -> Iterator[tuple[Limit, np.ndarray]]
 
 
 def largest_rectangle(mask: Bool[np.ndarray, "m n"]) -> tuple[slice, slice]:
-    """Rows and columns of the largest rectangle of true entries, empty slices if there is none; the first of equals.
+    """Find rows and columns of the largest rectangle of true entries: empty slices if there is none, the first of
+    equals.
 
     Row by row, each column has a bar as high as its unbroken true entries up to that row. The largest rectangle under
     the bars is found with a stack of rising ones, so that each entry is looked at a fixed number of times: O(m n).
@@ -245,6 +247,7 @@ def largest_rectangle(mask: Bool[np.ndarray, "m n"]) -> tuple[slice, slice]:
     for row, entries in enumerate(mask):
         heights = np.where(entries, heights + 1, 0)
         rising: list[tuple[int, int]] = []  # where each bar could begin, and its height
+        # A last bar of no height closes all that are still rising.
         for column, height in enumerate([*heights.tolist(), 0]):
             begin = column
             while rising and rising[-1][1] >= height:

@@ -15,6 +15,7 @@ TUNED_ON = 512  # runs at most by which a Gaussian process' lengths are found; a
 
 def cross_validated(kind: str, places: np.ndarray, values: np.ndarray, folds: int, seed: int) -> np.ndarray:
     """Return what each run's value is by a fit to the other folds."""
+    # Shuffled, since a sample's runs may be in an order: those of Saltelli's scheme are.
     order = np.random.default_rng(seed).permutation(len(values))
     predicted = np.empty(len(values))
     for part in np.array_split(order, folds):
@@ -36,7 +37,7 @@ def fitted(kind: str, places: np.ndarray, values: np.ndarray) -> Pipeline | Gaus
 
 
 def _process(ranges: int, kernel: Kernel | None = None) -> GaussianProcessRegressor:
-    """A Gaussian process; with a ``kernel`` its lengths are not looked for."""
+    """Make a Gaussian process; with a ``kernel`` its lengths are not looked for."""
     if kernel is not None:
         return GaussianProcessRegressor(kernel, optimizer=None, normalize_y=True)
     lengths = Matern(np.ones(ranges), (0.05, 100.0), nu=2.5)

@@ -50,22 +50,23 @@ class Sample(RunTable):
 
     @property
     def found(self) -> Sweep:
-        """The same runs as a sweep of designs and scenarios with arrays."""
+        """Return the same runs as a sweep of designs and scenarios with arrays."""
         swept = self.grid.applied(self.design, self.scenarios)
         return Sweep(self.mechanism, self.columns, *swept, identity=self.identity)
 
     @property
     def values(self) -> dict[str, np.ndarray]:
-        """Each sampled field's value in every run, (n,), in the field's unit."""
+        """Return each sampled field's value in every run, (n,), in the field's unit."""
         return self.grid.columns()
 
     @property
     def succeeded(self) -> Bool[np.ndarray, " n"]:
-        """Which of them ended as the mechanism's runs should; all that were solved, where any end will do."""
+        """Return which of them ended as the mechanism's runs should; all that were solved, where any end will do."""
         return self.solved & self.mechanism.succeeded(self.code)
 
     def quantity(self, name: str) -> Float[np.ndarray, " n"]:
-        """A quantity of every run. **Raises:** `InputError` with the nearest name for one that samples have not."""
+        """Return a quantity of every run. **Raises:** `InputError` with the nearest name for one that samples have
+        not."""
         mechanism = self.mechanism
         if name not in mechanism.swept:
             raise InputError(f"quantity {name} is unknown{suggest(name, mechanism.swept)}")
@@ -76,17 +77,19 @@ class Sample(RunTable):
         tolerance leaves open, relative as `Trust.errors` are. ``what``: is made of it."""
         known = self.succeeded & np.isfinite(self.quantity(name))
         values, swept = self.quantity(name)[known], self.mechanism.swept
+        # Of all quantities, because what is negligible depends on the largest one of the unit.
         sizes = {it: np.max(np.abs(np.nan_to_num(self.columns[it][known])), initial=0.0) for it in swept}
         if values.size and np.std(values) <= ROUNDING * scales(self.mechanism, sizes)[name]:
             value = self.mechanism.quantities[name].in_words(np.mean(values))
             raise InputError(f"{what} of {name}: it is the same in all runs, {value}, but for rounding: nothing varies")
 
     def to_xarray(self) -> Dataset:
-        """The sample as labelled arrays along ``run``; the sampled fields are coordinates, by their dotted paths."""
+        """Return the sample as labelled arrays along ``run``; the sampled fields are coordinates, by their dotted
+        paths."""
         return self.found.to_xarray()
 
     def to_pandas(self) -> DataFrame:
-        """A row for each run that was computed, as in sample.csv, units in the columns' names."""
+        """Return a row for each run that was computed, as in sample.csv, units in the columns' names."""
         return frame(*sweep_rows(self))
 
     def __repr__(self) -> str:
@@ -97,7 +100,7 @@ class Sample(RunTable):
 
 
 def _summary(sample: Sample) -> list[str | Table]:
-    """Ranges, outcomes, the spread of every quantity, the worst and the best run, and those that failed."""
+    """Return the ranges, outcomes, the spread of every quantity, the worst and the best run, and those that failed."""
     points, name = sample.grid, sample.mechanism.view.run_name
     title = f"Sample of {len(points)} {name}s: {points.method.replace('_', ' ')}, seed {points.seed}"
     if points.method == "saltelli":
@@ -162,7 +165,7 @@ def sample(
 
 
 def sample_at(points: Points, design: Part, scenario: Part, duration: Scalar | None = None, **options: Any) -> Sample:
-    """`sample` at points that are there already, not saved; ``options`` as for `sweep`.
+    """Do as `sample` at points that are there already, without saving; ``options`` as for `sweep`.
 
     **Raises:** `SweepInterrupted` on Ctrl-C, with the `Sample` as far as it came.
     """
@@ -172,6 +175,7 @@ def sample_at(points: Points, design: Part, scenario: Part, duration: Scalar | N
         return Sample(table.mechanism, table.columns, design, scenario, points, table.identity)
 
     try:
+        # Not saved as the sweep that it is run as: `sample` saves it as itself.
         return made(sweep(*points.applied(design, scenario), duration, save=False, **options))
     except SweepInterrupted as stop:
         raise SweepInterrupted(made(stop.found), stop.done) from None

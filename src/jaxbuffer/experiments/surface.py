@@ -76,16 +76,16 @@ class Surface:
 
     @property
     def error(self) -> Error:
-        """Of the kind that was chosen."""
+        """Return the cross-validated error of the kind that was chosen."""
         return self.errors[self.kind]
 
     @property
     def trusted(self) -> bool:
-        """Whether it explains more than 90 % of the variance of runs it has not seen."""
+        """Return whether it explains more than 90 % of the variance of runs it has not seen."""
         return self.error.explained > ENOUGH
 
     def predict(self, values: Mapping[str, Any]) -> Float[np.ndarray, " n"]:
-        """The quantity [``unit``] at some values.
+        """Predict the quantity [``unit``] at some values.
 
         **Arguments:** ``values``: a number or an array (n,) for each path that was sampled, in its unit.
 
@@ -125,7 +125,7 @@ class Surface:
 
     @property
     def worth(self) -> str:
-        """What the surface misses, and whether it is to be trusted, in words."""
+        """Say what the surface misses, and whether it is to be trusted."""
         share = percent_text(self.error.relative, ".3g")
         words = f"the surface misses {share} of a value it has not seen (cross-validated)"
         return words if self.trusted else f"{words} and is not to be trusted"
@@ -190,10 +190,12 @@ def response_surface(
         left = f"{known.size} {mechanism.view.run_name}s are left to fit, and a surface of {count} numbers needs"
         raise InputError(f"response surface of {quantity}: {left} {needed}; take a larger sample")
     sample.check_varies(quantity, "response surface")
+    # A product of powers, as an impact's force is, is linear in logarithms; and the surface is never negative.
     logarithmic = bool(np.all(known > 0.0))
     smooth = np.log(known) if logarithmic else known
     back = np.exp if logarithmic else np.asarray
     tried = KINDS[1:] if kind == "automatic" else (kind,)
+    # Errors are those of the quantity itself, whether or not its logarithm is fitted.
     predictions = {name: back(cross_validated(name, places, smooth, folds, seed)) for name in tried}
     errors = {name: _error(known, predicted) for name, predicted in predictions.items()}
     chosen = min(errors, key=lambda name: errors[name].rms)
@@ -214,7 +216,7 @@ def response_surface(
 
 
 def _left_out(sample: Sample, good: np.ndarray) -> dict[str, int]:
-    """Why runs are not in the fit, and how many each time."""
+    """Count the runs that are not in the fit by the reason."""
     outcomes = sample.outcomes
     reasons = Counter(
         outcomes[k].reason if not (sample.succeeded[k]) else "the quantity is not a number"
@@ -229,6 +231,7 @@ def _error(known: np.ndarray, predicted: np.ndarray) -> Error:
     miss = predicted - known
     square = float(np.mean(miss**2))
     variance = float(np.var(known))
+    # A value of zero has no relative error.
     nonzero = known != 0.0
     relative = float(np.sqrt(np.mean((miss[nonzero] / known[nonzero]) ** 2))) if nonzero.any() else float("nan")
     explained = 1.0 - square / variance if variance > 0.0 else float("nan")

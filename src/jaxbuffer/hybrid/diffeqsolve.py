@@ -50,7 +50,7 @@ class TangentField(eqx.Module):
         return args.field(rate)(y)
 
     def point(self, t: Any, y: Columns, args: Tangents) -> tuple[Columns, Columns, Columns]:
-        """What is saved of each step: columns, their rate, and its rate, by central differences along the path."""
+        """Return what each step saves: the columns, their rate, and its rate by central differences along the path."""
         spacing = SPACING * self.build(args.primal).impact_step(y[:, 0])
 
         # One loop for three evaluations: the field is compiled once, where a push-forward would be compiled anew.
@@ -66,19 +66,19 @@ class TangentField(eqx.Module):
         return VectorField(self.build).linearisation(t, y[:, 0], (args.primal,))
 
     def gaps(self, y: Columns, args: Tangents) -> tuple[Array, Array]:
-        """Distance of each contact [m], and how fast it closes [m/s]."""
+        """Return the distance of each contact [m], and how fast it closes [m/s]."""
         system, state = self.build(args.primal), y[:, 0]
         n = system.coordinates
         gap, rate = jax.jvp(system.gaps, (state,), (jnp.zeros_like(state).at[:n].set(state[n : 2 * n]),))
         return gap, -rate
 
     def highest_terminal(self, t: Any, y: Columns, args: Tangents, **_: Any) -> Float[Array, ""]:
-        """The condition of a `diffrax.Event`."""
+        """Return the highest terminal guard, the condition of a `diffrax.Event`."""
         return jnp.max(self.build(args.primal).terminals(y[:, 0]))
 
 
 def largest_norm(ratios: Columns) -> Float[Array, ""]:
-    """The largest root mean square of any column: each tangent is as accurate as the state."""
+    """Return the largest root mean square of any column, so that each tangent is as accurate as the state."""
     return jnp.sqrt(jnp.max(jnp.mean(ratios * ratios, axis=0)))
 
 
@@ -89,7 +89,8 @@ def run_by_diffeqsolve(
     options: Options,
     allowed: Bool[Array, ""] | None = None,
 ) -> Result:
-    """What `run` of the loop does, with the same arguments and result, where ``options.solver`` is a `Diffrax`.
+    """Run a system by `diffrax.diffeqsolve`: the arguments and result are those of the loop's `run`, ``options.solver``
+    is a `Diffrax`.
 
     The system must have a smooth contact law: nothing happens to its state at a touchdown.
     """
@@ -107,6 +108,7 @@ def run_by_diffeqsolve(
     events = jax.vmap(path.at)(log.time)
     rates = jax.vmap(rate)(log.time, events, _before(log))
     started = (log.kind == Kind.NONE) | (log.kind == Kind.TOUCHDOWN) & (log.time == 0.0)
+    # A start in contact does not move with the parameters; the loop logs its rate as zero too.
     rates = jnp.where(started[:, None, None], 0.0, rates)
     rows = lambda at: jnp.swapaxes(at, -1, -2)[..., : 1 + tangents.count, :]  # noqa: E731
     log = dataclasses.replace(log, rows=rows(events), rates=rows(rates))
@@ -121,7 +123,7 @@ def _solved(
     options: Options,
     allowed: Bool[Array, ""] | None,
 ) -> tuple[Path, diffrax.Solution]:
-    """The steps of the solve, in columns, to the end of the one in which a terminal guard rises through zero."""
+    """Solve to the end of the step in which a terminal guard rises through zero, and return the steps in columns."""
     system, solver, tolerance = build(tangents.primal), options.solver, options.tolerance
     assert isinstance(solver, Diffrax)
     field = TangentField(build)
@@ -141,15 +143,19 @@ def _solved(
         terms(solver.method, diffrax.ODETerm(field)),
         with_root_finder(solver.method, field.linearisation),
         t0=0.0,
+        # A run whose numbers are out of range takes no step.
         t1=duration if allowed is None else jnp.where(allowed, duration, 0.0),
         dt0=None,
         y0=start,
         args=tangents,
+        # Without a root finder the solve goes on to the end of the step: the event is located within it afterwards.
         event=diffrax.Event(field.highest_terminal, direction=True),
         stepsize_controller=controller,
         saveat=diffrax.SaveAt(t0=True, steps=True, fn=field.point),
+        # The tangents are part of the state, so nothing is differentiated through the solve.
         adjoint=diffrax.ForwardMode(),
         max_steps=min(solver.max_steps, options.max_steps),
+        # A failure becomes a `Status`: one failed run must not end the others of a `vmap`.
         throw=False,
     )
     state, rate, second = solution.ys
@@ -157,7 +163,7 @@ def _solved(
 
 
 def _status(system: HybridSystem, path: Path, solution: diffrax.Solution) -> Int[Array, ""]:
-    """How a solve ended, if not by a terminal guard."""
+    """Return the `Status` of a solve that no terminal guard ended."""
     status = jnp.asarray(int(Status.NOT_FINITE))
     for result, meaning in (
         (diffrax.RESULTS.successful, Status.TIMEOUT),
@@ -165,13 +171,14 @@ def _status(system: HybridSystem, path: Path, solution: diffrax.Solution) -> Int
         (diffrax.RESULTS.dt_min_reached, Status.STEP_TOO_SMALL),
     ):
         status = jnp.where(solution.result == result, int(meaning), status)
+    # A failure whose last state or rate is not finite is reported as that, not as a step too small.
     time, state = path.time[path.steps], path.state[path.steps]
     rate = system.derivative(time, state, closed(system, state))
     return jnp.where(jnp.all(jnp.isfinite(state) & jnp.isfinite(rate)), status, int(Status.NOT_FINITE))
 
 
 def _before(log: Log) -> Float[Array, "slots contacts"]:
-    """Closed contacts just before each event."""
+    """Return which contacts are closed just before each event."""
     switches = (log.kind == Kind.TOUCHDOWN) | (log.kind == Kind.RELEASE)
     its_own = switches[:, None] & (jnp.arange(log.active.shape[1])[None] == log.which[:, None])
     return jnp.where(its_own, 1.0 - log.active, log.active)
@@ -186,7 +193,7 @@ def _history(
     keep: int,
     rows: Callable[[Array], Array],
 ) -> Steps:
-    """The first ``keep`` points of a history; its last point is the run's end."""
+    """Return the first ``keep`` points of a history; its last point is the run's end."""
     slots = keep + 1 if keep else 0
     index = jnp.minimum(jnp.arange(slots), path.steps)
     last = jnp.maximum(log.count - 1, 0)

@@ -27,7 +27,7 @@ IMPLICIT_EXPLICIT = (diffrax.KenCarp3, diffrax.KenCarp4, diffrax.KenCarp5)
 
 
 def closed(system: HybridSystem, state: State) -> Active:
-    """1 for contacts whose gap is negative, 0 for the others."""
+    """Return 1 for contacts whose gap is negative, 0 for the others."""
     return jnp.where(system.gaps(state) < 0.0, 1.0, 0.0)
 
 
@@ -41,7 +41,7 @@ class VectorField(eqx.Module):
         return system.derivative(t, y, closed(system, y))
 
     def linearisation(self, t: Any, y: State, args: Any) -> Linearisation:
-        """The stiff part of ∂f/∂y."""
+        """Return the stiff part of ∂f/∂y."""
         system = self.build(*args)
         return system.linearisation(t, y, closed(system, y))
 
@@ -79,26 +79,28 @@ class DiffraxProblem(NamedTuple):
     build: Build
 
     def method(self, method: diffrax.AbstractSolver) -> diffrax.AbstractSolver:
-        """An implicit method of diffrax with a root finder that knows the stiff forces (see `LowRankNewton`); unless
-        it has one of the user's, and an explicit one as it is."""
+        """Give an implicit method of diffrax a root finder that knows the stiff forces (see `LowRankNewton`). Return an
+        explicit method, and one with a root finder of the user's, as it is."""
         return with_root_finder(method, self.term.vector_field.linearisation)  # type: ignore[attr-defined]
 
     def term_for(self, method: diffrax.AbstractSolver) -> diffrax.AbstractTerm:
-        """The vector field as a method of diffrax takes it: see `terms`."""
+        """Return the vector field as a method of diffrax takes it: see `terms`."""
         return terms(method, self.term)
 
     def observe(self, t: Scalar, y: State, args: Any) -> dict[str, Float[Array, ""]]:
-        """The system's observables by name, of a state; made for ``diffrax.SaveAt(..., fn=problem.observe)``."""
+        """Return the observables of a state by name, for ``diffrax.SaveAt(..., fn=problem.observe)``."""
         system = self.build(*args)
         return dict(zip(system.observed, self._observables(system, t, y), strict=True))
 
     def normal_forces(self, t: Scalar, y: State, args: Any) -> Float[Array, " contacts"]:
-        """Normal force of each contact [N], of a state; for ``diffrax.SaveAt(..., fn=problem.normal_forces)``."""
+        """Return the normal force of each contact [N] in a state, for ``diffrax.SaveAt(...,
+        fn=problem.normal_forces)``."""
         system = self.build(*args)
         return self._observables(system, t, y)[: system.gaps(y).shape[0]]
 
     def ended_by(self, y: State, args: Any) -> Int[Array, ""]:
-        """Index of the terminal guard that ended a solve, from its last state; see the system's ``terminals``."""
+        """Return the index of the terminal guard that ended a solve, from its last state; see the system's
+        ``terminals``."""
         return jnp.argmax(self.build(*args).terminals(y))
 
     @staticmethod
@@ -108,20 +110,22 @@ class DiffraxProblem(NamedTuple):
 
 
 def terms(method: diffrax.AbstractSolver, term: diffrax.ODETerm) -> diffrax.AbstractTerm:
-    """The ``term``; for an implicit-explicit method it is the implicit half, and the explicit half is zero."""
+    """Return the ``term``; of an implicit-explicit method it is the implicit half, and the explicit half is zero."""
     if isinstance(method, IMPLICIT_EXPLICIT):
+        # The field is not split: its contact forces are stiff, and the implicit half takes all of it.
         return diffrax.MultiTerm(diffrax.ODETerm(lambda t, y, args: jnp.zeros_like(y)), term)
     return term
 
 
 def event(build: Build) -> diffrax.Event:
-    """Ends a solve where a terminal guard rises through zero."""
+    """Return the event that ends a solve where a terminal guard rises through zero."""
     finder: optx.Bisection = optx.Bisection(EVENT_RTOL, EVENT_ATOL)  # type: ignore[call-arg]
     return diffrax.Event(HighestTerminal(build), finder, direction=True)
 
 
 def diffrax_problem(build: Build, args: tuple[Any, ...]) -> DiffraxProblem:
-    """The run of ``build(*args)``, a system with a smooth contact law, as a problem for `diffrax.diffeqsolve`."""
+    """Return the run of ``build(*args)``, a system with a smooth contact law, as a problem for
+    `diffrax.diffeqsolve`."""
     system = build(*args)
     start, _ = system.start()
     return DiffraxProblem(

@@ -22,7 +22,7 @@ Build = Callable[..., HybridSystem]
 
 @eqx.filter_custom_jvp
 def moving(log: Log, parameters: Any, build: Build) -> Log:
-    """The same log, with derivatives of events that move.
+    """Return the same log, with derivatives of events that move.
 
     **Arguments:** ``log`` of a run of the system ``build(*parameters)``, with derivatives of ``rows`` at fixed times.
 
@@ -52,17 +52,17 @@ class _Entry(NamedTuple):
 
     @property
     def moves(self) -> Bool[Array, ""]:
-        """Whether its time depends on the parameters."""
+        """Return whether the entry's time depends on the parameters."""
         return (self.kind != Kind.NONE) & (self.which >= 0) & ~self.starts
 
     @property
     def starts(self) -> Bool[Array, ""]:
-        """Whether the run starts in contact here; its rate is logged as zero."""
+        """Return whether the run starts in contact here; its rate is logged as zero."""
         return (self.kind == Kind.TOUCHDOWN) & (self.time == 0.0)
 
     @property
     def before(self) -> Float[Array, " contacts"]:
-        """Which contacts are closed before the event."""
+        """Return which contacts are closed before the event."""
         switches = (self.kind == Kind.TOUCHDOWN) | (self.kind == Kind.RELEASE)
         mine = jnp.arange(self.active.shape[0]) == self.which
         return jnp.where(switches & mine, 1.0 - self.active, self.active)
@@ -72,7 +72,7 @@ class _Entry(NamedTuple):
 def _moves(
     log: Log, rows_move: Array, parameters: Any, parameters_move: Any, build: Build, made_from: Static
 ) -> dict[str, Array]:
-    """Changes of the log's fields, by name, with a change of the parameters; compiled for what they are made from."""
+    """Return the changes of the log's fields, by name, with a change of the parameters."""
     used = (jnp.arange(log.kind.shape[0]) < log.count) & (log.kind != Kind.NONE)
     # unused slots may hold anything: the first entry stands in for them
     rows, rows_move = (jnp.where(used[:, None], x[:, 0], x[0, 0]) for x in (log.rows, rows_move))
@@ -85,7 +85,10 @@ def _moves(
             # A move is None where nothing moves: in a mechanism without observables.
             return jax.tree.map(still, values, moves)
 
+        # The implicit function theorem: the guard stays zero when the parameters move. Its rate is the run's own, since
+        # that of a maximum's guard would take one derivative more here.
         later = jnp.where(entry.moves, -pushed(_guard, row_move) / entry.guard_rate, 0.0)
+        # From the derivative at a fixed time to that at the event.
         moved = row_move + later * build(*parameters).derivative(entry.time, row, entry.active)
         values, rate = pushed(_shown, moved)
         rate = jnp.where(entry.starts, 0.0, rate)
@@ -102,7 +105,8 @@ def _moves(
 
 
 def _guard(system: HybridSystem, entry: _Entry, row: Float[Array, " state"]) -> Float[Array, ""]:
-    """What crosses zero upwards at the event: a gap or its negative, a guard of the end, an observable's fall."""
+    """Return the function that crosses zero upwards at the event: a gap or its negative, a guard of the end, an
+    observable's fall."""
 
     def its(values: Array) -> Array:
         return jnp.sum(jnp.where(jnp.arange(values.shape[0]) == entry.which, values, 0.0))
@@ -119,7 +123,7 @@ def _guard(system: HybridSystem, entry: _Entry, row: Float[Array, " state"]) -> 
 
 
 def _shown(system: HybridSystem, entry: _Entry, row: Float[Array, " state"]) -> tuple[Array, Array]:
-    """Observables after the event, and the state's rate before it."""
+    """Return the observables after the event, and the state's rate before it."""
     after = system.derivative(entry.time, row, entry.active)
     rate = system.derivative(entry.time, row, entry.before) if system.jumps else after
     return system.observables(row, after, entry.active), rate

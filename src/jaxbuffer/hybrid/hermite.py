@@ -26,6 +26,7 @@ def maximum_of_cubic(start: Values, end: Values, rate_start: Values, rate_end: V
     a = 3.0 * (rate_start + rate_end - 2.0 * jump)
     b = 2.0 * (3.0 * jump - 2.0 * rate_start - rate_end)
     c = rate_start
+    # The stable form of both roots: q never subtracts numbers of like size.
     root = jnp.sqrt(jnp.maximum(b * b - 4.0 * a * c, 0.0))
     q = -0.5 * (b + jnp.where(b >= 0.0, root, -root))
     first = c / jnp.where(q == 0.0, 1.0, q)

@@ -32,6 +32,7 @@ def in_any_lane(condition: Bool[Array, ""]) -> Bool[Array, ""]:
     return condition
 
 
+# One answer for all lanes keeps the condition of a `while_loop` unbatched (see `loop._iterate_where_running`).
 @in_any_lane.def_vmap
 def _in_any_lane(size: int, batched: list[bool], condition: Array) -> tuple[Array, bool]:
     return in_any_lane(jnp.any(condition, axis=0) if batched[0] else condition), False

@@ -35,16 +35,16 @@ class Path(NamedTuple):
     steps: Int[Array, ""]
 
     def alone(self) -> "Path":
-        """The path of the state without its tangents."""
+        """Return the path of the state without its tangents."""
         return self._replace(state=self.state[..., 0], rate=self.rate[..., 0], second=self.second[..., 0])
 
     def at(self, time: Float[Array, ""]) -> Float[Array, "state *columns"]:
-        """The state at a time."""
+        """Return the state at a time."""
         step = jnp.clip(jnp.searchsorted(self.time, time, side="left") - 1, 0, jnp.maximum(self.steps - 1, 0))
         return self.within(step, time)
 
     def within(self, step: Int[Array, ""], time: Float[Array, ""]) -> Float[Array, "state *columns"]:
-        """The state at a time within a step, which is known."""
+        """Return the state at a time within a known step."""
         after = jnp.minimum(step + 1, self.steps)
         t0, t1 = self.time[step], self.time[after]
         h = jnp.where(t1 > t0, t1 - t0, 1.0)
@@ -62,14 +62,14 @@ class Guards(NamedTuple):
     value: Float[Array, " observables"]
 
     def signed(self, active: Active) -> Float[Array, " guards"]:
-        """Gaps, terminal guards and slopes, in this order, each with the sign that makes it rise through zero at its
-        event; ``active``: closed contacts."""
+        """Return gaps, terminal guards and slopes, in this order, each with the sign that makes it rise through zero at
+        its event; ``active``: closed contacts."""
         gap = jnp.where(active > 0.5, 1.0, -1.0) * self.gap
         return jnp.concatenate([gap, self.terminal, -self.slope])
 
 
 def guards_at(system: HybridSystem, time: Float[Array, ""], state: State) -> Guards:
-    """The guards of a state, which alone says what is closed."""
+    """Return the guards of a state; its gaps alone say which contacts are closed."""
     active = closed(system, state)
 
     def observed(time: Array, state: Array) -> Array:
@@ -97,7 +97,7 @@ class Search(NamedTuple):
 def locate_events(
     system: HybridSystem, path: Path, active: Active, slots: int, unless_ended: Int[Array, ""]
 ) -> tuple[Log, Int[Array, ""]]:
-    """The log of a solve, its rows the states alone, and the `Status` of the run.
+    """Locate the events of a solve, and return their log, whose rows are states alone, and the `Status` of the run.
 
     **Arguments:** ``active``: contacts closed at the start; ``slots``: room in the log; ``unless_ended``: the status of
     a run that no terminal guard ends.
@@ -161,7 +161,9 @@ def _step(system: HybridSystem, path: Path, s: Search) -> Search:
 
     def located(s: Search) -> Search:
         find = lambda which: _time(system, path, s, which, until, happens[which])  # noqa: E731
+        # One guard after the other, since `vmap` would bisect for those that have no event too.
         times = lax.map(find, jnp.arange(happens.shape[0]))
+        # In order of time, because an event that ends the run hides those after it.
         order = jnp.argsort(times)
 
         def append(k: Array, s: Search) -> Search:
@@ -177,8 +179,8 @@ def _step(system: HybridSystem, path: Path, s: Search) -> Search:
 
 
 def _until(system: HybridSystem, path: Path, s: Search) -> Float[Array, ""]:
-    """The time to which to search next [s]: the step's end, or where a guard is highest that rises above zero before it
-    and falls again."""
+    """Return the time to which to search next [s]: the step's end, or the top of a guard that rises above zero before
+    it and falls again."""
     contacts, terminals = s.active.shape[0], s.guards.terminal.shape[0]
     end = path.time[s.step + 1]
     length = end - s.time
@@ -234,7 +236,7 @@ def _time(
     until: Float[Array, ""],
     happens: Bool[Array, ""],
 ) -> Float[Array, ""]:
-    """When a guard rises through zero within what is searched, by halving that; infinite where it does not."""
+    """Return when a guard rises through zero before ``until`` [s], by bisection; infinite where it does not."""
 
     def halve(_: int, bracket: tuple[Array, Array]) -> tuple[Array, Array]:
         low, high = bracket
@@ -248,7 +250,7 @@ def _time(
 
 
 def _appended(system: HybridSystem, path: Path, s: Search, guard: Int[Array, ""], time: Float[Array, ""]) -> Search:
-    """The search with one more event in its log."""
+    """Append one more event to the search's log."""
     contacts, terminals = s.active.shape[0], s.guards.terminal.shape[0]
     state = path.within(s.step, time)
     is_contact, is_peak = guard < contacts, guard >= contacts + terminals

@@ -37,6 +37,7 @@ class Followers(eqx.Module):
     ) -> Float[Array, "rest columns"]:
         """Return the solution of (I - shift J) x = ``rest`` for them, that of the ``velocities`` being known."""
         count = len(self.shaken_by)
+        # Each oscillator's two equations are solved by hand: u̇ gives u in terms of z, ż then is one equation for z.
         deflections, ends = slice(self.first, self.first + count), self.first + 2 * count
         base = jnp.stack([velocities[k] for k in self.shaken_by])
         stiff = (shift * self.rates**2)[:, None]
@@ -67,17 +68,17 @@ class Linearisation(eqx.Module):
 
     @staticmethod
     def none(velocities: int, coordinates: int) -> "Linearisation":
-        """Of a system without stiff forces, or whose stiff forces are not known."""
+        """Return the linearisation of a system without stiff forces, or whose stiff forces are not known."""
         thin, nothing = jnp.zeros((velocities, 0)), jnp.zeros((0, 0))
         return Linearisation(thin, thin, nothing, nothing, coordinates)
 
     @property
     def rank(self) -> int:
-        """Number of stiff forces."""
+        """Return the number of stiff forces."""
         return self.damping.shape[0]
 
     def fastest(self) -> Float[Array, ""]:
-        """How fast the stiff forces let anything decay or ring, at most [1/s].
+        """Return an upper bound of the rates at which the stiff forces let anything decay or ring [1/s].
 
         The sums over the forces are traces of X C Bᵀ and X K B_qᵀ: no smaller than their largest eigenvalue, and near
         it where one force is stiffest. Of one mode neither root of λ² + d λ + k exceeds max(d, √k).
@@ -111,111 +112,114 @@ class HybridSystem(eqx.Module):
 
     @property
     def coordinates(self) -> int:
-        """How many coordinates the state begins with; as many velocities, their rates, follow."""
+        """Return how many coordinates the state begins with; as many velocities, their rates, follow."""
         raise NotImplementedError
 
     @property
     def jumps(self) -> bool:
-        """Whether the state's rate jumps when a contact closes; `touchdown` must then make the sensitivities jump."""
+        """Return whether the state's rate jumps when a contact closes; `touchdown` must then make the sensitivities
+        jump."""
         return False
 
     @property
     def contact_observables(self) -> int | None:
-        """How many of the first contacts have their force among the observables, in order; None for all."""
+        """Return how many of the first contacts have their force among the observables, in order; None means all."""
         return None
 
     def start(self) -> tuple[State, Active]:
-        """State and open (0) or closed (1) contacts at t = 0."""
+        """Return the state and the open (0) or closed (1) contacts at t = 0."""
         raise NotImplementedError
 
     def derivative(self, time: Scalar, state: State, active: Active) -> State:
-        """dy/dt within a mode."""
+        """Return dy/dt within a mode."""
         raise NotImplementedError
 
     def gaps(self, state: State) -> Float[Array, " contacts"]:
-        """Distance of each contact [m], a function of the coordinates alone; crossing zero downwards closes it
-        (touchdown), upwards opens it (release)."""
+        """Return the distance of each contact [m], a function of the coordinates alone; crossing zero downwards closes
+        it (touchdown), upwards opens it (release)."""
         raise NotImplementedError
 
     def touchdown(self, state: State, approach_acceleration: Float[Array, ""], contact: Int[Array, ""]) -> State:
-        """The state just after a contact closes, from the state at the crossing; ``approach_acceleration``: the rate of
-        its approach speed there [m/s²]."""
+        """Return the state just after a contact closes, from the state at the crossing; ``approach_acceleration``: the
+        rate of its approach speed there [m/s²]."""
         raise NotImplementedError
 
     def touching(self, active: Active) -> Bool[Array, ""]:
-        """Whether what counts as contact time passes while these contacts are closed."""
+        """Return whether what counts as contact time passes while these contacts are closed."""
         return jnp.any(active > 0.5)
 
     def terminals(self, state: State) -> Float[Array, " terminals"]:
-        """Functions whose crossing of zero upwards ends the run."""
+        """Return the functions whose crossing of zero upwards ends the run."""
         raise NotImplementedError
 
     def gaps_and_terminals(self, state: State) -> tuple[Float[Array, " contacts"], Float[Array, " terminals"]]:
-        """`gaps` and `terminals`, for systems that find them together."""
+        """Return `gaps` and `terminals`; a system may override it to compute them together."""
         return self.gaps(state), self.terminals(state)
 
     def observables(self, state: State, rate: State, active: Active) -> Float[Array, " observables"]:
-        """Quantities whose maxima over time are wanted; the first ones belong to the contacts, in order."""
+        """Return the quantities whose maxima over time are wanted; the first ones belong to the contacts, in order."""
         raise NotImplementedError
 
     def rate_observables(self) -> tuple[bool, ...]:
-        """Which observables depend on the state's rate, not only on the state."""
+        """Return which observables depend on the state's rate, not only on the state."""
         raise NotImplementedError
 
     @property
     def observes_rate(self) -> bool:
-        """Whether any observable depends on the state's rate."""
+        """Return whether any observable depends on the state's rate."""
         return any(self.rate_observables())
 
     @property
     def sudden(self) -> bool:
-        """Whether an observable of the state's rate may rise within a step from far below its largest value to above
-        it, as a reaction does where something rings. It is then followed closely at every step, not only near its
+        """Return whether an observable of the state's rate may rise within a step from far below its largest value to
+        above it, as a reaction does where something rings. It is then followed closely at every step, not only near its
         largest value, which takes two right-hand sides more."""
         return False
 
     @property
     def observed(self) -> tuple[str, ...]:
-        """A name for each of `observables`, in order."""
+        """Return a name for each of `observables`, in order."""
         return tuple(f"observable_{k}" for k in range(len(self.rate_observables())))
 
     def negligible(self) -> Float[Array, "..."]:
-        """Values of the observables below which no maximum matters: what rounding makes of them where nothing acts. One
-        for each, or one for all."""
+        """Return the values of the observables below which no maximum matters, one for each or one for all: what
+        rounding makes of them where nothing acts."""
         return jnp.asarray(-jnp.inf)
 
     def scales(self) -> State:
-        """Magnitude below which an error in each component of the state does not matter in itself."""
+        """Return the magnitude below which an error in each component of the state does not matter in itself."""
         raise NotImplementedError
 
     def invariant(self, state: State, active: Active) -> tuple[Float[Array, ""], Float[Array, ""]]:
-        """What the motion within a mode does not change, of a size of the order of one, and how much of it may be
-        rounding: a step that changes it by more is wrong by that. Zeros where nothing of the kind is known."""
+        """Return what the motion within a mode does not change, of the order of one, and how much of it may be
+        rounding: a step that changes it by more is wrong by that. Both are zero where nothing of the kind is known."""
         return jnp.zeros(()), jnp.zeros(())
 
     @property
     def tolerance_share(self) -> float:
-        """The share of a run's tolerance that its steps keep to: less where the state's rate is not smooth."""
+        """Return the share of a run's tolerance that its steps keep to: less where the state's rate is not smooth."""
         return 1.0
 
     @property
     def invariant_change(self) -> float:
-        """By how much a step may change what the motion does not, as a share of the relative tolerance."""
+        """Return by how much a step may change the `invariant`, as a share of the relative tolerance."""
         return 0.03
 
     def watched(self, state: State, rate: State, active: Active) -> Watched:
-        """`gaps` and what follows it, together; a mechanism may look at the state once for all of them. Nothing needs
-        to know how the invariant changes: it may be held fixed."""
+        """Return `gaps` and what follows it, together; a mechanism may look at the state once for all of them. Nothing
+        needs to know how the invariant changes: it may be held fixed."""
         n = self.coordinates
+        # Gaps depend on the coordinates alone, so the velocities are all of the motion that counts.
         motion = jnp.zeros_like(state).at[:n].set(state[n : 2 * n])
         gap, gap_rate = jax.jvp(self.gaps, (state,), (motion,))
+        # The push-forward that gives the rates of all else stops here: the invariant's own rate is of no use.
         invariant = self.invariant(jax.lax.stop_gradient(state), active)
         return Watched(gap, gap_rate, self.terminals(state), self.observables(state, rate, active), invariant)
 
     def impact_step(self, state: State) -> Float[Array, ""]:
-        """A first step after a touchdown [s], a fifteenth of the impact's duration."""
+        """Return a first step after a touchdown [s]: a fifteenth of the impact's duration."""
         raise NotImplementedError
 
     def linearisation(self, time: Scalar, state: State, active: Active) -> Linearisation:
-        """The stiff part of the Jacobian at a state, for implicit solvers; an approximation is allowed."""
+        """Return the stiff part of the Jacobian at a state, for implicit solvers; an approximation is allowed."""
         raise NotImplementedError

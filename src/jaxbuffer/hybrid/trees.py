@@ -10,5 +10,5 @@ T = TypeVar("T")
 
 
 def where(condition: Bool[Array, ""], new: T, old: T) -> T:
-    """`jax.numpy.where` on every leaf."""
+    """Apply `jax.numpy.where` to every leaf."""
     return jax.tree.map(lambda a, b: jnp.where(condition, a, b), new, old)

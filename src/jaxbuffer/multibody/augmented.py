@@ -32,10 +32,11 @@ class SparseRows(NamedTuple):
 
     @staticmethod
     def of(rows: Sequence[Mapping[int, Scalar]]) -> "SparseRows":
-        """From the entries of each row by column. ``rows``: those entries; Python's 0 are left out."""
+        """Collect the entries of each row by column. ``rows``: those entries; Python's 0 are left out."""
         values: list[Scalar] = []
         pattern = []
         for row in rows:
+            # Python's 0 stands for what is zero in every design: it is left out of all sums. A traced zero stays.
             nonzero = {
                 column: entry for column, entry in row.items() if not (isinstance(entry, float) and entry == 0.0)
             }
@@ -44,7 +45,7 @@ class SparseRows(NamedTuple):
         return SparseRows(stacked(values) if values else jnp.zeros(0), tuple(pattern))
 
     def times(self, vector: Float[Array, " coordinates"]) -> list[Scalar]:
-        """Φ_q x, row by row. ``vector``: x, (coordinates,)."""
+        """Return Φ_q x, row by row. ``vector``: x, (coordinates,)."""
         return [sum(self.values[k] * vector[column] for column, k in row) for row in self.pattern]
 
 
@@ -68,8 +69,9 @@ class MassMatrix(NamedTuple):
     def of(
         inverse: Float[Array, " coordinates"], blocks: Sequence[tuple[tuple[int, ...], Sequence[Sequence[Scalar]]]]
     ) -> "MassMatrix":
-        """From the diagonal's reciprocals, and each block's columns and lower half; Python's 0 are left out."""
+        """Collect the diagonal's reciprocals, and each block's columns and lower half; Python's 0 are left out."""
         values: list[Scalar] = []
+        # Where entries stand is known when compiling; only their values are arrays of the program.
         layout = []
         for columns, rows in blocks:
             indices = []
@@ -81,12 +83,12 @@ class MassMatrix(NamedTuple):
         return MassMatrix(inverse, stacked(values) if values else jnp.zeros(0), tuple(layout))
 
     def blocks(self) -> list[tuple[tuple[int, ...], list[list[Scalar]]]]:
-        """The columns of each block, and its lower half."""
+        """Return the columns of each block, and its lower half."""
         entry = lambda k: self.values[k] if k >= 0 else 0.0  # noqa: E731
         return [(columns, [[entry(k) for k in row] for row in rows]) for columns, rows in self.layout]
 
     def factored(self) -> "FactoredMass":
-        """M, ready to be solved with."""
+        """Factorise the blocks of M."""
         return FactoredMass(self.inverse, [(columns, Factors.of(rows)) for columns, rows in self.blocks()])
 
 
@@ -97,21 +99,23 @@ class FactoredMass(NamedTuple):
     blocks: list[tuple[tuple[int, ...], Factors]]
 
     def solve_row(self, row: Mapping[int, Scalar]) -> dict[int, Scalar]:
-        """M⁻¹ times a vector given by its entries that can differ from zero."""
+        """Return M⁻¹ times a vector given by its entries that can differ from zero."""
         inside = {column for columns, _ in self.blocks for column in columns}
         solved: dict[int, Scalar] = {
             column: entry * self.inverse[column] for column, entry in row.items() if column not in inside
         }
         for columns, factors in self.blocks:
+            # M⁻¹ of a row that does not touch a block has no entries there either.
             if any(column in row for column in columns):
                 solved.update(zip(columns, factors.solve([row.get(column, 0.0) for column in columns]), strict=True))
         return solved
 
     def solve(self, vector: Float[Array, " coordinates"]) -> Float[Array, " coordinates"]:
-        """M⁻¹ times a vector."""
+        """Return M⁻¹ times a vector."""
         solved = self.inverse * vector
         if not self.blocks:
             return solved
+        # Number by number: writing blocks into an array would be scatters.
         entries = [solved[k] for k in range(vector.shape[0])]
         for columns, factors in self.blocks:
             for column, entry in zip(columns, factors.solve([vector[column] for column in columns]), strict=True):
@@ -149,19 +153,22 @@ def _solve(
         return mass.solve(force), rhs
     rows = [{column: values[k] for column, k in row} for row in pattern]
     weighted = [mass.solve_row(row) for row in rows]
+    # The lower half suffices: the factorisation reads nothing else.
     schur = [
         [sum((weighted[j][c] * entry for c, entry in rows[i].items() if c in weighted[j]), 0.0) for j in range(i + 1)]
         for i in range(len(rows))
     ]
+    # What Φ_q q̈ would be without the joints.
     unheld = [sum(entry * force[column] for column, entry in row.items()) for row in weighted]
+    # Written out: a call of LAPACK would split the loop's kernel.
     multipliers = ldl_solve(schur, [unheld[i] - rhs[i] for i in range(len(pattern))])
     return mass.solve(force - _reaction(jacobian, multipliers, force.shape[0])), multipliers
 
 
 @_solve.defjvp
 def _solve_jvp(static: tuple[Pattern, Layout], primals: tuple, tangents: tuple) -> tuple:
-    """The same system answers a small change, with another right-hand side (M18): far cheaper than differentiating the
-    factorisation."""
+    """Solve the same system for a small change, with another right-hand side (M18): that is far cheaper than
+    differentiating the factorisation."""
     pattern, layout = static
     inverse, masses, values, _, _ = primals
     d_inverse, d_masses, d_values, d_force, d_rhs = tangents
@@ -178,20 +185,21 @@ def _solve_jvp(static: tuple[Pattern, Layout], primals: tuple, tangents: tuple) 
 
 
 def _block_product(mass: MassMatrix, vector: Float[Array, " coordinates"]) -> Float[Array, " coordinates"]:
-    """The blocks of M times a vector, zero in all other columns."""
+    """Return the blocks of M times a vector, zero in all other columns."""
     total: list[Scalar] = [0.0] * vector.shape[0]
     for columns, rows in mass.blocks():
         for i, row in enumerate(rows):
             for j, entry in enumerate(row):
                 if not isinstance(entry, float):
                     total[columns[i]] = total[columns[i]] + entry * vector[columns[j]]
+                    # An entry of the lower half stands for the one above the diagonal as well.
                     if i != j:
                         total[columns[j]] = total[columns[j]] + entry * vector[columns[i]]
     return stacked(total)
 
 
 def _reaction(jacobian: SparseRows, multipliers: Array, coordinates: int) -> Float[Array, " coordinates"]:
-    """Φ_qᵀ λ."""
+    """Return Φ_qᵀ λ."""
     total: list[list[Scalar]] = [[] for _ in range(coordinates)]
     for i, row in enumerate(jacobian.pattern):
         for column, k in row:

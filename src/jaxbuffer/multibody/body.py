@@ -18,5 +18,6 @@ class Body(eqx.Module):
 
     @property
     def centre_of_mass(self) -> tuple[Scalar, Scalar] | Marker:
-        """Where its weight acts."""
+        """Return where its weight acts."""
+        # The origin of a rigid body's frame is its centre of mass.
         return (0.0, 0.0)

@@ -29,7 +29,7 @@ class Load(NamedTuple):
 
 
 def load_at(point: MaterialPoint, force: Vector, moment: Scalar = 0.0) -> Load:
-    """The load of a force and a moment that act at a material point (M19).
+    """Return the load of a force and a moment that act at a material point (M19).
 
     **Arguments:** ``point``; ``force``: in inertial axes [N]; ``moment``: [N m].
     """
@@ -39,7 +39,7 @@ def load_at(point: MaterialPoint, force: Vector, moment: Scalar = 0.0) -> Load:
 
 
 def turn_at(point: MaterialPoint, moment: Scalar) -> Load:
-    """The load of a moment alone that acts at a material point (M19). ``moment``: [N m]."""
+    """Return the load of a moment alone that acts at a material point (M19). ``moment``: [N m]."""
     return Load(point.body, Vector(0.0, 0.0), moment, tuple(rotation * moment for rotation in point.rotations))
 
 
@@ -56,19 +56,19 @@ class ForceElement(eqx.Module):
     """Base of all force elements. ``kin``: the frames of all bodies at one instant."""
 
     def springs(self, kin: Kinematics) -> tuple[SpringDirection, ...]:
-        """The spring-dampers in it, with their directions frozen: what implicit steps take for stiff."""
+        """Return the spring-dampers in it, with their directions frozen: what implicit steps take for stiff."""
         return ()
 
     def loads(self, kin: Kinematics) -> tuple[Load, ...]:
-        """Loads on the bodies."""
+        """Return the loads on the bodies."""
         raise NotImplementedError
 
     def energy(self, kin: Kinematics) -> Scalar:
-        """Stored energy [J]."""
+        """Return the stored energy [J]."""
         return 0.0
 
     def dissipation(self, kin: Kinematics) -> Scalar:
-        """Power turned into heat [W]."""
+        """Return the power turned into heat [W]."""
         return 0.0
 
 
@@ -115,7 +115,7 @@ class AxialSpringDamper(ForceElement):
     guide: tuple[float, float] | None = eqx.field(static=True, default=None)
 
     def state(self, kin: Kinematics) -> AxialState:
-        """Length, rate and direction at one instant (M22, M25)."""
+        """Return length, rate and direction at one instant (M22, M25)."""
         i, j = kin.point(self.first, self.first_point), kin.point(self.second, self.second_point)
         separation, rate = j.place - i.place, j.velocity - i.velocity
         if self.guide is None:
@@ -125,6 +125,7 @@ class AxialSpringDamper(ForceElement):
             axis = i.turn(Vector(*self.guide))
             signed = separation.dot(axis)
             passing = signed < PASSING  # the ends' line has no direction where they meet: the guide's serves
+            # Chosen before the root is taken: a root of zero has no derivative, even in a branch that is not taken.
             line = Vector(*(jnp.where(passing, g, d) for g, d in zip(axis, separation, strict=True)))
             size = jnp.sqrt(line.dot(line))
             length, along = jnp.where(passing, signed, size), line * (1.0 / size)
@@ -136,13 +137,14 @@ class AxialSpringDamper(ForceElement):
         return (SpringDirection(blocks, self.stiffness, self.damping),)
 
     def tension(self, kin: Kinematics) -> Scalar:
-        """f [N], positive in tension (M23)."""
+        """Return f [N], positive in tension (M23)."""
         s = self.state(kin)
         return self.stiffness * (s.length - self.free_length) + self.damping * s.rate
 
     def loads(self, kin: Kinematics) -> tuple[Load, ...]:
         s = self.state(kin)
         elastic = s.along * (self.stiffness * (s.length - self.free_length))
+        # The published damper resists the whole rate of separation, rigid rotation included.
         viscous = s.separation_rate if self.published_damping else s.along * s.rate
         pull = elastic + viscous * self.damping
         return load_at(s.first, pull), load_at(s.second, -pull)
@@ -183,7 +185,7 @@ class TorsionalSpringDamper(ForceElement):
         return (SpringDirection(blocks, self.stiffness, self.damping),)
 
     def torque(self, kin: Kinematics) -> Scalar:
-        """Torque on ``second`` [N m]."""
+        """Return the torque on ``second`` [N m]."""
         i, j = self._ends(kin)
         return -self.stiffness * (j.angle - i.angle - self.angle) - self.damping * (j.spin - i.spin)
 

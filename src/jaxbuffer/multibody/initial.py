@@ -23,10 +23,13 @@ def assemble(
     """
     if not system.joints:
         return q, v
+    # Without a force, `solve` gives the x with the least xᵀ M x among those with the Φ_q x wanted.
     none = jnp.zeros_like(q)
+    # A fixed number of steps, through which derivatives pass in both modes.
     for _ in range(iterations):
         kin = system.kinematics(q, v)
         q = q + system.solve(kin, none, -system.errors(kin))
+    # Velocities last, since the rows that they are projected onto depend on the positions.
     kin = system.kinematics(q, v)
     constraints = system.constraints(kin)
     return q, v - system.solve(kin, none, constraints.rate + jnp.sum(constraints.jacobian * v[None], axis=-1))

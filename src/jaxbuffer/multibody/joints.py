@@ -36,7 +36,7 @@ def _blocks(first: int, a: Block, second: int, b: Block) -> dict[int, Block]:
 
 
 def _less(block: Block) -> Block:
-    """The negative of a block."""
+    """Return the negative of a block."""
     return tuple(-entry for entry in block)
 
 
@@ -52,7 +52,7 @@ class Joint(eqx.Module):
     second: eqx.AbstractVar[int]
 
     def rows(self, kin: Kinematics) -> tuple[Row, ...]:
-        """The joint's scalar constraints at one instant. ``kin``: the frames of all bodies."""
+        """Return the joint's scalar constraints at one instant. ``kin``: the frames of all bodies."""
         raise NotImplementedError
 
 
@@ -78,12 +78,12 @@ class Revolute(Joint):
 
 
 def _x_block(point: MaterialPoint) -> Block:
-    """`MaterialPoint.along` the x-axis, without its zeros."""
+    """Return `MaterialPoint.along` the x-axis, without its zeros."""
     return (1.0, 0.0, -point.arm.y, *(shape.x for shape in point.shapes))
 
 
 def _y_block(point: MaterialPoint) -> Block:
-    """`MaterialPoint.along` the y-axis, without its zeros."""
+    """Return `MaterialPoint.along` the y-axis, without its zeros."""
     return (0.0, 1.0, point.arm.x, *(shape.y for shape in point.shapes))
 
 
@@ -187,7 +187,7 @@ class ConstantSpeed(eqx.Module):
     speed: Scalar
 
     def __call__(self, time: Scalar) -> Scalar:
-        """The angle [rad] at a ``time`` [s]."""
+        """Return the angle [rad] at a ``time`` [s]."""
         return self.angle + self.speed * time
 
 
@@ -210,6 +210,7 @@ class DrivenAngle(Joint):
 
     def rows(self, kin: Kinematics) -> tuple[Row, ...]:
         i, j = kin.point(self.first, self.first_point), kin.point(self.second, self.second_point)
+        # One push-forward inside another gives φ, its rate and its second derivative.
         once = lambda time: jax.jvp(self.angle, (time,), (jnp.ones(()),))  # noqa: E731
         (angle, speed), (_, acceleration) = jax.jvp(once, (jnp.asarray(kin.time),), (jnp.ones(()),))
         blocks = _blocks(self.first, _less(i.turning()), self.second, j.turning())

@@ -51,7 +51,7 @@ class MaterialPoint(NamedTuple):
     rotations: tuple[Scalar, ...] = ()
 
     def along(self, direction: Vector) -> Block:
-        """How the point's speed along a ``direction`` goes with the body's velocities."""
+        """Return how the point's speed along a ``direction`` goes with the body's velocities."""
         return (
             direction.x,
             direction.y,
@@ -60,12 +60,12 @@ class MaterialPoint(NamedTuple):
         )
 
     def turning(self) -> Block:
-        """How the material's spin goes with the body's velocities."""
+        """Return how the material's spin goes with the body's velocities."""
         return (0.0, 0.0, 1.0, *self.rotations)
 
     def turn(self, local: Vector) -> Vector:
-        """A direction fixed to the material there, in inertial axes. ``local``: in axes that are the body's while it is
-        undeformed."""
+        """Turn a direction fixed to the material there into inertial axes. ``local``: in axes that are the body's while
+        it is undeformed."""
         return Vector(self.cos * local.x - self.sin * local.y, self.sin * local.x + self.cos * local.y)
 
 
@@ -94,6 +94,7 @@ class Kinematics(eqx.Module):
     ):
         self.q, self.v, self.time, self.modes = q, v, time, modes
         end = 3 * len(modes) if modes else q.shape[0]
+        # All angles in one call: as array operations they cost a few nanoseconds together (see `cos_sin`).
         cos, sin = cos_sin(q[2:end:3])
         self.frames = tuple(
             Frame(Vector(q[k], q[k + 1]), q[k + 2], cos[body], sin[body], Vector(v[k], v[k + 1]), v[k + 2])
@@ -101,22 +102,23 @@ class Kinematics(eqx.Module):
         )
 
     def frame(self, body: int) -> Frame:
-        """The frame of one body. ``body``: its index, or ``GROUND``."""
+        """Return the frame of one body. ``body``: its index, or ``GROUND``."""
         if body == GROUND:
             zero, one = jnp.zeros(()), jnp.ones(())
             return Frame(Vector(zero, zero), zero, one, zero, Vector(zero, zero), zero)
         return self.frames[body]
 
     def modal(self, body: int) -> tuple[Float[Array, " modes"], Float[Array, " modes"]]:
-        """(modes,) modal coordinates of a flexible body [m], and their rates [m/s]. ``body``: its index."""
+        """Return the (modes,) modal coordinates of a flexible body [m], and their rates [m/s]. ``body``: its index."""
         first = 3 * len(self.modes) + sum(self.modes[:body])
         mine = slice(first, first + self.modes[body])
         return self.q[mine], self.v[mine]
 
     def point(self, body: int, point: Point) -> MaterialPoint:
-        """A material point of a body. ``body``: its index, or ``GROUND``; ``point``: which one."""
+        """Return a material point of a body. ``body``: its index, or ``GROUND``; ``point``: which one."""
         frame = self.frame(body)
         if not isinstance(point, Marker):
+            # A place says nothing of how the material there deforms.
             if body != GROUND and self.modes and self.modes[body]:
                 raise ValueError(f"body {body} is flexible: give a marker instead of {point}, such as Marker.on_frame")
             arm = frame.turn(Vector(*point))
@@ -126,10 +128,11 @@ class Kinematics(eqx.Module):
         return self._marker(body, frame, point)
 
     def _marker(self, body: int, frame: Frame, marker: Marker) -> MaterialPoint:
-        """A marker of a flexible body (M125)."""
+        """Return the material point at a marker of a flexible body (M125)."""
         q, rate = self.modal(body)
         arm, moving = frame.turn(marker.place(q)), frame.turn(marker.displacement(rate))
         turned = marker.turn(q)
+        # The frame's cosine and sine are known already: only the deformation's angle is evaluated, and added to it.
         cos, sin = cos_sin(jnp.reshape(turned, (1,)))
         shapes = zip(marker.displacement_x, marker.displacement_y, strict=True)
         return MaterialPoint(
@@ -137,6 +140,7 @@ class Kinematics(eqx.Module):
             place=frame.origin + arm,
             arm=arm,
             velocity=frame.velocity_at(arm) + moving,
+            # Centripetal and Coriolis acceleration.
             quadratic=arm * (-frame.spin * frame.spin) + moving.perp() * (2.0 * frame.spin),
             angle=frame.angle + turned,
             cos=frame.cos * cos[0] - frame.sin * sin[0],

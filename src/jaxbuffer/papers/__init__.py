@@ -16,7 +16,7 @@ PAPERS = {
 
 
 def paper_named(name: str) -> Paper:
-    """The paper of a name in `PAPERS`."""
+    """Return the paper of a name in `PAPERS`."""
     paper = importlib.import_module(f".{name}", __name__).PAPER
     assert isinstance(paper, Paper)
     return paper

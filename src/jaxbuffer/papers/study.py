@@ -70,7 +70,7 @@ class Claim(NamedTuple):
 
 
 def simulated(case: Case) -> Run:
-    """The run of a case with its history."""
+    """Simulate a case with its history."""
     return simulate(case.design, case.scenario, **{"history": True, **case.options})
 
 
@@ -104,31 +104,32 @@ class Paper(NamedTuple):
 
     @property
     def studies(self) -> tuple[Study, ...]:
-        """Of all parts."""
+        """Return the studies of all parts."""
         return tuple(study for part in self.parts for study in part.studies)
 
     @property
     def columns(self) -> dict[str, str]:
-        """Of all parts' rows, with units."""
+        """Return the columns of all parts' rows, with units."""
         return {name: unit for part in self.parts for name, unit in part.columns.items()}
 
     def part_of(self, study: Study) -> Part:
-        """Which part a study belongs to."""
+        """Return which part a study belongs to."""
         return next(part for part in self.parts if study in part.studies)
 
 
 def verdict(parts: Sequence[bool]) -> str:
-    """`YES` if all of a claim's parts hold, `PARTLY` if some do."""
+    """Return `YES` if all of a claim's parts hold, `PARTLY` if some do."""
     return YES if all(parts) else PARTLY if any(parts) else NO
 
 
 def near(value: float, other: float) -> bool:
-    """Whether two numbers count as the same: see `NEAR`."""
+    """Return whether two numbers count as the same: see `NEAR`."""
+    # Relative to the printed number, the second one.
     return abs(value / other - 1.0) < NEAR
 
 
 def number(row: Row, name: str) -> float:
-    """A number of a row."""
+    """Return a number of a row."""
     return float(row[name])
 
 
@@ -138,7 +139,7 @@ def known(row: Row) -> Row:
 
 
 def runs(studies: Sequence[Study]) -> int:
-    """How many runs they take."""
+    """Count the runs that studies take."""
     return sum(len(study.cases) for study in studies)
 
 
@@ -162,12 +163,12 @@ def run(
 
 
 def run_paper(paper: Paper, done: Callable[[str], None] = lambda _: None) -> list[Studied]:
-    """All studies of a paper; ``done`` hears of each run."""
+    """Run all studies of a paper; ``done`` hears of each run."""
     return [studied for part in paper.parts for studied in run(part, done=done)]
 
 
 def verdicts_of(claims: Sequence[Claim], studied: Sequence[Studied]) -> list[dict[str, str]]:
-    """Claim by claim: what the text says, what the model says, and whether they agree."""
+    """Judge claim by claim: what the text says, what the model says, and whether they agree."""
     rows = {one.study.name: one.rows for one in studied}
     return [
         {"claim": c.claim, "section": c.where, "model": v.said, "verdict": v.verdict}

@@ -8,14 +8,14 @@ NAMED = {"study": "", "case": "", "value": ""}  # what every row begins with, wi
 
 
 def claims_table(verdicts: Sequence[dict[str, str]]) -> str:
-    """Claim by claim."""
+    """Write a table of verdicts, claim by claim."""
     lines = ["| the paper's text | section | the model | verdict |", "|---|---|---|---|"]
     lines += [f"| {v['claim']} | {v['section']} | {v['model']} | **{v['verdict']}** |" for v in verdicts]
     return "\n".join(lines)
 
 
 def markdown(paper: Paper, studied: Sequence[Studied], verdicts: Sequence[dict[str, str]]) -> str:
-    """The whole report."""
+    """Write the whole report."""
     parts = ["# The paper's studies, run again", f"*{paper.title}*", paper.note, "## Claims", claims_table(verdicts)]
     for each in studied:
         study = each.study

@@ -21,7 +21,7 @@ class Factors(NamedTuple):
 
     @staticmethod
     def of(matrix: Float[Array, "m m"] | Sequence[Sequence[Scalar]]) -> "Factors":
-        """Factorise. ``matrix``: (m, m), of which only the lower half is read."""
+        """Factorise a symmetric positive definite matrix. ``matrix``: (m, m), of which only the lower half is read."""
         lower: list[list[Scalar]] = []
         pivot: list[Scalar] = []
         for i in range(len(matrix)):
@@ -40,7 +40,7 @@ class Factors(NamedTuple):
         return Factors(lower, pivot)
 
     def forward(self, rhs: Sequence[Scalar] | Float[Array, "m *columns"]) -> list[Any]:
-        """L⁻¹ times a right-hand side of m entries, each a number or a row of columns."""
+        """Return L⁻¹ times a right-hand side of m entries, each a number or a row of columns."""
         x = list(rhs)
         for i in range(len(x)):
             for k in range(i):
@@ -49,7 +49,7 @@ class Factors(NamedTuple):
         return x
 
     def solve(self, rhs: Sequence[Scalar] | Float[Array, "m *columns"]) -> list[Any]:
-        """The solution for a right-hand side of m entries, each a number or a row of columns."""
+        """Return the solution for a right-hand side of m entries, each a number or a row of columns."""
         n = len(self.pivot)
         x = self.forward(rhs)
         x = [entry if _zero(entry) else entry / self.pivot[i] for i, entry in enumerate(x)]
@@ -61,7 +61,7 @@ class Factors(NamedTuple):
 
 
 def _zero(value: Any) -> bool:
-    """Whether a value is Python's 0, which is known to be zero when a program is compiled."""
+    """Return whether a value is Python's 0, which is known to be zero when a program is compiled."""
     return isinstance(value, float) and value == 0.0
 
 
@@ -77,12 +77,15 @@ def ldl_solve(
 
 
 def inverse(matrix: Float[Array, "m m"]) -> Float[Array, "m m"]:
-    """The inverse of a small ``matrix`` (m, m) near the identity, by Gauss-Jordan elimination without pivoting."""
+    """Return the inverse of a small ``matrix`` (m, m) near the identity, by Gauss-Jordan elimination without
+    pivoting."""
     n = matrix.shape[0]
     index = np.arange(n)
     work = jnp.concatenate([matrix, jnp.eye(n)], axis=1)
     for k in range(n):
+        # Near the identity no pivot comes near zero, so rows need not be exchanged.
         row = work[k] / work[k, k]
         column = jnp.where(index == k, 0.0, work[:, k])
+        # Masks rather than updates by index: a scatter would split the loop's kernel.
         work = jnp.where((index == k)[:, None], row[None], work - column[:, None] * row[None])
     return work[:, n:]

@@ -27,15 +27,15 @@ class Vector(NamedTuple):
         return Vector(self.x * factor, self.y * factor)
 
     def dot(self, other: "Vector") -> Scalar:
-        """The scalar product with ``other``."""
+        """Return the scalar product with ``other``."""
         return self.x * other.x + self.y * other.y
 
     def cross(self, other: "Vector") -> Scalar:
-        """The out-of-plane component of the vector product with ``other`` (M2)."""
+        """Return the out-of-plane component of the vector product with ``other`` (M2)."""
         return self.x * other.y - self.y * other.x
 
     def perp(self) -> "Vector":
-        """This vector turned by +90° (M2)."""
+        """Return this vector turned by +90° (M2)."""
         return Vector(-self.y, self.x)
 
 
@@ -56,16 +56,17 @@ class Frame(NamedTuple):
     spin: Scalar
 
     def turn(self, local: Vector) -> Vector:
-        """A direction or arm in inertial axes, A(θ) s (M1). ``local``: the same in the body's axes, s."""
+        """Turn a direction or arm into inertial axes, A(θ) s (M1). ``local``: the same in the body's axes, s."""
         return Vector(self.cos * local.x - self.sin * local.y, self.sin * local.x + self.cos * local.y)
 
     def unturn(self, inertial: Vector) -> Vector:
-        """A direction or arm in the body's axes, A(θ)ᵀ a (M1). ``inertial``: the same in inertial axes, a."""
+        """Turn a direction or arm into the body's axes, A(θ)ᵀ a (M1). ``inertial``: the same in inertial axes, a."""
         return Vector(
             self.cos * inertial.x + self.sin * inertial.y,
             self.cos * inertial.y - self.sin * inertial.x,
         )
 
     def velocity_at(self, arm: Vector) -> Vector:
-        """Velocity of the body's material point at ``arm`` (inertial axes, from the centre of mass) [m/s] (M3)."""
+        """Return the velocity of the body's material point at ``arm`` (inertial axes, from the centre of mass) [m/s]
+        (M3)."""
         return self.velocity + arm.perp() * self.spin

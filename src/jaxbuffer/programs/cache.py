@@ -62,7 +62,7 @@ class Static(eqx.Module):
 
 
 def made_from(tree: Any, *code: Any) -> Static:
-    """What may change between two calls although the structure of the arguments is the same, for functions under
+    """Return what may change between two calls although the structure of the arguments is the same, for functions under
     `jax.jit`: the laws that names in a tree stand for, classes of the user's, and ``code`` called."""
     return Static((structure.changeable(jax.tree.structure(tree)), fingerprint(*code)))
 
@@ -105,12 +105,14 @@ class stored(Generic[R]):  # a decorator
         def compiled_for(*arguments: Any, made_from: Any = None) -> R:
             return self.function(*arguments)
 
+        # `made_from` is only part of the key: where a law's name means another one by now, the function is traced
+        # again.
         self.jitted = jax.jit(compiled_for, static_argnames="made_from")
         self.programs: dict[Any, _Program] = {}
         functools.update_wrapper(self, function)
 
     def function(self, *arguments: Any) -> R:
-        """All of it, uncompiled."""
+        """Call the function, ``first`` before it, uncompiled."""
         return self.last(*arguments) if self.first is None else self.last(*arguments, self.first(*arguments))
 
     def __call__(self, *arguments: Any) -> R:
@@ -125,6 +127,7 @@ class stored(Generic[R]):  # a decorator
             )
         numbers = np.array([leaf for leaf, kind in zip(leaves, kinds, strict=True) if kind is float])
         given = [numbers, *(leaf for leaf, kind in zip(leaves, kinds, strict=True) if kind is not float)]
+        # The folder too, so that programs are kept in one that is given later.
         key = (store.folder(), tree, kinds, structure.changeable(tree))
         if key not in self.programs:
             with _compiling:  # of many threads that come at once, one compiles
@@ -153,17 +156,18 @@ class stored(Generic[R]):  # a decorator
             return self._shipped(shipped, given, file) or self._compiled(tree, kinds, given, file, shipped)
 
     def _file_name(self, made_from: bytes, *parts: str) -> str:
-        """The name of a program's file: a hash of its parts and of everything else that it depends on."""
+        """Return the name of a program's file: a hash of its parts and of everything else that it depends on."""
         content = hashlib.sha256(made_from + b"".join(part.encode() + b"\0" for part in parts))
         return f"{self.last.__name__}-{content.hexdigest()[:32]}{store.SUFFIX}"
 
     def _read(self, file: Path, given: list[Any]) -> _Program | None:
-        """The program of a file if there is one and it runs on these arguments."""
+        """Read the program of a file if there is one and it runs on these arguments."""
         try:
             stored = store.read(file, _of_jax())
             if stored is None:
                 return None
             seconds = stored.description["seconds"]
+            # What JAX's cache has compiled is only loaded, which takes too little time to be announced.
             quick = store.compiled_from(file, _of_jax()) or seconds < QUICK
             said = contextlib.nullcontext() if quick else _announced(seconds)
             with said, store.being_loaded(file):
@@ -174,7 +178,7 @@ class stored(Generic[R]):  # a decorator
             return None
 
     def _shipped(self, name: str, given: list[Any], file: Path) -> _Program | None:
-        """The program that the package came with under this name, if any, compiled and written to a file."""
+        """Compile the program that the package came with under this name, if any, and write it to a file."""
         begin = time.monotonic()
         try:
             stored = store.read_shipped(name)
@@ -192,7 +196,7 @@ class stored(Generic[R]):  # a decorator
     def _compiled(
         self, tree: Any, kinds: tuple[Any, ...], given: list[Any], file: Path | None = None, shipped: str = ""
     ) -> _Program:
-        """The program, traced and compiled, and written to a file, if any, with the name under which a wheel has it."""
+        """Trace and compile the program, and write it to a file, if any, with the name under which a wheel has it."""
         between: list[Any] = []  # the structure of what the first part finds
         result: list[Any] = []
 
@@ -210,6 +214,7 @@ class stored(Generic[R]):  # a decorator
             leaves, carried = separate(*arrays)
             arguments = [*jax.tree.unflatten(tree, leaves), *(jax.tree.unflatten(it, carried) for it in between)]
             outputs, output_structure = jax.tree.flatten(self.last(*arguments))
+            # A function that returns an argument unchanged returns the same object.
             place = {id(leaf): k for k, leaf in enumerate(leaves)}
             sources = tuple(place.get(id(leaf)) for leaf in outputs)
             result[:] = [output_structure, sources]
@@ -225,14 +230,14 @@ class stored(Generic[R]):  # a decorator
 
 
 def after(first: Callable[..., Any], seconds: float = UNKNOWN) -> Callable[[Callable[..., R]], stored[R]]:
-    """`stored` for a function whose last argument is what ``first`` finds from the others: each is a program of its
+    """Mark a function as `stored` whose last argument is what ``first`` finds from the others: each is a program of its
     own, and the second is traced and compiled while XLA is at work on the first. ``seconds``: how long that takes,
     roughly, until it has been done once."""
     return lambda function: stored(function, first, seconds)
 
 
 def _kind(leaf: Any) -> Any:
-    """`float` for a number that may share an array with others, `Tracer`, or shape and type."""
+    """Return `float` for a number that may share an array with others, `Tracer`, or shape and type."""
     if type(leaf) is float or (type(leaf) is np.ndarray and leaf.shape == () and leaf.dtype == float):
         return float
     if isinstance(leaf, jax.core.Tracer):
@@ -254,7 +259,7 @@ def _announced(expected: float) -> Iterator[None]:
 
 @contextlib.contextmanager
 def _uncollected() -> Iterator[None]:
-    """Without garbage collections, which go through everything that is being traced again and again."""
+    """Suspend garbage collections, which go through everything that is being traced again and again."""
     enabled = gc.isenabled()
     gc.disable()
     try:
@@ -268,7 +273,8 @@ def _uncollected() -> Iterator[None]:
 def _built(
     functions: Sequence[Callable[..., list[Any]]], arguments: Sequence[Any], file: Path | None = None
 ) -> tuple[list[Compiled], list[bytes] | None]:
-    """Functions of arrays compiled for arguments like these, for `_run`, and, for a file, exported if that is possible.
+    """Compile functions of arrays for arguments like these, for `_run`, and, for a file, export them if that is
+    possible.
 
     Each takes the results of those before as well. XLA compiles most of a program on one core, and a loop that is one
     kernel cannot be taken apart (see `process`). So what is computed from the loop's results is a program of its own:
@@ -292,12 +298,13 @@ def _built(
 
 
 def _loaded(stored: store.Stored, given: list[Any], file: Path) -> _Program:
-    """A program that was exported, run once: each part is compiled, or what JAX's cache has of it loaded, on a core of
+    """Load a program that was exported, and run it once: each part is compiled, or taken from JAX's cache, on a core of
     its own."""
     exported = [export.deserialize(bytearray(it)) for it in stored.exported]
     with ThreadPoolExecutor(len(exported)) as beside:
         begun = [beside.submit(_lowered(part, file, k).compile) for k, part in enumerate(exported)]
         parts = [it.result() for it in begun]
+    # Run once here, where a program that this machine cannot run may still be compiled anew.
     jax.block_until_ready(_run(parts, given))
     description = stored.description
     output_structure = structure.read(description["structure"])
@@ -305,23 +312,24 @@ def _loaded(stored: store.Stored, given: list[Any], file: Path) -> _Program:
 
 
 def _lowered(part: export.Exported, file: Path, k: int) -> Lowered:
-    """The k-th part of a file's program as JAX lowers it: the same each time, so that JAX's cache finds it compiled."""
+    """Lower the k-th part of a file's program: in the same way each time, so that JAX's cache finds it compiled."""
 
     def call(*arrays: Any) -> Any:
         return part.call(*arrays)
 
+    # JAX names what it keeps after the function, by which `store.compiled_from` finds it.
     call.__name__ = store.part_name(file, k)
     return jax.jit(call).lower(*(jax.ShapeDtypeStruct(it.shape, it.dtype) for it in part.in_avals))
 
 
 def _run(parts: Sequence[Compiled], arguments: Sequence[Any]) -> list[Any]:
-    """What the functions return: a second part gets the arguments and what the first one found."""
+    """Return what the functions return: a second part gets the arguments and what the first one found."""
     between = parts[0](*arguments)
     return parts[1](*arguments, *between) if len(parts) > 1 else between
 
 
 def _of_jax() -> Path | None:
-    """The folder of JAX's own cache."""
+    """Return the folder of JAX's own cache."""
     place = jax.config.jax_compilation_cache_dir  # type: ignore[attr-defined]
     return None if place is None else Path(place)
 
@@ -340,7 +348,7 @@ def _write(file: Path, program: _Program, exported: list[bytes], shipped: str) -
 
 
 def _expected(name: str, otherwise: float) -> float:
-    """How long it will take to compile a function of this name [s]: as long as the last one that was stored."""
+    """Return how long it will take to compile a function of this name [s]: as long as the last one that was stored."""
     folder = store.folder()
     with contextlib.suppress(OSError):  # another process may delete files
         files = [] if folder is None else list(folder.glob(f"{name}-*{store.SUFFIX}"))
@@ -353,12 +361,12 @@ def _expected(name: str, otherwise: float) -> float:
 
 @functools.cache
 def _made_from() -> bytes:
-    """Our own source, the packages, the processor and JAX's settings."""
+    """Hash our own source, the packages, the processor and JAX's settings."""
     return hashlib.sha256("\0".join([sys.version, *kind().values()]).encode()).digest()
 
 
 @functools.cache
 def _traced_from() -> bytes:
-    """The same but for the processor and Python's patches: what tracing depends on."""
+    """Hash the same but for the processor and Python's patches: what tracing depends on."""
     python = ".".join(map(str, sys.version_info[:2]))
     return hashlib.sha256("\0".join({**kind(), "Python": python, "processor": ""}.values()).encode()).digest()

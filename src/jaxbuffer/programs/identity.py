@@ -79,8 +79,8 @@ class Same:
 
 
 def known(thing: Any) -> bool:
-    """Whether a class, function, module or empty mark is found under its own name in a package whose version says what
-    it is."""
+    """Return whether a class, function, module or empty mark is found under its own name in a package whose version
+    says what it is."""
     if isinstance(thing, types.ModuleType):
         return _known_package(thing.__name__)
     if isinstance(thing, type) and not thing.__flags__ & CAN_CHANGE:
@@ -95,7 +95,7 @@ def known(thing: Any) -> bool:
 
 
 def label(thing: Any) -> Hashable:  # noqa: PLR0911 # a table of kinds
-    """A description of a class, function or value that is the same in every process with the same packages.
+    """Describe a class, function or value that is the same in every process with the same packages.
 
     **Raises:** `UserCode` where the thing is or holds code that the packages do not pin down.
     """
@@ -123,7 +123,7 @@ def label(thing: Any) -> Hashable:  # noqa: PLR0911 # a table of kinds
 
 
 def lasts(thing: Any) -> bool:
-    """Whether a class, function or value stays what it is as long as the packages do."""
+    """Return whether a class, function or value stays what it is as long as the packages do."""
     try:
         label(thing)
     except UserCode:
@@ -132,12 +132,12 @@ def lasts(thing: Any) -> bool:
 
 
 def _address(thing: Any) -> tuple[str | None, str | None]:
-    """The module and the name by which a thing says that it can be found."""
+    """Return the module and the name by which a thing says that it can be found."""
     return getattr(thing, "__module__", None), getattr(thing, "__qualname__", None) or _mark(thing)
 
 
 def _mark(thing: Any) -> str | None:
-    """The name of an object without content that its own module has as a mark, `dataclasses.MISSING` say."""
+    """Return the name of an object without content that its own module has as a mark, `dataclasses.MISSING` say."""
     if getattr(thing, "__dict__", None) != {} or isinstance(thing, type):
         return getattr(thing, "__name__", None)
     values = vars(sys.modules.get(type(thing).__module__, types)).items()
@@ -153,8 +153,8 @@ def _known_package(name: str) -> bool:
 
 
 def fingerprint(*things: Any) -> Hashable:
-    """A description of classes, functions and values, for this process alone: nested tuples that are equal where the
-    things are alike. What cannot be described, such as code of a C extension, is equal to itself."""
+    """Describe classes, functions and values, for this process alone, by nested tuples that are equal where the things
+    are alike. What cannot be described, such as code of a C extension, is equal to itself."""
     visited = Visited()
     return tuple(_described(thing, visited) for thing in things)
 
@@ -175,6 +175,7 @@ def _described(thing: Any, visited: Visited) -> Hashable:  # noqa: PLR0911, PLR0
         return (kind.__name__, *(_described(part, visited) for part in thing))
     if id(thing) in visited:  # code refers to its own class, and classes to each other
         return ("again", visited[id(thing)][0])
+    # Kept with the thing itself, since the id of one that is gone may become another's.
     visited[id(thing)] = (len(visited), thing)
     if known(thing):
         return ("known", *_address(thing)) if visited.for_all else Same(thing)
@@ -205,13 +206,14 @@ def _described(thing: Any, visited: Visited) -> Hashable:  # noqa: PLR0911, PLR0
 
 
 def _object(thing: Any, visited: Visited) -> Hashable:
-    """An object of any other class by what it holds, so that another process describes it alike."""
+    """Describe an object of any other class by what it holds, so that another process describes it alike."""
     kind = type(thing)
     if dataclasses.is_dataclass(thing):
         parts = {field.name: getattr(thing, field.name, None) for field in dataclasses.fields(thing) if field.compare}
     elif isinstance(thing, types.ModuleType):
         return ("module", thing.__name__)
     elif not known(kind) and not _installed(kind) and hasattr(thing, "__dict__"):
+        # Whether a cached property was asked for yet says nothing of the thing.
         cached = {name for name, value in vars(kind).items() if isinstance(value, functools.cached_property)}
         parts = {name: value for name, value in vars(thing).items() if name not in cached}
     elif hasattr(thing, "__wrapped__"):
@@ -225,7 +227,8 @@ def _object(thing: Any, visited: Visited) -> Hashable:
 
 
 def _installed(thing: Any) -> Hashable:
-    """A class or function of an installed package by its name and that package's source, None for any other thing."""
+    """Describe a class or function of an installed package by its name and that package's source; None for any other
+    thing."""
     module, name = getattr(thing, "__module__", None), getattr(thing, "__qualname__", None)
     if not (isinstance(module, str) and isinstance(name, str)) or "<" in name:
         return None
@@ -235,7 +238,7 @@ def _installed(thing: Any) -> Hashable:
 
 @functools.cache
 def _package_source(name: str) -> str:
-    """A hash of the Python files of an installed package, "" for what is not installed."""
+    """Return a hash of the Python files of an installed package, "" for what is not installed."""
     place = Path(getattr(sys.modules.get(name), "__file__", None) or "")
     if not set(SITES) & set(place.parts):
         return ""
@@ -260,7 +263,8 @@ def _class(cls: type, visited: Visited) -> tuple[Hashable, ...]:
 
 
 def _function(function: types.FunctionType, visited: Visited) -> tuple[Hashable, ...]:
-    """The code, and all that it reads: defaults, variables around it, globals and modules that it imports by name."""
+    """Describe a function by its code and all that it reads: defaults, variables around it, globals and modules that it
+    imports by name."""
     code = function.__code__
     names = _names(code)
     reads = {name: function.__globals__.get(name, sys.modules.get(name)) for name in sorted(names)}
@@ -273,7 +277,7 @@ def _function(function: types.FunctionType, visited: Visited) -> tuple[Hashable,
 
 
 def _global(value: Any, names: frozenset[str], visited: Visited) -> Hashable:
-    """What a global stands for; of a module of the user's, the attributes that the code names."""
+    """Describe what a global stands for; of a module of the user's, the attributes that the code names."""
     if not isinstance(value, types.ModuleType) or known(value):
         return _described(value, visited)
     used = {name: vars(value)[name] for name in sorted(names) if name in vars(value)}
@@ -289,7 +293,7 @@ def _cell(cell: types.CellType, names: frozenset[str], visited: Visited) -> Hash
 
 @functools.lru_cache(maxsize=4096)
 def _code(code: types.CodeType) -> tuple[Hashable, ...]:
-    """The instructions and all that they name, but neither file nor lines."""
+    """Describe code by its instructions and all that they name, but by neither file nor lines."""
     constants = tuple(_code(c) if isinstance(c, types.CodeType) else _constant(c) for c in code.co_consts)
     words = (code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars)
     counts = (code.co_argcount, code.co_posonlyargcount, code.co_kwonlyargcount, code.co_flags)
@@ -304,5 +308,5 @@ def _constant(value: Any) -> Hashable:
 
 @functools.lru_cache(maxsize=4096)
 def _names(code: types.CodeType) -> frozenset[str]:
-    """Names of globals, attributes and imported modules in a function and those within."""
+    """Return the names of globals, attributes and imported modules in a function and those within."""
     return frozenset(code.co_names).union(*(_names(c) for c in code.co_consts if isinstance(c, types.CodeType)))

@@ -74,6 +74,7 @@ def configure(*, cache: str | Path | bool | None = True) -> None:
     dtype('float64')
     """
     jax.config.update("jax_enable_x64", True)
+    # A folder that was given before, to jaxbuffer or to JAX, stays.
     if cache is True and folder() is None:
         if (usual := cache_folder()) is None:
             print(f"note: compiled programs are not stored: {NO_HOME}", file=sys.stderr)
@@ -96,7 +97,7 @@ def configure(*, cache: str | Path | bool | None = True) -> None:
 
 
 def cache_folder() -> Path | None:
-    """The default folder of compiled programs, None where neither the environment nor a home folder says one."""
+    """Return the default folder of compiled programs, None where neither the environment nor a home folder says one."""
     chosen = os.environ.get("JAXBUFFER_CACHE")
     if chosen:
         return user_path(chosen)
@@ -120,7 +121,7 @@ def _keep_programs(cache: Path, of_jax: str | None = None) -> None:
 
 
 def warned_of_slow_loops() -> bool:
-    """Whether the user was told of slow loops before; from now on, yes."""
+    """Return whether the user was told of slow loops before, and take it that they are now."""
     global _warned  # once per process
     before, _warned = _warned, True
     return before
@@ -157,6 +158,7 @@ def check_ready() -> None:
 def _check_switches() -> None:
     """Raise `InputError` for a switch in `UNSUITABLE`: it would end in JAX's own traceback."""
     for name, (values, why) in UNSUITABLE.items():
+        # Read each time, since a switch may be changed at any time.
         value = getattr(jax.config, name)
         value = getattr(value, "value", value)  # of an enumeration
         if value in values:
@@ -168,7 +170,7 @@ def _check_switches() -> None:
 
 
 def _backend() -> str:
-    """The name of the backend that JAX computes with. **Raises:** `InputError` where it cannot start."""
+    """Return the name of the backend that JAX computes with. **Raises:** `InputError` where it cannot start."""
     try:
         return jax.default_backend()
     except (RuntimeError, AssertionError) as error:
@@ -179,7 +181,8 @@ def _backend() -> str:
 
 
 def one_kernel() -> bool:
-    """Whether loops become one kernel: by the flags JAX's backend started with, or, before, by those it would."""
+    """Return whether loops become one kernel, by the flags JAX's backend started with, or, before, by those it
+    would."""
     if not backend_is_up():
         return THRESHOLD in os.environ.get("XLA_FLAGS", "")
     options = get_compile_options(num_replicas=1, num_partitions=1)
@@ -196,7 +199,7 @@ if hasattr(os, "register_at_fork"):
 
 
 def backend_is_up() -> bool:
-    """Whether JAX's backend has started, after which XLA's flags are read no more."""
+    """Return whether JAX's backend has started, after which XLA's flags are read no more."""
     # JAX refuses another number of devices once its backend is up; there is no other public way to ask.
     devices = jax.config.jax_num_cpu_devices  # type: ignore[attr-defined]
     try:
@@ -209,15 +212,16 @@ def backend_is_up() -> bool:
 
 @functools.cache
 def source() -> str:
-    """A hash of this package's own source."""
+    """Return a hash of this package's own source."""
     content, top = hashlib.sha256(), Path(__file__).parent.parent
+    # Sorted, since file systems list files in orders of their own.
     for file in sorted(top.rglob("*.py")):
         content.update(f"{file.relative_to(top)}\0".encode() + file.read_bytes())
     return content.hexdigest()[:16]
 
 
 def processor() -> str:
-    """What the machine's code may use."""
+    """Return what the machine's code may use."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:
@@ -226,7 +230,7 @@ def processor() -> str:
 
 
 def kind() -> dict[str, str]:
-    """All of it in short words, by name: two processes that agree in it compute the same bits."""
+    """Return what numbers depend on, in short words by name: two processes that agree in it compute the same bits."""
     return {
         "jaxbuffer": source(),
         "Python": sys.version.split()[0],

@@ -30,7 +30,7 @@ _UNWRAPPED = next(iter(jax.tree.structure(_Empty()).node_data()[1]))  # type: ig
 
 
 def nodes(structure: PyTreeDef) -> Iterable[tuple[type, Any]]:
-    """Type and static values of each node, from the root on."""
+    """Yield type and static values of each node, from the root on."""
     data = structure.node_data()
     if data is not None:
         kind, static = data
@@ -41,8 +41,8 @@ def nodes(structure: PyTreeDef) -> Iterable[tuple[type, Any]]:
 
 
 def changeable(tree: Any) -> Hashable:
-    """What may change between two calls with arguments of one structure: contact laws, and code that is not known by
-    the version of its package."""
+    """Return what may change between two calls with arguments of one structure: contact laws, and code that is not
+    known by the version of its package."""
     contact_laws = laws(tree)
     things = [*_own(tree), *(law for law in contact_laws if not identity.lasts(law))]
     return (contact_laws, identity.fingerprint(*things)) if things else contact_laws
@@ -59,7 +59,7 @@ def user_code(*things: Any, words: Iterable[Any] = ()) -> str:
 
 
 def laws(tree: Any) -> tuple[type, ...]:
-    """The laws whose names are in the arguments: looked up anew, since a name can be registered again."""
+    """Return the laws whose names are in the arguments: looked up anew, since a name can be registered again."""
     return tuple(LAWS[word] for word in _words(tree) if word in LAWS)
 
 
@@ -70,7 +70,7 @@ def _words(tree: Any) -> tuple[str, ...]:
 
 @functools.lru_cache(maxsize=1024)
 def _own(tree: Any) -> tuple[Any, ...]:
-    """Types and static values of the arguments that are, or hold, code that may change."""
+    """Return the types and static values of the arguments that are, or hold, code that may change."""
     parts = [part for kind, static in nodes(tree) for part in (kind, *_flat(static))]
     return tuple(part for part in parts if not identity.lasts(part))
 
@@ -84,12 +84,12 @@ def _flat(static: Any) -> Iterator[Any]:
 
 
 def outline(structure: PyTreeDef) -> Any:
-    """Where leaves are among the nodes: 0 for a leaf, else a tuple with an outline for each child."""
+    """Return where leaves are among the nodes: 0 for a leaf, else a tuple with an outline for each child."""
     return 0 if structure.node_data() is None else tuple(map(outline, structure.children()))
 
 
 def written(structure: PyTreeDef) -> Any:
-    """The structure of a result as JSON has it: names of our classes and plain values, so that reading it runs no code.
+    """Write the structure of a result for JSON: names of our classes and plain values, so that reading it runs no code.
 
     **Raises:** `CannotSay` for classes of others and other values.
     """
@@ -108,7 +108,7 @@ def written(structure: PyTreeDef) -> Any:
 
 
 def read(text: Any) -> PyTreeDef:
-    """The structure that `written` wrote."""
+    """Read the structure that `written` wrote."""
     if text == 0:
         return _LEAF
     name, values, children = text
@@ -119,7 +119,7 @@ def read(text: Any) -> PyTreeDef:
 
 
 def _our_class(name: str) -> type:
-    """A class by its name; nothing outside this package is looked up or imported."""
+    """Find a class by its name; nothing outside this package is looked up or imported."""
     if name in _BUILT_IN:
         return _BUILT_IN[name]
     module, _, path = name.partition(":")
@@ -132,9 +132,10 @@ def _our_class(name: str) -> type:
 
 
 def _plain(value: Any) -> Any:
-    """Static values as JSON has them; a tuple as an object, to tell it from a list."""
+    """Write static values for JSON; a tuple becomes an object, to tell it from a list."""
     if type(value) in _JSON:
         return value
+    # By type, not by `isinstance`: a subclass would not be read back as itself.
     if type(value) is tuple:
         return {"tuple": [_plain(part) for part in value]}
     if type(value) is list:

@@ -10,7 +10,7 @@ R = TypeVar("R")
 
 
 def cores() -> int:
-    """How many cores this process may use."""
+    """Return how many cores this process may use."""
     return len(os.sched_getaffinity(0))
 
 
@@ -22,7 +22,7 @@ class Pool:
         self._threads = ThreadPoolExecutor(self.workers)
 
     def map(self, function: Callable[[I], R], items: Iterable[I]) -> list[R]:
-        """What the function returns for each item, in their order."""
+        """Return what the function returns for each item, in their order."""
         return list(self._threads.map(function, items))
 
     def close(self) -> None:

@@ -17,13 +17,14 @@ def history(system: ContactSystem, steps: Steps) -> History:
 
     slots = steps.time.shape[0] - 1
     last = jnp.clip(steps.count - 1, 0, slots - 1)
+    # Slots without a step repeat the last one; `trimmed` cuts them off.
     index = jnp.minimum(jnp.arange(slots), last)
     snapshot = functools.partial(history_at, system)
     return jax.vmap(snapshot)(steps.time[index], steps.active[index], steps.rows[index, 0])
 
 
 def history_at(system: ContactSystem, time: Array, active: Array, state: Array) -> History:
-    """What a history shows of one instant: a `History` without its first axis.
+    """Evaluate the mechanism at one instant: return a `History` without its first axis.
 
     **Arguments:** ``system``; ``time`` [s]; ``active``: 1 for each closed contact, else 0; ``state``.
     """
@@ -47,5 +48,6 @@ def history_at(system: ContactSystem, time: Array, active: Array, state: Array) 
 
 
 def trimmed(full: History, count: int) -> History:
-    """The first ``count`` steps; those without derivatives as NumPy arrays: cutting them compiles nothing."""
+    """Return the first ``count`` steps. Those without derivatives become NumPy arrays, which are cut without
+    compiling."""
     return jax.tree.map(lambda x: (x if isinstance(x, jax.core.Tracer) else np.asarray(x))[:count], full)

@@ -11,17 +11,19 @@ from .survey import Survey
 
 
 def impacts(system: ContactSystem, log: Log, events: Survey) -> Impacts:
-    """All impacts of a run whose log's events move (`moving_events`)."""
+    """Return all impacts of a run whose log's events move (`moving_events`)."""
     contacts = system.impact_contacts
     if not contacts:
         none = jnp.zeros(log.kind.shape[0])
         return Impacts(none, jnp.full(none.shape, -1), none, none, none, jnp.asarray(0))
+    # Beyond the room come the highest maxima of later events, which are not in order of time.
     in_order = jnp.arange(log.kind.shape[0]) < log.room
     touch, contact = (log.kind == Kind.TOUCHDOWN) & (log.which < contacts) & in_order, log.which % contacts
     speed = jax.vmap(lambda row, contact: system.memory(row)[contact])(log.rows[:, 0], contact)
     top, release = _impact_ends(log, contacts)
     peak = jnp.maximum(events.force[top, contact], 0.0)
 
+    # Touchdowns first: a stable sort keeps their order, and the size is known when compiling.
     picked = jnp.argsort(~touch, stable=True)
     present = touch[picked]
     return Impacts(
@@ -35,8 +37,8 @@ def impacts(system: ContactSystem, log: Log, events: Survey) -> Impacts:
 
 
 def _impact_ends(log: Log, contacts: int) -> tuple[Int[Array, " slots"], Float[Array, " slots"]]:
-    """For the slot of each touchdown: the slot where that contact's force is largest until its next touchdown, and the
-    time of its release [s] (NaN where there is none). One pass over the entries in use."""
+    """Return, for the slot of each touchdown, the slot where that contact's force is largest until its next touchdown,
+    and the time of its release [s] (NaN where there is none). One pass over the entries in use finds them."""
     slots, each = log.kind.shape[0], jnp.arange(contacts)
     force = log.values[:, :contacts]
 
@@ -47,6 +49,7 @@ def _impact_ends(log: Log, contacts: int) -> tuple[Int[Array, " slots"], Float[A
         for contact in range(contacts):
             touchdown = under_way[contact]
             better = (touchdown < slots) & (force[slot, contact] > force[top[touchdown], contact])
+            # A contact without a touchdown yet has an index beyond the end, and drops what it would write.
             top = top.at[touchdown].set(jnp.where(better, slot, top[touchdown]), mode="drop")
             releases = mine[contact] & (log.kind[slot] == Kind.RELEASE)
             end = end.at[touchdown].set(jnp.where(releases, slot, end[touchdown]), mode="drop")
@@ -59,8 +62,8 @@ def _impact_ends(log: Log, contacts: int) -> tuple[Int[Array, " slots"], Float[A
 
 
 def contact_time(system: ContactSystem, log: Log) -> Float[Array, ""]:
-    """Time during which at least one contact that has impacts is closed [s]; its derivative is NaN if events found no
-    room in the log."""
+    """Return the time during which at least one contact that has impacts is closed [s]; its derivative is NaN if events
+    found no room in the log."""
     last = jnp.minimum(jnp.maximum(log.count - 1, 0), log.room - 1)
     touching = jnp.any(log.active[:, : system.impact_contacts] > 0.5, axis=1)
     inside = (jnp.arange(log.kind.shape[0]) < last) & touching
@@ -69,9 +72,10 @@ def contact_time(system: ContactSystem, log: Log) -> Float[Array, ""]:
     return _undifferentiable(listed + log.missed_time, log.overflown)
 
 
+# A rule of its own, since NaN added to the value for its derivative would show in the value.
 @jax.custom_jvp
 def _undifferentiable(value: Array, where: Array) -> Float[Array, ""]:
-    """The value, whose derivative is NaN ``where`` it is not known."""
+    """Return the value, whose derivative is NaN ``where`` it is not known."""
     return value
 
 

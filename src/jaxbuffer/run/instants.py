@@ -20,7 +20,7 @@ BLOCK = 512  # instants looked at together
 
 
 def at_times(run: Run, times: Float[np.ndarray, " instants"]) -> History:
-    """The history at given times.
+    """Return the history at given times.
 
     Between two steps the state is the polynomial that has the same state and rate at both: Hermite's cubic; for
     positions, which have the same accelerations too, a quintic, whose rates are the velocities. Forces are those that
@@ -47,6 +47,7 @@ def at_times(run: Run, times: Float[np.ndarray, " instants"]) -> History:
     if isinstance(times, jax.core.Tracer) or any(isinstance(x, jax.core.Tracer) for x in jax.tree.leaves(run)):
         return _traced(run, history, times)
     known, times = np.asarray(history.time), instants_of(times)
+    # One instant is looked at for the shapes, and cut off again.
     if not times.size:
         return jax.tree.map(lambda values: np.asarray(values)[:0], at_times(run, known[:1]))
     times = np.clip(times, known[0], known[-1])
@@ -67,9 +68,11 @@ def at_times(run: Run, times: Float[np.ndarray, " instants"]) -> History:
 
 
 def _traced(run: Run, history: History, times: Any) -> History:
-    """The same of a run that is differentiated or compiled: where an instant lies is found as it is computed."""
+    """Do the same for a run that is differentiated or compiled: the step of an instant is found in the compiled
+    code."""
     if history.state is None or history.closed is None:
         raise InputError("this history has no states, between which a traced run could be followed")
+    # A history's derivatives are those at fixed times.
     known = jax.lax.stop_gradient(history.time)
     times = times if isinstance(times, jax.core.Tracer) else jnp.asarray(instants_of(times))
     times = jnp.clip(times, known[0], known[-1])
@@ -82,7 +85,7 @@ def _traced(run: Run, history: History, times: Any) -> History:
 
 
 def instants_of(times: Any) -> Float[np.ndarray, " instants"]:
-    """Times as an array. **Raises:** `InputError` for what is no list of finite numbers."""
+    """Return times as an array. **Raises:** `InputError` for what is no list of finite numbers."""
     times = in_unit("times", times, "s")
     instants = concrete(times)
     if instants is None or instants.ndim != 1 or not np.all(np.isfinite(instants)):
@@ -97,7 +100,7 @@ def _straight(values: np.ndarray, first: np.ndarray, after: np.ndarray, share: n
 
 
 def _blocks(given: tuple[np.ndarray, ...], count: int) -> list[tuple[np.ndarray, ...]]:
-    """Rows in blocks of one size, the last row repeated: one program serves all."""
+    """Cut rows into blocks of one size, the last row repeated, so that one program serves all."""
     rows = np.minimum(np.arange(-(-count // BLOCK) * BLOCK), count - 1).reshape(-1, BLOCK)
     return [tuple(part[row] for part in given) for row in rows]
 
@@ -113,7 +116,8 @@ def _instants(
     before: Float[Array, "instants state"],
     after: Float[Array, "instants state"],
 ) -> History:
-    """The history at times between steps from ``start`` to ``end``, whose states are ``before`` and ``after``."""
+    """Return the history at times between steps from ``start`` to ``end``, whose states are ``before`` and
+    ``after``."""
     system = mechanism.system(*parameters)
 
     def at(start: Array, end: Array, time: Array, closed: Array, before: Array, after: Array) -> History:

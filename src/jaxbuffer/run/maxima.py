@@ -15,7 +15,7 @@ from .survey import state_at, state_of_maximum
 
 
 def maxima(system: ContactSystem, log: Log, start: tuple[Any, Array]) -> Maxima:
-    """The largest values over the start (posture, closed contacts), all located events and the end."""
+    """Return the largest values over the start (posture, closed contacts), all located events and the end."""
     at, active = start
     first = system.observables_at(at, system.derivative(jnp.zeros(()), at.state, active), active)
     located = _located(system, log)
@@ -24,7 +24,7 @@ def maxima(system: ContactSystem, log: Log, start: tuple[Any, Array]) -> Maxima:
 
 
 def _located(system: ContactSystem, log: Log) -> Maxima:
-    """The largest values over all located events and the end.
+    """Return the largest values over all located events and the end.
 
     By the envelope theorem a maximum's derivative needs the state's at fixed time only; its time's needs the slope's.
     """
@@ -61,7 +61,7 @@ def _located(system: ContactSystem, log: Log) -> Maxima:
 
 
 def _without_contacts(system: ContactSystem, log: Log, used: Array, observe: Callable[[Array], Any]) -> Maxima:
-    """No contact, no force; the other observables' largest values."""
+    """Return the other observables' largest values: without a contact there is no force."""
     slots = jnp.argmax(jnp.where(used[:, None], log.values, -jnp.inf), axis=0)
     values = jax.vmap(observe)(slots)[0][jnp.arange(len(slots)), jnp.arange(len(slots))]
     others = dict(zip(system.observed, values, strict=True))
@@ -71,7 +71,7 @@ def _without_contacts(system: ContactSystem, log: Log, used: Array, observe: Cal
 def _peak_time(
     system: ContactSystem, log: Log, slot: Int[Array, ""], contact: Int[Array, ""], rate: Float[Array, " state"]
 ) -> Float[Array, ""]:
-    """When a contact force is largest, with the derivative -(∂slope/∂p)/(dslope/dt)."""
+    """Return when a contact force is largest, with the derivative -(∂slope/∂p)/(dslope/dt)."""
     state, active = state_at(log, slot), log.active[slot]
     slope = jax.jvp(lambda y: system.normal_force_at(system.posture(y), active), (state,), (rate,))[1]
     its_own = (log.kind[slot] == Kind.PEAK) & (log.which[slot] == contact)
@@ -79,4 +79,6 @@ def _peak_time(
         touchdown = (log.kind[slot] == Kind.TOUCHDOWN) & (log.which[slot] == contact) & (log.time[slot] > 0.0)
         slope = jnp.where(touchdown, system.gaps(state)[: system.impact_contacts], slope)
         its_own = its_own | touchdown
+    # Where the force is largest without being stationary its time moves with that event alone: an infinite rate adds
+    # nothing.
     return shifted(log.time[slot], -slope[contact], jnp.where(its_own, log.guard_rate[slot], jnp.inf))

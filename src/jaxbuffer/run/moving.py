@@ -12,8 +12,8 @@ from .survey import Survey, state_at
 
 
 def moving_end(system: ContactSystem, log: Log, by_guard: Bool[Array, ""]) -> Log:
-    """The same log, whose end by a guard moves with the parameters: to the time at which the guard crosses zero, and
-    the last state with it. Values stay as they are."""
+    """Return the same log, whose end by a guard moves with the parameters: to the time at which the guard crosses zero,
+    and the last state with it. Values stay as they are."""
     last = jnp.maximum(log.count - 1, 0)
     end = state_at(log, last)
     terminals = system.terminals(end)
@@ -24,16 +24,18 @@ def moving_end(system: ContactSystem, log: Log, by_guard: Bool[Array, ""]) -> Lo
 
 
 def moving_events(log: Log, events: Survey) -> Log:
-    """The same log, whose touchdowns and releases move with the parameters: to the time at which the gap is zero."""
+    """Return the same log, whose touchdowns and releases move with the parameters: to the time at which the gap is
+    zero."""
     gap = jnp.take_along_axis(events.gap, (log.which % events.gap.shape[1])[:, None], axis=1)[:, 0]
     touch = (log.kind == Kind.TOUCHDOWN) & (log.time > 0.0)  # a run that starts in contact does so at t = 0
     guard = jnp.where(touch, -gap, jnp.where(log.kind == Kind.RELEASE, gap, 0.0))
     return dataclasses.replace(log, time=jax.vmap(shifted)(log.time, guard, log.guard_rate))
 
 
+# A rule of its own: the value stays the located one to the last digit, the derivative is that of the guard's zero.
 @jax.custom_jvp
 def shifted(time: Array, guard: Array, rate: Array) -> Float[Array, ""]:
-    """An event's time [s]: the located one, with the derivative -(∂g/∂p)/ġ of where the guard g crosses zero."""
+    """Return an event's time [s]: the located one, with the derivative -(∂g/∂p)/ġ of where the guard g crosses zero."""
     return time
 
 
@@ -45,7 +47,7 @@ def _shifted_jvp(primals: tuple, tangents: tuple) -> tuple[Array, Array]:
 
 @jax.custom_jvp
 def _carried(state: Array, rate: Array, time: Array) -> Float[Array, " state"]:
-    """A state whose time moves: the same one, with the derivative at the moving time."""
+    """Return the same state, with the derivative at a time that moves."""
     return state
 
 

@@ -21,13 +21,13 @@ from .survey import survey
 
 
 def read_off(request: Request, result: Result) -> Run:
-    """The run, from the events that were located."""
+    """Read the run off the events that were located."""
     system = request.system  # assembled once: that takes a while to trace
     return (request.mechanism.run or plain_run)(system, _read_off(request, system, result))
 
 
 def _read_off(request: Request, system: ContactSystem, result: Result) -> Solved:
-    """All that every mechanism's runs have."""
+    """Read off what every mechanism's runs have."""
     mechanism, parameters, duration, _, options = request
     start = system.first_posture()
     log = moving_end(system, result.log, result.status < Status.TIMEOUT)
@@ -69,7 +69,7 @@ def _read_off(request: Request, system: ContactSystem, result: Result) -> Solved
 
 
 def _peak_impact(log: Log, top: Maxima, hits: Any) -> Array:
-    """Which of the listed impacts the largest contact force belongs to, -1 for none of them."""
+    """Return which of the listed impacts the largest contact force belongs to, -1 for none of them."""
     slots = hits.time.shape[0]
     earlier = (jnp.arange(slots) < hits.count) & (hits.time <= top.peak_time) & (hits.contact == top.peak_contact)
     listed = ~log.overflown | (top.peak_time <= log.time[log.room - 1])

@@ -17,7 +17,7 @@ ONE_RUN = "simulate takes one {}: use jax.vmap or jb.sweep"
 
 @functools.cache
 def options_of(max_steps: int = 200_000, max_events: int = 512, keep: int = 0) -> Options:
-    """The default options with these limits; made once, since building modules takes a while."""
+    """Return the default options with these limits; they are made once, since building modules takes a while."""
     return Options(max_steps=max_steps, max_events=max_events, keep=keep)
 
 
@@ -47,5 +47,5 @@ def check_pair(mechanism: Mechanism, design: Any, scenario: Any) -> None:
 
 
 def tenth(rtol: float) -> float | None:
-    """A tenth of a tolerance [-]; None where that is below the least allowed."""
+    """Return a tenth of a tolerance [-]; None where that is below the least allowed."""
     return None if rtol < 10.0 * TOLERANCES["low"] else 0.1 * rtol

@@ -110,12 +110,15 @@ def simulate(
     solver = None if solver is None else solver_named(solver)
     given = request(mechanism, design, scenario, duration, solver, (rtol, atol), stabilisation, options)
     leaves, traced = jax.tree.leaves(given), False
+    # A design of Python's numbers alone, the usual one, goes to the program as it is.
     if not all(type(leaf) is float for leaf in leaves):
         traced = any(isinstance(leaf, jax.core.Tracer) for leaf in leaves)
         given = jax.tree.map(_array, given)
         if any(map(np.ndim, jax.tree.leaves(given.parameters))):
             _refuse_arrays(design, scenario, one)
+    # Traced numbers have no values to check yet: the program does it, and such a run ends with `failed_input`.
     run = _simulate(given, UNCHECKED if traced else CHECKED)
+    # Traced, a history keeps its size, since the number of steps is not known yet.
     if run.history is not None and not isinstance(run.code, jax.core.Tracer):
         rows = stepper_of(mechanism).rows(run)
         run = eqx.tree_at(lambda r: r.history, run, trimmed(run.history, rows))
@@ -130,7 +133,8 @@ def _refuse_arrays(design: Part, scenario: Part, one: str) -> None:
 
 
 def _array(value: Any) -> Any:
-    """A number as an array; Python's numbers through NumPy, which is ten times quicker than through a device."""
+    """Return a number as an array; Python's numbers go through NumPy, which is ten times quicker than through a
+    device."""
     return jnp.asarray(value, float) if isinstance(value, jax.Array) else np.asarray(value, float)
 
 

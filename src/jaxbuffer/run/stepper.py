@@ -88,16 +88,17 @@ def run_of(request: Request, result: Any) -> Run:
 
 
 def with_tolerances(request: Request) -> Options:
-    """The options with a run's tolerances, and how closely its events are located at these."""
+    """Return the options with a run's tolerances, and how closely its events are located at these."""
     system, (rtol, atol) = request.system, request.tolerances
     if (share := system.tolerance_share) < 1.0:
         rtol, atol = jnp.maximum(share * rtol, TOLERANCES["low"]), jnp.maximum(share * atol, TOLERANCES["low"])
+    # It depends on the design, but is a setting: its derivative would be refused as one by the tolerance.
     event_time = jax.lax.stop_gradient(_event_time(system, system.first_posture()[0].state, rtol))
     return dataclasses.replace(request.options, tolerance=Tolerance(rtol, atol), event_time=event_time, shortfall=rtol)
 
 
 def _event_time(system: ContactSystem, start: Array, rtol: Scalar) -> Scalar:
-    """How closely steps of a run from ``start`` end on events [s].
+    """Return how closely steps of a run from ``start`` end on events [s].
 
     A force that begins τ late with the 3/2 power of time gives an impact of duration T the fraction (τ/T)^{5/2} less
     impulse, which is held to a hundredth of the tolerance; one that begins with a jump τ/T.

@@ -20,12 +20,12 @@ class Survey(NamedTuple):
 
 
 def state_at(log: Log, slot: Int[Array, ""]) -> Float[Array, " state"]:
-    """The state at one entry of the log."""
+    """Return the state at one entry of the log."""
     return log.rows[slot, 0]
 
 
 def state_of_maximum(system: ContactSystem, log: Log, slot: Int[Array, ""]) -> Float[Array, " state"]:
-    """The state at one entry of the log, with the derivative that a maximum there has.
+    """Return the state at one entry of the log, with the derivative that a maximum there has.
 
     Right after a touchdown with a jump, or right after a release, a quantity may be largest without being stationary:
     the state's derivative then goes with the event.

@@ -44,12 +44,13 @@ class Trust:
 
     @property
     def worst(self) -> tuple[str, float]:
-        """The quantity known least, and its error; ("", 0) where a mechanism has no quantities."""
+        """Return the quantity known least, and its error; ("", 0) where a mechanism has no quantities."""
         return max(self.errors.items(), key=lambda item: item[1], default=("", 0.0))
 
     @property
     def verdict(self) -> str:
-        """In a word: "trusted", "check", "ill-conditioned" where little decides what happens, or "unknown"."""
+        """Return the verdict in a word: "trusted", "check", "ill-conditioned" where little decides what happens, or
+        "unknown"."""
         if self.unknown:
             return "unknown"
         return VERDICTS[int(verdicts(self.worst[1], self.differs.startswith("the outcome"), bool(self.differs)))]
@@ -71,7 +72,7 @@ class Trust:
 
 
 def trust(run: Run, closer: Run) -> Trust:
-    """How far the numbers of a run can be trusted.
+    """Estimate how far the numbers of a run can be trusted.
 
     **Arguments:** ``run``; ``closer``: the same design and scenario at a tenth of the tolerance. From rtol 1e-12 on
     there is one: 1e-13 is the least allowed.
@@ -99,7 +100,7 @@ def trust(run: Run, closer: Run) -> Trust:
 
 
 def changes(run: Run, other: Run) -> dict[str, float]:
-    """By how much each quantity of a run differs in another run [-], relative as `Trust.errors` are.
+    """Return by how much each quantity of a run differs in another run [-], relative as `Trust.errors` are.
 
     It is infinite where only one of the runs has the quantity.
     """
@@ -111,21 +112,23 @@ def changes(run: Run, other: Run) -> dict[str, float]:
 def relative_changes(
     mechanism: Mechanism, values: Mapping[str, Any], others: Mapping[str, Any]
 ) -> dict[str, np.ndarray]:
-    """`changes` of many runs at once: by name of the quantity arrays, with an entry for each run, of ``values`` and of
-    what the ``others`` have."""
+    """Return `changes` of many runs at once: by quantity's name an array with an entry for each run, of ``values``
+    against those of the ``others``."""
     sizes = {name: np.abs(values[name]) for name in mechanism.swept}
     changes = {}
     for name, least in scales(mechanism, sizes).items():
         value, there = np.asarray(values[name]), np.asarray(others[name])
         with np.errstate(invalid="ignore", divide="ignore"):
             change = np.where(least > 0.0, np.abs(value - there) / least, np.inf)
+        # NaN in both: neither run has the quantity, which is no difference.
         same = (value == there) | (np.isnan(value) & np.isnan(there))
         changes[name] = np.where(same, 0.0, np.where(np.isnan(change), np.inf, change))
     return changes
 
 
 def scales(mechanism: Mechanism, sizes: Mapping[str, Any]) -> dict[str, Any]:
-    """What an error of each quantity is relative to, as `Trust.errors` are; ``sizes``: absolute values, by name."""
+    """Return what an error of each quantity is relative to, as `Trust.errors` are; ``sizes``: absolute values, by
+    name."""
     largest: dict[tuple[str, bool], Any] = {}  # by unit, and of all or of those alone that can change sign
     for name, size in sizes.items():
         quantity = mechanism.quantities[name]
@@ -137,8 +140,9 @@ def scales(mechanism: Mechanism, sizes: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def verdicts(error: Any, outcome_differs: Any, differs: Any) -> np.ndarray:
-    """The index in `VERDICTS`, from the largest estimated ``error`` of a run's quantities [-], whether the outcome is
-    another at a tenth of the tolerance, and whether anything is. Numbers, or arrays with an entry for each run."""
+    """Return the index in `VERDICTS`, from the largest estimated ``error`` of a run's quantities [-], whether the
+    outcome is another at a tenth of the tolerance, and whether anything is. Numbers, or arrays with an entry for each
+    run."""
     hopeless = outcome_differs | (error > HOPELESS) | ((error > DOUBTFUL) & differs)
     return np.where(hopeless, 2, np.where(np.asarray(error) > DOUBTFUL, 1, 0))
 

@@ -11,7 +11,8 @@ from .simulate import check_pair
 
 
 def as_diffrax(design: Part, scenario: Part | None = None) -> DiffraxProblem:
-    """One run, with the smooth contact law, as terms, initial state, arguments and event for `diffrax.diffeqsolve`.
+    """Return a run, with the smooth contact law, as terms, initial state, arguments and event for
+    `diffrax.diffeqsolve`.
 
     **Arguments:**
 

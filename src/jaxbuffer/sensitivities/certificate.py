@@ -104,7 +104,7 @@ class Certificate(eqx.Module):
 
 
 def peak_report(run: Run, slopes: np.ndarray, paths: Sequence[str]) -> Peaks | None:
-    """Active peak and runner-up; None for a run without an impact.
+    """Return the active peak and the runner-up; None for a run without an impact.
 
     **Arguments:** ``slopes`` (slots, paths): change of each impact's peak force by a relative change of a path [N].
     """
@@ -117,6 +117,7 @@ def peak_report(run: Run, slopes: np.ndarray, paths: Sequence[str]) -> Peaks | N
     peak = (float(run.peak_force), float(run.peak_time), int(run.peak_contact), active)
     if forces.size < 2 or forces[second] <= 0.0:
         return Peaks(*peak, -1, 0.0, 1.0, "", np.inf)
+    # With constant elasticities the logarithms of both peaks are straight lines over that of the parameter.
     closing = slopes[second] / forces[second] - slopes[active] / forces[active]
     with np.errstate(divide="ignore", invalid="ignore"):  # peaks that stay as far apart never swap, equal ones neither
         change = np.log(forces[active] / forces[second]) / closing
@@ -135,7 +136,7 @@ def judge(
     evidence: Evidence | None,
     peaks: Peaks | None,
 ) -> Certificate:
-    """The certificate of elasticities (quantities, paths), from the evidence (None for a failed run)."""
+    """Return the certificate of elasticities (quantities, paths), from the evidence (None for a failed run)."""
     unknown = np.full(elasticities.shape, np.nan)
     if evidence is None:
         refused = (Verdict.refused,) * len(names)
@@ -150,6 +151,7 @@ def judge(
     ]
     verdicts = tuple(verdict for verdict, _ in findings)
     worst = max(verdicts)
+    # The first of the worst ones stands for all: quantities come in the order asked for.
     reason = next(said for verdict, said in findings if verdict == worst)
     if worst == Verdict.trusted:
         reason = f"two tolerances and differences of tight solves agree within {np.max(error):.1g} of each elasticity"
@@ -167,7 +169,7 @@ def _judged(
     peaks: Peaks | None,
     thorough: bool,
 ) -> tuple[Verdict, str]:
-    """The verdict on one quantity, and why."""
+    """Return the verdict on one quantity, and why."""
     name = names[k]
     if not np.all(np.isfinite(elasticities[k])):
         return Verdict.refused, f"{name} or its gradient is not finite; the run has {int(run.impact_count)} impacts"

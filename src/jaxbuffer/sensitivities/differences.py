@@ -45,6 +45,7 @@ def difference(inside: Callable[[float], bool], settled: np.ndarray, noise: floa
     central, sign = up and down, 1.0 if up else -1.0
     steps = [sign * COARSEST / 2**count for count in range(STEPS)]
     pairs = [(step, -step if central else 2.0 * step) for step in steps]
+    # What is needed in any case is asked for at once, so that it is solved side by side.
     after = yield [*([] if central else [0.0]), *itertools.chain(*pairs[:FIRST])]
     plain: list[np.ndarray] = []
     for count, (near, other) in enumerate(pairs):
@@ -58,6 +59,7 @@ def difference(inside: Callable[[float], bool], settled: np.ndarray, noise: floa
             continue
         # Both stencils are off by a multiple of the step's square, which this takes out.
         older, newer = ((4.0 * plain[i] - plain[i - 1]) / 3.0 for i in (count - 1, count))
+        # Two differences may agree by luck, but both hold the noise of the values, over the step.
         apart = np.maximum(np.abs(newer - older), np.abs(noise * after[near] / near))
         better = apart < uncertainty
         best, uncertainty = np.where(better, newer, best), np.where(better, apart, uncertainty)
@@ -69,7 +71,7 @@ def difference(inside: Callable[[float], bool], settled: np.ndarray, noise: floa
 def side_by_side(
     halvings: Sequence[Halving], evaluate: Callable[[list[tuple[int, float]]], list[np.ndarray]]
 ) -> list[Difference]:
-    """What several differences find whose steps are halved together.
+    """Take several differences whose steps are halved together.
 
     **Arguments:** ``evaluate``: the quantities after each of some moves, which are given with the numbers of the
     differences that ask for them.
@@ -90,7 +92,7 @@ def side_by_side(
 
 
 def balanced_direction(elasticities: np.ndarray, floor: float) -> np.ndarray:
-    """A relative move in which every parameter changes a quantity by the same amount and in the same sense, so that
-    an error in any of the elasticities shows; the largest component is 1."""
+    """Return a relative move in which every parameter changes a quantity by the same amount and in the same sense, so
+    that an error in any of the elasticities shows; the largest component is 1."""
     move = np.where(elasticities < 0.0, -1.0, 1.0) / np.maximum(np.abs(elasticities), floor)
     return move / np.max(np.abs(move))

@@ -55,11 +55,11 @@ class TightSolve(NamedTuple):
     course: list[int]
 
     def inputs(self, values: np.ndarray) -> tuple[Part, Part]:
-        """Design and scenario with the parameters at these values."""
+        """Return the design and scenario with the parameters at these values."""
         return with_values(self.design, self.scenario, dict(zip(self.paths, values, strict=True)))
 
     def at(self, values: np.ndarray) -> np.ndarray:
-        """All quantities with the parameters at these values.
+        """Return all quantities with the parameters at these values.
 
         The peak force is that of the same impact throughout, so that a swap of peaks is no part of a difference; where
         the impacts up to it are no longer the same ones, or the outcome is another, there is nothing to compare: NaN.
@@ -68,7 +68,7 @@ class TightSolve(NamedTuple):
         return self.values_of(simulate(*self.inputs(values), self.duration, rtol=rtol, solver=self.solver))
 
     def values_of(self, run: Run) -> np.ndarray:
-        """All quantities of a run, NaN where they can't be compared."""
+        """Return all quantities of a run, NaN where they can't be compared."""
         if int(run.code) != self.code:
             return np.full(len(self.names), np.nan)
         values = np.array([value_of(run, name) for name in self.names])
@@ -80,7 +80,7 @@ class TightSolve(NamedTuple):
 
 
 def course_of(run: Run) -> list[int]:
-    """Contacts of a run's impacts, up to the one with the peak."""
+    """Return the contacts of a run's impacts, up to the one with the peak."""
     contacts, forces = _impacts(run)
     return contacts[: int(np.argmax(forces)) + 1] if forces.size else []
 
@@ -97,7 +97,8 @@ class TightSolves:
         self.known: dict[bytes, np.ndarray] = {}
 
     def inside(self, direction: np.ndarray, move: float) -> bool:
-        """Whether all parameters are in range after a relative move of that length along a direction."""
+        """Return whether all parameters are in range after a relative ``move`` along a ``direction``."""
+        # The checks that a user's numbers pass through know all ranges.
         try:
             moved = self.solve.inputs(self._moved(direction, move))
             check_pair(self.solve.mechanism, *moved)
@@ -106,8 +107,9 @@ class TightSolves:
         return True
 
     def after(self, moves: Sequence[tuple[np.ndarray, float]]) -> list[np.ndarray]:
-        """All quantities after each of these moves, a direction and a length each."""
+        """Return all quantities after each of these moves, a direction and a length each."""
         parameters = [self._moved(*move) for move in moves]
+        # One-sided differences share the unmoved point, which is solved once.
         new = {values.tobytes(): values for values in parameters if values.tobytes() not in self.known}
         if new:
             self.known |= zip(new, self.pool.map(self.solve.at, new.values()), strict=True)
@@ -118,7 +120,7 @@ class TightSolves:
 
 
 def _impacts(run: Run) -> tuple[list[int], np.ndarray]:
-    """Contacts and peak forces of all impacts that exert some: a contact touched and left at once is found
+    """Return the contacts and peak forces of all impacts that exert some: a contact touched and left at once is found
     in one solve and missed in another."""
     forces = np.asarray(run.impacts.peak_force)
     real = forces > FAINT * np.max(forces)
@@ -126,7 +128,7 @@ def _impacts(run: Run) -> tuple[list[int], np.ndarray]:
 
 
 def each(tight: TightSolves, elasticities: np.ndarray, sizes: np.ndarray, by_tolerance: np.ndarray) -> Evidence:
-    """A difference by each parameter.
+    """Take a difference by each parameter.
 
     **Arguments:** ``elasticities`` (quantities, paths) to be judged; ``sizes``: each quantity's value, which makes its
     change relative; ``by_tolerance``: the other evidence.
@@ -138,13 +140,14 @@ def each(tight: TightSolves, elasticities: np.ndarray, sizes: np.ndarray, by_tol
 
 
 def together(tight: TightSolves, elasticities: np.ndarray, sizes: np.ndarray, by_tolerance: np.ndarray) -> Evidence:
-    """One difference along all parameters, which change the first quantity by the same amount each; what it misses by
-    is held against every single one of them."""
+    """Take one difference along all parameters; its error is charged to each parameter."""
+    # One direction serves all quantities: another for each would take as many solves again.
     direction = balanced_direction(elasticities[0], FLOOR)
     size = np.maximum(np.abs(elasticities), FLOOR)
     share = np.mean(size * np.abs(direction), axis=1)  # of a typical parameter in the directional change
     ((value, uncertainty, _),) = _differences(tight, [direction], [SETTLED * share * sizes])
     missed = np.abs(elasticities @ direction - value / sizes)
+    # Charged to each parameter in proportion to its elasticity, over what a typical one adds to the difference.
     spread = size / share[:, None]
     return Evidence(
         by_tolerance, missed[:, None] * spread, (uncertainty / sizes)[:, None] * spread, len(tight.known), False
@@ -152,7 +155,7 @@ def together(tight: TightSolves, elasticities: np.ndarray, sizes: np.ndarray, by
 
 
 def _differences(tight: TightSolves, directions: list[np.ndarray], settled: list[np.ndarray]) -> list[Difference]:
-    """A difference along each direction."""
+    """Take a difference along each direction."""
     halvings = [
         difference(functools.partial(tight.inside, direction), enough, NOISE)
         for direction, enough in zip(directions, settled, strict=True)

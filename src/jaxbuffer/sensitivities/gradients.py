@@ -34,7 +34,7 @@ class Gradients(eqx.Module):
     by_impact: dict[str, Float[Array, "slots addresses"]]
 
     def of(self, name: str) -> np.ndarray:
-        """The gradient of one quantity (addresses,); NaN for an impact that the run does not have."""
+        """Return the gradient of one quantity (addresses,); NaN for an impact that the run does not have."""
         address = of_impact(name)
         if address is None:
             return np.asarray(self.gradients[list(self.run.mechanism.quantities).index(name)])
@@ -54,7 +54,8 @@ def gradients(
     solver: Solver | None = None,
     names: Sequence[str] = (),
 ) -> Gradients:
-    """A run of the design and scenario with ``addresses`` set to ``values``, and its derivatives by those.
+    """Run the design and scenario with ``addresses`` set to ``values``, and return the run with its derivatives by
+    those.
 
     All quantities have them whatever is asked for, but for the loads of impacts: those of ``names`` alone.
 
@@ -73,7 +74,7 @@ Inputs = tuple[Any, Any, Array, Array]  # design, scenario, duration [s], rtol [
 def _moved(
     mechanism: Mechanism, inputs: Inputs, values: list[Array], addresses: Static, solver: Solver | None
 ) -> Request:
-    """The run with the asked addresses at ``values``."""
+    """Request the run whose ``addresses`` have the ``values``."""
     design, scenario, duration, rtol = inputs
     moved = with_values(design, scenario, dict(zip(addresses.value, values, strict=True)))
     return request(mechanism, *moved, duration, solver, (rtol, rtol))
@@ -120,6 +121,7 @@ def _gradients(
         return (results, impacts), (run, results)
 
     separate = [values[k] for k in range(len(addresses.value))]
+    # Forward mode: the tangents of the run are there already, and each quantity is a push-forward of them.
     (slopes, by_impact), (run, results) = jax.jacfwd(outputs, has_aux=True)(separate)
     by_impact = {name: jnp.stack(columns, axis=1) for name, columns in by_impact.items()}
     return Gradients(run, results, jnp.stack(slopes, axis=1), by_impact)

@@ -31,7 +31,8 @@ class Horizon(NamedTuple):
 
 
 def horizon(run: Run, rtol: float = TIGHT, change: float = CHANGE) -> Horizon:
-    """How many of a run's impacts can be trusted one by one: it is solved again more tightly, and they are compared.
+    """Count the impacts of a run that can be trusted one by one: it is solved again more tightly, and they are
+    compared.
 
     Of what comes after them only statistics mean something. The other solve uses the program that is compiled already.
 
@@ -61,12 +62,14 @@ def horizon(run: Run, rtol: float = TIGHT, change: float = CHANGE) -> Horizon:
     count = min(len(ours[0]), len(theirs[0]))
     contact, force = ((a[:count], b[:count]) for a, b in zip(ours, theirs, strict=True))
     with np.errstate(divide="ignore", invalid="ignore"):
+        # Impacts of different contacts are not the same impacts: nothing from there on can be compared.
         changes = np.where(contact[0] == contact[1], np.abs(force[0] / force[1] - 1.0), np.inf)
+    # Written so that NaN counts as beyond.
     beyond = np.flatnonzero(~(changes <= change))
     return Horizon(int(beyond[0]) if beyond.size else count, len(ours[0]), change, rtol, changes)
 
 
 def _peaks(run: Run) -> tuple[np.ndarray, np.ndarray]:
-    """Contact and peak force [N] of each impact."""
+    """Return the contact and peak force [N] of each impact."""
     count = int(run.impacts.count)
     return np.asarray(run.impacts.contact)[:count], np.asarray(run.impacts.peak_force)[:count]

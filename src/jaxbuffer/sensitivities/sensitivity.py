@@ -77,12 +77,14 @@ def sensitivity(
     check_single("duration", duration, "s", one, **POSITIVE)
     check_single("rtol", rtol, "-", one, **TOLERANCES)
     solver = None if solver is None else solver_named(solver)
+    # Another process makes the solver for itself, by its name.
     sent = solver if client is None else name_of(solver)
     task = _Differentiation(mechanism, design, scenario, paths, values, names, duration, sent)
     with contextlib.closing(pool_of(client)) as pool:
         if certify == "none":
             (solved,) = pool.map(task.gradients_at, [rtol])
             return task.uncertified(solved)
+        # Upwards where a tenth is below 1e-13, the least tolerance allowed.
         solved, again = pool.map(task.gradients_at, [rtol, rtol / 10.0 if rtol >= 1e-12 else 10.0 * rtol])
         result = task.uncertified(solved)
         certificate = _certificate(task, result, solved, again, certify == "thorough", pool)
@@ -102,27 +104,28 @@ class _Differentiation(NamedTuple):
     solver: Solver | str | None
 
     def gradients_at(self, rtol: float) -> Gradients:
-        """The run and all its gradients at a tolerance."""
+        """Return the run and all its gradients at a tolerance."""
         solver = None if self.solver is None else solver_named(self.solver)
         at = (self.design, self.scenario, self.paths, self.values, self.duration)
         return gradients(self.mechanism, *at, rtol=rtol, solver=solver, names=self.names)
 
     def slopes(self, solved: Gradients) -> np.ndarray:
-        """The gradients asked for (quantities, paths)."""
+        """Return the gradients asked for (quantities, paths)."""
         return np.array([solved.of(name) for name in self.names])
 
     def uncertified(self, solved: Gradients) -> Sensitivity:
-        """The result without a certificate."""
+        """Return the result without a certificate."""
         run, catalogue = solved.run, solved.run.mechanism.quantities
         results = np.array([value_of(run, name) for name in self.names])
         slopes = np.where(np.isfinite(results)[:, None], self.slopes(solved), np.nan)
         signed = np.array([is_signed(catalogue, name) for name in self.names])[:, None]
+        # A quantity that can change sign may be near zero, and a change relative to it says nothing.
         elasticities = np.where(signed, np.nan, slopes * self.values / _nonzero(results)[:, None])
         return Sensitivity(run, self.paths, self.values, self.names, results, slopes, elasticities, None)
 
 
 def _nonzero(results: np.ndarray) -> np.ndarray:
-    """Results that have elasticities, NaN for the others."""
+    """Return the results that have elasticities, NaN for the others."""
     return np.where(np.abs(results) < ZERO, np.nan, results)
 
 
@@ -134,7 +137,7 @@ def _certificate(
     thorough: bool,
     pool: AnyPool,
 ) -> Certificate:
-    """The certificate of a result, from its gradients ``solved`` and ``again`` at another tolerance."""
+    """Return the certificate of a result, from its gradients ``solved`` and ``again`` at another tolerance."""
     run, names, values = result.run, task.names, task.values
     # Signed like elasticities, but finite where a parameter or a quantity is zero.
     moves = np.where(values == 0.0, 1.0, np.abs(values))

@@ -6,7 +6,7 @@ from .._types import Scalar, Values
 
 
 def hertz_shear(depth: Values | Scalar, poisson: Scalar) -> Values:
-    """The largest shear stress at a depth on the axis of a Hertzian pressure, over the pressure's peak.
+    """Return the largest shear stress at a depth on the axis of a Hertzian pressure, over the pressure's peak.
 
     The peak pressure may change with time, q0(t): the shear follows it. The tank paper's eq. 1 is the difference of the
     principal stresses, twice this (docs/model.md, slips).

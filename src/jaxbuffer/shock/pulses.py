@@ -41,14 +41,14 @@ def _ramp(w: Array, s: Array) -> Array:
 
 
 def _sine(w: Array, s: Array) -> Array:
-    """To sin πs; without the quotient that is 0/0 in resonance."""
+    """Return the response to sin πs, without the quotient that is 0/0 in resonance."""
     forced, half = jnp.pi, 0.5 * (w - jnp.pi) * s
     turned = forced * s * jnp.cos(0.5 * (w + forced) * s) * jnp.sinc(half / jnp.pi)
     return w / (w + forced) * (jnp.sin(forced * s) - turned)
 
 
 def _cosine(w: Array, s: Array) -> Array:
-    """To cos 2πs; without the quotient that is 0/0 in resonance."""
+    """Return the response to cos 2πs, without the quotient that is 0/0 in resonance."""
     forced, half = 2.0 * jnp.pi, 0.5 * (w - 2.0 * jnp.pi) * s
     return w * w / (w + forced) * s * jnp.sin(0.5 * (w + forced) * s) * jnp.sinc(half / jnp.pi)
 
@@ -70,7 +70,7 @@ PULSES: Mapping[str, Pulse] = MappingProxyType(
 
 
 def response(pulse: str, ratio: Scalar, time: Values | Scalar) -> Values:
-    """The deflection of an undamped oscillator at rest before the pulse.
+    """Return the deflection of an undamped oscillator at rest before the pulse.
 
     **Arguments:** ``pulse``: a name in `PULSES`; ``ratio``: r, the pulse's duration over the natural period [-];
     ``time``: over the pulse's duration, after its end too [-].
@@ -90,7 +90,7 @@ def response(pulse: str, ratio: Scalar, time: Values | Scalar) -> Values:
 
 
 def largest_response(pulse: str, ratio: Values | Scalar) -> Values:
-    """The largest deflection in either direction, during the pulse or after it ("maximax"); differentiable.
+    """Return the largest deflection in either direction, during the pulse or after it ("maximax"); differentiable.
 
     **Arguments:** ``pulse``: a name in `PULSES`; ``ratio``: r, the pulse's duration over the natural period, up to 100
     [-].
@@ -109,7 +109,7 @@ def largest_response(pulse: str, ratio: Values | Scalar) -> Values:
 
 
 def _largest(pulse: str, ratio: Float[Array, ""]) -> Float[Array, ""]:
-    """The larger of the largest during the pulse, located by Newton's method, and the amplitude after it."""
+    """Return the larger of the largest during the pulse, located by Newton's method, and the amplitude after it."""
 
     def deflection(time: Array) -> Array:
         return response(pulse, ratio, time)
@@ -119,7 +119,9 @@ def _largest(pulse: str, ratio: Float[Array, ""]) -> Float[Array, ""]:
     time = looked_at[jnp.argmax(jnp.abs(jax.vmap(deflection)(looked_at)))]
     for _ in range(4):
         slope, curvature = rate(time), jax.grad(rate)(time)
+        # Guarded: a pulse may leave the oscillator at rest, where nothing curves.
         move = jnp.where(curvature == 0.0, 0.0, slope / jnp.where(curvature == 0.0, 1.0, curvature))
+        # Kept within the spacing of the points looked at: Newton's method must not leave its maximum for another.
         time = jnp.clip(time - jnp.clip(move, -1.0 / POINTS, 1.0 / POINTS), 0.0, 1.0)
     during = jnp.abs(deflection(jax.lax.stop_gradient(time)))  # where the rate is zero, moving the time changes nothing
     after = jnp.hypot(deflection(jnp.ones(())), _rate_at_the_end(pulse, ratio) / (2.0 * jnp.pi * ratio))
@@ -127,7 +129,7 @@ def _largest(pulse: str, ratio: Float[Array, ""]) -> Float[Array, ""]:
 
 
 def _rate_at_the_end(pulse: str, ratio: Float[Array, ""]) -> Float[Array, ""]:
-    """Just before the pulse's end, where parts that begin there have no rate yet."""
+    """Return the rate just before the pulse's end, where parts that begin there have no rate yet."""
     w = 2.0 * jnp.pi * ratio
     parts = [part for part in PULSES[pulse] if part.start < 1.0]
     return sum((part.factor * jax.grad(part.response, 1)(w, jnp.asarray(1.0 - part.start)) for part in parts), 0.0 * w)

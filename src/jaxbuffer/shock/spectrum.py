@@ -18,7 +18,7 @@ def shock_spectrum(
     frequencies: Float[Array, " oscillators"],
     damping: Scalar = 0.05,
 ) -> Float[Array, " oscillators"]:
-    """The largest absolute acceleration of oscillators on a base that moves with a signal; differentiable by it.
+    """Return the largest absolute acceleration of oscillators on a base that moves with a signal; differentiable by it.
 
     Smallwood's filter: exact for a signal that is linear between its samples. The residual response is looked at for
     one period of the slowest oscillator after the signal's end.
@@ -58,6 +58,7 @@ def shock_spectrum(
         y = now * sample + once * x1 + twice * x2 + back_once * y1 - back_twice * y2
         return (sample, x1, y, y1, jnp.maximum(largest, jnp.abs(y))), jnp.zeros(())
 
+    # At rest before the signal, with the residual response after it in the samples that were padded.
     zeros = jnp.zeros(known.shape)
     return jax.lax.scan(advance, (jnp.zeros(()), jnp.zeros(()), zeros, zeros, zeros), signal)[0][-1]
 
@@ -68,7 +69,8 @@ def spectrum_of_motion(
     frequencies: Float[Array, " oscillators"],
     damping: Scalar = 0.05,
 ) -> Float[Array, " oscillators"]:
-    """The shock response spectrum of what moves with a body, from its velocity over time; differentiable by that.
+    """Return the shock response spectrum of what moves with a body, from its velocity over time; differentiable by
+    that.
 
     Instants may lie unevenly, as those of a run's history do. Between them the velocity goes in straight lines; its
     changes over even steps, 400 in the shortest period, are the acceleration. Before the first and after the last
@@ -103,13 +105,14 @@ def spectrum_of_motion(
         raise InputError(f"frequencies = {known.tolist()} Hz are out of range; allowed: (0, inf) Hz, at least one")
     step = 1.0 / (FINE * float(known.max()))
     count = int(np.ceil((instants[-1] - instants[0]) / step)) + 1
+    # Between the middles of the samples, so that each change of velocity belongs to the sample in its midst.
     edges = jnp.asarray(instants[0] + step * (np.arange(count + 1) - 0.5))
     acceleration = jnp.diff(jnp.interp(edges, instants, velocity)) / step
     return shock_spectrum(acceleration, step, jnp.asarray(known), damping)
 
 
 def _filter(frequencies: Array, step: float, damping: Scalar) -> tuple[Array, ...]:
-    """The weights of the last three samples and of the last two responses."""
+    """Return the weights of the last three samples and of the last two responses."""
     angle = 2.0 * jnp.pi * frequencies * step
     decay = jnp.exp(-damping * angle)
     turn = angle * jnp.sqrt(1.0 - damping**2)

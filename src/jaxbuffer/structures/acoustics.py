@@ -39,8 +39,8 @@ class Cover(NamedTuple):
     def of(
         surface: np.ndarray, at: Float[Array, "pairs 2"], wall: np.ndarray, above: Float[Array, "nodes 2"]
     ) -> "Cover":
-        """The wall's nodes ``wall`` at ``above`` [m], from left to right, over the nodes ``surface`` ``at`` [m]; both
-        from x = 0 on or from a wall on the left. A node on a wall counts where its strip's middle is."""
+        """Put the wall's nodes ``wall`` at ``above`` [m], from left to right, over the nodes ``surface`` ``at`` [m];
+        both begin at x = 0 or at a wall on the left. A node on a wall counts where its strip's middle is."""
         x, width = above[:, 0], jnp.abs(boundary_areas(at)[:, 1])
         x = jnp.where(x < 0.0, jax.lax.cummin(x, reverse=True), jax.lax.cummax(x))  # walls that lean out over it
         first = jnp.where(at[0, 0] < -width[0], 0.5 * width[0], 0.0)
@@ -56,13 +56,13 @@ class Cover(NamedTuple):
     def overlap(
         self, displacement: Float[Array, "structure 2"], raised: Float[Array, " pairs"]
     ) -> Float[Array, " pairs"]:
-        """The volume by which liquid and wall would overlap at each node [m²]; ``raised``: of the liquid that has gone
-        up through the surface [m²]."""
+        """Return the volume by which liquid and wall would overlap at each node [m²]; ``raised``: of the liquid that
+        has gone up through the surface [m²]."""
         moved = jnp.sum(self.shares * displacement[self.wall, 1], axis=1)
         return jnp.maximum(raised - self.width * (self.gap + moved), 0.0)
 
     def push(self, pressure: Float[Array, " pairs"], structure: int) -> Float[Array, "structure 2"]:
-        """What the ``pressure`` [Pa] on its surface does to the wall [N]."""
+        """Return what the ``pressure`` [Pa] on its surface does to the wall [N]."""
         up = (self.width * pressure)[:, None] * self.shares
         return jnp.zeros((structure, 2)).at[self.wall, 1].add(up)
 
@@ -98,15 +98,16 @@ class Liquid(NamedTuple):
     def push(
         self, pressure: Float[Array, " nodes"], structure: int, positions: Float[Array, "structure 2"] | None = None
     ) -> Float[Array, "structure 2"]:
-        """A p: what the liquid does to the ``structure`` nodes of the wall's mesh [N], at rest or at ``positions``."""
+        """Return A p: what the liquid does to the ``structure`` nodes of the wall's mesh [N], at rest or at
+        ``positions``."""
         outward = self.outward if positions is None else boundary_areas(positions[self.wall])
         return added_at(self.wall, pressure[self.wet][:, None] * outward, structure)
 
     def _swept(
         self, outward: Float[Array, "pairs 2"], wall: Float[Array, "structure 2"], through: Float[Array, " holes"]
     ) -> Float[Array, " nodes"]:
-        """Volume over time that leaves the liquid at each node [m²/s], by velocities of the wall and through a plate
-        [m/s]."""
+        """Return the volume over time that leaves the liquid at each node [m²/s], by velocities of the wall and through
+        a plate [m/s]."""
         swept = added_at(self.wet, jnp.sum(outward * wall[self.wall], axis=1), len(self.mass))
         return swept if self.plate is None else swept + self.plate.swept(wall, through, len(self.mass))
 
@@ -117,7 +118,8 @@ class Liquid(NamedTuple):
         through: Float[Array, " holes"],
         positions: Float[Array, "structure 2"],
     ) -> Float[Array, " nodes"]:
-        """ṗ [Pa/s] of a liquid that `follows`, from ∫p dt [Pa s] and the wall at one instant: M147 integrated once."""
+        """Return ṗ [Pa/s] of a liquid that `follows`, from ∫p dt [Pa s] and the wall at one instant: M147 integrated
+        once."""
         swept = self._swept(boundary_areas(positions[self.wall]), velocity, through)
         inside = jnp.einsum("eij,ej->ei", self.stiffness, self.incidence.to_corners(impulse))
         return -self.free * (self.density * swept + self.incidence.to_nodes(inside)) / self.mass
@@ -125,13 +127,13 @@ class Liquid(NamedTuple):
     def acceleration(
         self, pressure: Float[Array, " nodes"], wall: Float[Array, "structure 2"], through: Float[Array, " holes"]
     ) -> Float[Array, " nodes"]:
-        """p̈ [Pa/s²] under the accelerations of wall and plate, and of what flows through it [m/s²]."""
+        """Return p̈ [Pa/s²] under the accelerations of wall and plate, and of what flows through it [m/s²]."""
         inside = jnp.einsum("eij,ej->ei", self.stiffness, self.incidence.to_corners(pressure))
         return self.struck(wall, through) - self.free * self.incidence.to_nodes(inside) / self.mass
 
     def struck(self, wall: Float[Array, "structure 2"], through: Float[Array, " holes"]) -> Float[Array, " nodes"]:
-        """What accelerations of the wall and through a plate [m/s²] add to p̈ [Pa/s²], or sudden velocities [m/s] to ṗ
-        [Pa/s]."""
+        """Return what accelerations of the wall and through a plate [m/s²] add to p̈ [Pa/s²], or sudden velocities
+        [m/s] to ṗ [Pa/s]."""
         return -self.free * self.density * self._swept(self.outward, wall, through) / self.mass
 
     def met(
@@ -140,7 +142,8 @@ class Liquid(NamedTuple):
         displacement: Float[Array, "structure 2"],
         raised: Float[Array, " pairs"],
     ) -> Float[Array, " nodes"]:
-        """The pressure with that of the surface below its cover [Pa]: M_f p = ρ times the volume of the overlap."""
+        """Return the pressure with that of the surface below its cover [Pa]: M_f p = ρ times the volume of the
+        overlap."""
         if self.cover is None:
             return pressure
         met = self.density * self.cover.overlap(displacement, raised) / self.mass[self.cover.surface]
@@ -149,7 +152,8 @@ class Liquid(NamedTuple):
     def rising(
         self, impulse: Float[Array, " nodes"], velocity: Float[Array, "structure 2"], through: Float[Array, " holes"]
     ) -> Float[Array, " pairs"]:
-        """Volume that goes up through the surface in a second [m²/s]: what M147, integrated once, leaves there."""
+        """Return the volume that goes up through the surface in a second [m²/s]: what M147, integrated once, leaves
+        there."""
         if self.cover is None:
             return jnp.zeros(0)
         inside = jnp.einsum("eij,ej->ei", self.stiffness, self.incidence.to_corners(impulse))
@@ -159,14 +163,17 @@ class Liquid(NamedTuple):
     def energy(
         self, pressure: Float[Array, " nodes"], before: Float[Array, " nodes"], after: Float[Array, " nodes"]
     ) -> Float[Array, ""]:
-        """Of compression and of motion [J]. ``before``, ``after``: ∫p dt half a step before and after [Pa s]."""
+        """Return the energy of compression and of motion [J]. ``before``, ``after``: ∫p dt half a step before and after
+        [Pa s]."""
         corners = self.incidence.to_corners
+        # Of half steps before and after, as in M149: with them the sum of energies is constant but for rounding.
         moving = jnp.einsum("ei,eij,ej->", corners(before), self.stiffness, corners(after))
         return 0.5 * (jnp.sum(self.mass * pressure**2) + moving) / self.density
 
     def fastest(self) -> Float[Array, ""]:
-        """A bound of the highest natural frequency between rigid walls [rad/s]."""
+        """Return a bound of the highest natural frequency between rigid walls [rad/s]."""
         own = self.incidence.to_corners(self.mass)
+        # No eigenvalue exceeds the largest sum of a row's sizes (Gershgorin), and a bound is enough for a stable step.
         share = self.stiffness / jnp.sqrt(own[:, :, None] * own[:, None])
         return jnp.sqrt(jnp.max(self.incidence.to_nodes(jnp.sum(jnp.abs(share), axis=2))))
 
@@ -174,7 +181,7 @@ class Liquid(NamedTuple):
 def element_matrices(
     positions: Float[Array, "nodes 2"], corners: np.ndarray, sound_speed: Scalar
 ) -> tuple[Float[Array, "elements 4 4"], Float[Array, "elements 4 4"]]:
-    """K_f [-] and the consistent M_f [s²] of each element.
+    """Return K_f [-] and the consistent M_f [s²] of each element.
 
     **Arguments:** ``positions`` [m]; ``corners``: (elements, 4), counter-clockwise; ``sound_speed``: c [m/s].
     """

@@ -26,7 +26,7 @@ class Bars(NamedTuple):
 
     @staticmethod
     def of(positions: Float[Array, "nodes 2"], ends: np.ndarray, section: Scalar) -> "Bars":
-        """From the nodes' positions [m], the ends' nodes (elements, 2) and the section's area [m²]."""
+        """Make bars from the nodes' positions [m], the ends' nodes (elements, 2) and the section's area [m²]."""
         incidence = Incidence.of(ends, len(positions))
         at = incidence.to_corners(jnp.asarray(positions, float))
         along = at[:, 1] - at[:, 0]
@@ -34,15 +34,16 @@ class Bars(NamedTuple):
         return Bars(incidence, along / length[:, None], length, section)
 
     def strains(self, displacements: Float[Array, "elements 2 2"]) -> Float[Array, " elements"]:
-        """(elements,) [-] of the ends' displacements [m]."""
+        """Return the (elements,) strains [-] from the ends' displacements [m]."""
         return jnp.sum((displacements[:, 1] - displacements[:, 0]) * self.direction, axis=1) / self.length
 
     def forces(self, stress: Float[Array, " elements"]) -> Float[Array, "elements 2 2"]:
-        """With which the bars resist, at their ends [N]. ``stress``: (elements,) [Pa]."""
+        """Return the forces with which the bars resist, at their ends [N]. ``stress``: (elements,) [Pa]."""
         pull = (stress * self.section)[:, None] * self.direction
         return jnp.stack([-pull, pull], axis=1)
 
     def lumped_mass(self, density: Scalar) -> Float[Array, " nodes"]:
-        """(nodes,) half of each bar's mass at each of its ends (M129) [kg]. ``density``: [kg/m³]."""
+        """Return the (nodes,) lumped masses, half of each bar's mass at each of its ends (M129) [kg]. ``density``:
+        [kg/m³]."""
         half = 0.5 * density * self.section * self.length
         return self.incidence.to_nodes(jnp.repeat(half[:, None], 2, axis=1))

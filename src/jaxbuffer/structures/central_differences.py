@@ -21,7 +21,7 @@ KEPT = 512  # states between blocks that a backward run goes back to, at most
 
 
 def advance(system: System, state: State, step: Scalar, near: Near) -> tuple[State, Instant]:
-    """One step.
+    """Take one step by central differences (M126).
 
     **Arguments:** ``system``; ``state`` at t; ``step`` [s]; ``near``: the contacts' candidates (see `System.search`).
 
@@ -46,9 +46,11 @@ def advance(system: System, state: State, step: Scalar, near: Near) -> tuple[Sta
         residual = residual + system.gas.push(positions)
     layers, contacts, pressing = _pressing(system, state, positions, residual, step, near)
     velocity = state.velocity + step * (system.inverse_mass * (residual + pressing))
+    # Velocities stand half a step beside the displacements: their mean is that of the instant.
     between = 0.5 * (state.velocity + velocity)
     wet, holes = _liquid_after(liquid, state, step, pressure, resistance, positions, velocity)
     energies = Energies(
+        # The velocities half a step before and after, not a square: their energies add up to a constant (M127).
         kinetic=0.5 * jnp.sum(mass * state.velocity * velocity),
         stored=_sum(resistances, "stored"),
         plastic=_sum(resistances, "plastic"),
@@ -87,7 +89,7 @@ class Wet(NamedTuple):
 def _pressing(
     system: System, state: State, positions: Array, residual: Array, step: Scalar, near: Near
 ) -> tuple[tuple[ContactForces, ...], tuple[ContactForces, ...], Float[Array, "nodes 2"]]:
-    """The forces of each layer and of each contact, one after the other, and all of them on the nodes [N]."""
+    """Return the forces of each layer and of each contact, one after the other, and all of them on the nodes [N]."""
     layers = tuple(layer.forces(positions, state.velocity) for layer in system.layers)
     pressing, contacts = sum((forces.nodes for forces in layers), jnp.zeros_like(positions)), list[ContactForces]()
     for contact, candidates, before in zip(system.contacts, near, state.pressed, strict=True):
@@ -102,7 +104,7 @@ def _pressing(
 def _with_liquid(
     forces: Array, system: System, liquid: Liquid, pressure: Array, resistance: Array, positions: Array
 ) -> Float[Array, "nodes 2"]:
-    """The forces with those of the liquid on wall and plate [N]."""
+    """Add the forces of the liquid on wall and plate [N]."""
     static, nodes = system.static_pressure, len(positions)
     if liquid.follows:
         forces = forces + liquid.push(pressure, nodes, positions)
@@ -125,7 +127,7 @@ def _liquid_after(
     positions: Array,
     velocity: Array,
 ) -> tuple[Wet, Through]:
-    """The liquid after a step, and what has flown through a plate in it."""
+    """Return the liquid after a step, and what has flown through a plate in it."""
     holes = Through.none(state.through)
     if liquid is None:
         return Wet(pressure, state.pressure_rate, state.impulse, state.raised), holes
@@ -135,6 +137,7 @@ def _liquid_after(
     if liquid.follows:  # half a step later: with the wall half way, the area that it sweeps is exact
         rate = liquid.rate(impulse, velocity, holes.after, positions + 0.5 * step * velocity)
     else:
+        # The accelerations at t, by M126 from the velocities half a step before and after.
         wall, through = (velocity - state.velocity) / step, (holes.after - state.through) / step
         rate = state.pressure_rate + step * liquid.acceleration(pressure, wall, through)
     raised = state.raised + step * liquid.rising(impulse, velocity, holes.after)
@@ -142,12 +145,12 @@ def _liquid_after(
 
 
 def _sum(resistances: tuple[Resistance, ...], name: str) -> Float[Array, ""]:
-    """Of all groups of elements."""
+    """Sum a number over all groups of elements."""
     return sum((getattr(part, name) for part in resistances), jnp.zeros(()))
 
 
 def _liquid_energy(system: System, state: State, pressure: Array, impulse: Array) -> Float[Array, ""]:
-    """Of the liquid, of what its static pressure has done, and of the gas above it."""
+    """Return the energy of the liquid, of what its static pressure has done, and of the gas above it [J]."""
     own = jnp.zeros(()) if system.gas is None else system.gas.energy(system.positions + state.displacement)
     if system.liquid is None:
         return own
@@ -168,7 +171,7 @@ def march(
     until: Callable[[T], Bool[Array, ""]] = lambda observations: jnp.asarray(False),
     backwards: bool = False,
 ) -> tuple[State, T]:
-    """Many steps.
+    """Take many steps, and search for contact between blocks of them.
 
     **Arguments:**
 
@@ -193,7 +196,7 @@ def march(
 
     def body(carry: tuple[Array, State, T]) -> tuple[Array, State, T]:
         done, state, observations = carry
-        near = jax.lax.stop_gradient(system.search(state.displacement))
+        near = jax.lax.stop_gradient(system.search(state.displacement))  # a choice has no derivative
         state, observations = jax.lax.scan(lambda c, _: (again(c, near), None), (state, observations), length=BLOCK)[0]
         return done + 1, state, observations
 

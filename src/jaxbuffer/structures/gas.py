@@ -25,20 +25,21 @@ class Gas(eqx.Module):
     pressure: Scalar
 
     def share(self, positions: Float[Array, "nodes 2"]) -> Float[Array, ""]:
-        """V/V0, of the volume at the start [-]."""
+        """Return V/V0, the share of the volume at the start [-]."""
         return 1.0 + (enclosed(positions[self.wall]) - self.whole) / self.volume
 
     def overpressure(self, positions: Float[Array, "nodes 2"]) -> Float[Array, ""]:
-        """Of the gas over the outside [Pa]: p0 ((V0/V)^γ - 1)."""
+        """Return the overpressure of the gas over the outside [Pa]: p0 ((V0/V)^γ - 1)."""
         return self.pressure * (self.share(positions) ** -EXPONENT - 1.0)
 
     def push(self, positions: Float[Array, "nodes 2"]) -> Float[Array, "nodes 2"]:
-        """What it does to the nodes [N]."""
+        """Return the gas's forces on the nodes [N]."""
+        # The outside presses on the other side of the wall: only the difference acts.
         forces = self.overpressure(positions) * boundary_areas(positions[self.wall])
         return added_at(self.wall, forces, len(positions))
 
     def energy(self, positions: Float[Array, "nodes 2"]) -> Float[Array, ""]:
-        """Stored in it, less what the outside has done [J]: the integral of -(p - p0) dV."""
+        """Return the energy stored in it, less what the outside has done [J]: the integral of -(p - p0) dV."""
         share = self.share(positions)
         stored = (share ** (1.0 - EXPONENT) - 1.0) / (EXPONENT - 1.0) + share - 1.0
         return self.pressure * self.volume * stored

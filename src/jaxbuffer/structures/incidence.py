@@ -19,21 +19,22 @@ class Incidence(NamedTuple):
 
     @staticmethod
     def of(corners: np.ndarray, nodes: int) -> "Incidence":
-        """From the node of each corner (elements, corners) and the number of nodes."""
+        """Make both ways from the node of each corner (elements, corners) and the number of nodes."""
         corners = np.asarray(corners, int)
         meeting: list[list[int]] = [[] for _ in range(nodes)]
         for place, node in enumerate(corners.ravel()):
             meeting[node].append(place)
         most = max([1, *map(len, meeting)])
+        # Filled up with the number of a zero that stands behind all corners, so that every node gathers as many.
         places = np.array([[*group, *[corners.size] * (most - len(group))] for group in meeting], int)
         return Incidence(corners, places.reshape(nodes, most))
 
     def to_corners(self, values: Float[Array, "nodes *rest"]) -> Float[Array, "elements corners *rest"]:
-        """The nodes' numbers at each element's corners."""
+        """Return the nodes' numbers at each element's corners."""
         return values[self.corners]
 
     def to_nodes(self, values: Float[Array, "elements corners *rest"]) -> Float[Array, "nodes *rest"]:
-        """The sum of what the corners that meet in a node have."""
+        """Sum the numbers of the corners that meet in each node."""
         flat = values.reshape(-1, *values.shape[2:])
         padded = jnp.concatenate([flat, jnp.zeros((1, *flat.shape[1:]))])
         total = padded[self.places[:, 0]]
@@ -43,7 +44,7 @@ class Incidence(NamedTuple):
 
 
 def added_at(places: Int[Array, " values"] | np.ndarray, values: Float[Array, "values *rest"], count: int) -> Array:
-    """(count, …) the sum of the ``values`` at each of ``count`` places; a gather where these are known beforehand."""
+    """Sum the ``values`` at each of ``count`` places, (count, …); by a gather where the places are known beforehand."""
     if isinstance(places, np.ndarray):
         return Incidence.of(places[:, None], count).to_nodes(values[:, None])
     return jnp.zeros((count, *values.shape[1:])).at[places].add(values)

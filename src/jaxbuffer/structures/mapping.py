@@ -22,8 +22,8 @@ class Rule(NamedTuple):
 
     @staticmethod
     def of(across: int = 2) -> "Rule":
-        """Gauss's two points along ξ and, along η, his two points, or more of Lobatto's, which has the first and the
-        last on the element's sides."""
+        """Make Gauss's rule with two points along ξ and, along η, two as well or more of Lobatto's, which has the first
+        and the last on the element's sides."""
         at, weights = GAUSS, np.ones(2)
         if across > 2:
             legendre = np.polynomial.legendre.Legendre.basis(across - 1)
@@ -33,12 +33,12 @@ class Rule(NamedTuple):
 
     @property
     def shapes(self) -> Float[np.ndarray, "points corners"]:
-        """N of the corners."""
+        """Return N of the corners."""
         return 0.25 * np.prod(1.0 + SIGNS[None] * self.points[:, None], axis=-1)
 
     @property
     def slopes(self) -> Float[np.ndarray, "points corners 2"]:
-        """∂N/∂(ξ, η)."""
+        """Return ∂N/∂(ξ, η)."""
         return 0.25 * SIGNS[None] * (1.0 + (SIGNS[None] * self.points[:, None])[..., ::-1])
 
 
@@ -56,11 +56,12 @@ class Mapping(NamedTuple):
 
     @staticmethod
     def of(corners: Float[Array, "elements 4 2"], rule: Rule) -> "Mapping":
-        """From the corners' positions [m], counter-clockwise."""
+        """Map elements from the corners' positions [m], counter-clockwise."""
         slopes = rule.slopes
         jacobian = jnp.einsum("pck,eci->epik", slopes, corners)  # ∂X/∂(ξ, η)
         a, b, c, d = jacobian[..., 0, 0], jacobian[..., 0, 1], jacobian[..., 1, 0], jacobian[..., 1, 1]
         determinant = a * d - b * c
+        # Written out for two by two, as all points of all elements are inverted at once.
         adjugate = jnp.stack([jnp.stack([d, -b], axis=-1), jnp.stack([-c, a], axis=-1)], axis=-2)
         inverse = adjugate / determinant[..., None, None]
         return Mapping(determinant * rule.weights[None], inverse, jnp.einsum("pck,epki->epci", slopes, inverse))

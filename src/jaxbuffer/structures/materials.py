@@ -25,7 +25,7 @@ class History(NamedTuple):
 
     @staticmethod
     def none(*points: int) -> "History":
-        """Of points that have never yielded."""
+        """Return the history of points that have never yielded."""
         return History(jnp.zeros((*points, 3)), jnp.zeros(points))
 
 
@@ -48,29 +48,29 @@ class Material(eqx.Module):
     density: Scalar
 
     def coupling(self) -> Float[Array, " 2"]:
-        """The strain across over the strain along own axis 1, and 2, where no stress acts across, with its sign
+        """Return the strain across over the strain along own axis 1, and 2, where no stress acts across, with its sign
         changed [-]."""
         raise NotImplementedError
 
     def answer(self, strain: Float[Array, "*points 3"], history: History) -> Stressed:
-        """Stress and what follows. ``strain``: (ε11, ε22, γ12) [-]."""
+        """Return the stress and what follows. ``strain``: (ε11, ε22, γ12) [-]."""
         raise NotImplementedError
 
     def wave_speed(self) -> Float[Array, ""]:
-        """Of the fastest wave [m/s]."""
+        """Return the speed of the fastest wave [m/s]."""
         raise NotImplementedError
 
     def plastic_work(self, history: History) -> Float[Array, " *points"]:
-        """What yielding has taken so far [J/m³]."""
+        """Return the work that yielding has taken so far [J/m³]."""
         return jnp.zeros(history.equivalent.shape)
 
     def flowed_across(self, history: History) -> Float[Array, "*points 2"] | None:
-        """By how much own axis 1, and 2, is strained by what has flowed so far, where no stress acts along it and the
-        other axis is held [-]; None where nothing flows."""
+        """Return by how much own axis 1, and 2, is strained by what has flowed so far, where no stress acts along it
+        and the other axis is held [-]; None where nothing flows."""
         return None
 
     def failed(self, history: History) -> Bool[Array, " *points"]:
-        """Which points carry nothing any more."""
+        """Return which points carry nothing any more."""
         return jnp.zeros(history.equivalent.shape, bool)
 
 
@@ -90,12 +90,12 @@ class Elastic(Material):
 
     @property
     def shear_modulus(self) -> Scalar:
-        """μ [Pa]"""
+        """Return μ [Pa]."""
         return self.young / (2.0 * (1.0 + self.poisson))
 
     @property
     def lame(self) -> Scalar:
-        """λ of the plane: of plane stress what follows where σ33 vanishes [Pa]."""
+        """Return λ of the plane: of plane stress what follows where σ33 vanishes [Pa]."""
         if self.plane == "stress":
             return self.young * self.poisson / (1.0 - self.poisson**2)
         return self.young * self.poisson / ((1.0 + self.poisson) * (1.0 - 2.0 * self.poisson))
@@ -138,12 +138,12 @@ class Orthotropic(Material):
         return stacked(rows).reshape(3, 3)
 
     def strain_along(self, stress: Float[Array, "*points 4"]) -> Float[Array, " *points"]:
-        """ε11 [-] from σ11, σ22, σ12, σ33 [Pa]."""
+        """Return ε11 [-] from σ11, σ22, σ12, σ33 [Pa]."""
         first = self._compliance()[0]
         return first[0] * stress[..., 0] + first[1] * stress[..., 1] + first[2] * stress[..., 3]
 
     def _stiffness(self) -> Float[Array, "3 2"]:
-        """σ11, σ22, σ33 from ε11, ε22 [Pa]."""
+        """Return σ11, σ22, σ33 from ε11, ε22 [Pa]."""
         return jnp.linalg.inv(self._compliance())[:, :2]
 
     def coupling(self) -> Float[Array, " 2"]:
@@ -182,7 +182,7 @@ class Plastic(Material):
 
     @property
     def elastic(self) -> Elastic:
-        """The same before it yields."""
+        """Return the same material before it yields."""
         return Elastic(self.density, self.young, self.poisson)
 
     def coupling(self) -> Float[Array, " 2"]:
@@ -199,8 +199,10 @@ class Plastic(Material):
         elastic = (strain[..., 0] - p11, strain[..., 1] - p22, p11 + p22, 0.5 * strain[..., 2] - p12)  # 11, 22, 33, 12
         trial = [2.0 * shear * (part - volume / 3.0) for part in elastic[:3]] + [2.0 * shear * elastic[3]]
         squared = 1.5 * (trial[0] ** 2 + trial[1] ** 2 + trial[2] ** 2 + 2.0 * trial[3] ** 2)
+        # Guarded: a root of zero has no derivative.
         mises = jnp.sqrt(jnp.where(squared > 0.0, squared, 1.0)) * (squared > 0.0)
         limit = self.yield_stress + self.hardening * history.equivalent
+        # Radial return: with linear hardening its equation is linear.
         yielded = jnp.maximum(mises - limit, 0.0) / (3.0 * shear + self.hardening)
         flow = 1.5 * yielded / jnp.where(mises > 0.0, mises, 1.0)  # times the trial deviator: what flows
         left = 1.0 - 2.0 * shear * flow
@@ -226,7 +228,8 @@ class Plastic(Material):
 
 
 def mises(stress: Float[Array, "*points 4"]) -> Float[Array, " *points"]:
-    """The equivalent stress after von Mises [Pa], of (σ11, σ22, σ12, σ33)."""
+    """Return the equivalent stress after von Mises [Pa], of (σ11, σ22, σ12, σ33)."""
     s11, s22, s12, s33 = (stress[..., k] for k in range(4))
     squared = 0.5 * ((s11 - s22) ** 2 + (s22 - s33) ** 2 + (s33 - s11) ** 2) + 3.0 * s12**2
+    # Guarded: a root of zero has no derivative.
     return jnp.sqrt(jnp.where(squared > 0.0, squared, 1.0)) * (squared > 0.0)

@@ -27,7 +27,7 @@ class Holes(NamedTuple):
 
     @staticmethod
     def of(thickness: Scalar, diameter: Scalar, aperture: Scalar) -> "Holes":
-        """Round ones with sharp edges, ``aperture`` of the area together [-]."""
+        """Make round holes with sharp edges that have the share ``aperture`` of the area together [-]."""
         aperture = jnp.asarray(aperture, float)
         root = jnp.sqrt(aperture)
         beyond = 0.85 * diameter * (1.0 - 1.47 * root + 0.47 * root**3)
@@ -52,7 +52,7 @@ class Through(NamedTuple):
 
     @staticmethod
     def none(before: Float[Array, " pairs"]) -> "Through":
-        """Without a plate."""
+        """Return the flow without a plate: none."""
         return Through(before, *(jnp.zeros(()),) * 3)
 
 
@@ -75,18 +75,18 @@ class Perforated(NamedTuple):
     density: Scalar
 
     def jump(self, pressure: Float[Array, " liquid"]) -> Float[Array, " pairs"]:
-        """By how much the pressure on the left is above that on the right [Pa]."""
+        """Return by how much the pressure on the left is above that on the right [Pa]."""
         return pressure[self.left] - pressure[self.right]
 
     def moved(self, velocity: Float[Array, "structure 2"]) -> Float[Array, " pairs"]:
-        """The plate's velocity there, to the right [m/s]."""
+        """Return the plate's velocity there, to the right [m/s]."""
         return self.shares @ jnp.mean(velocity[self.plate, 0], axis=1)
 
     def resistance(
         self, velocity: Float[Array, "structure 2"], before: Float[Array, " pairs"], step: Scalar
     ) -> Float[Array, " pairs"]:
-        """R [Pa], ρ ζ |q| q/2 of the flow half a step before, less by what it brakes that itself, so that no step is
-        too long for it."""
+        """Return R [Pa], ρ ζ |q| q/2 of the flow half a step before, less by what it brakes that itself, so that no
+        step is too long for it."""
         flow = before - self.holes.carried * self.moved(velocity)
         braking = 0.5 * self.holes.loss * jnp.abs(flow)
         return self.density * braking * flow / (1.0 + step * braking / self.holes.inertia)
@@ -94,7 +94,7 @@ class Perforated(NamedTuple):
     def push(
         self, pressure: Float[Array, " liquid"], resistance: Float[Array, " pairs"], structure: int
     ) -> Float[Array, "structure 2"]:
-        """What the liquid does to the plate [N]."""
+        """Return the liquid's forces on the plate [N]."""
         on_plate = (1.0 - self.holes.carried) * self.jump(pressure) + self.holes.carried * resistance
         rows = self.shares.T @ (self.area * on_plate) / self.plate.shape[1]
         sideways = added_at(self.plate.ravel(), jnp.repeat(rows, self.plate.shape[1]), structure)
@@ -103,8 +103,8 @@ class Perforated(NamedTuple):
     def swept(
         self, velocity: Float[Array, "structure 2"], through: Float[Array, " pairs"], liquid: int
     ) -> Float[Array, " liquid"]:
-        """Volume over time that leaves the liquid at each of its nodes [m²/s], by the plate's ``velocity`` and s, or
-        the rate of that by their rates."""
+        """Return the volume over time that leaves the liquid at each of its nodes [m²/s], by the plate's ``velocity``
+        and s, or the rate of that by their rates."""
         across = self.area * ((1.0 - self.holes.carried) * self.moved(velocity) + through)
         return added_at(np.concatenate([self.left, self.right]), jnp.concatenate([across, -across]), liquid)
 
@@ -116,7 +116,7 @@ class Perforated(NamedTuple):
         velocity: tuple[Float[Array, "structure 2"], Float[Array, "structure 2"]],
         step: Scalar,
     ) -> Through:
-        """A step of ρ τ ṡ = jump - R, with the plate's ``velocity`` half a step before and half a step later."""
+        """Take a step of ρ τ ṡ = jump - R, with the plate's ``velocity`` half a step before and half a step later."""
         after = before + step * (self.jump(pressure) - resistance) / (self.density * self.holes.inertia)
         first, last = (s - self.holes.carried * self.moved(v) for s, v in zip((before, after), velocity, strict=True))
         lost = 0.5 * step * self.area * resistance
@@ -124,15 +124,16 @@ class Perforated(NamedTuple):
         return Through(after, kinetic, jnp.sum(lost * first), jnp.sum(lost * (first + last)))
 
     def added_mass(self) -> Float[Array, "rows across"]:
-        """Of liquid that moves with the plate's nodes sideways [kg]."""
+        """Return the mass of liquid that moves with the plate's nodes sideways [kg]."""
         rows = self.density * self.holes.added * (self.shares.T @ self.area) / self.plate.shape[1]
         return jnp.repeat(rows[:, None], self.plate.shape[1], axis=1)
 
     def fastest(
         self, mass: Float[Array, " liquid"], free: Float[Array, " liquid"], inverse_mass: Float[Array, "structure 2"]
     ) -> Float[Array, ""]:
-        """What plate and holes add to the square of the system's highest frequency, at most [1/s²]: the largest row sum
-        of what jumps do to a jump. ``mass``: of the liquid's nodes [s²]; ``free``: 0 where no pressure can be."""
+        """Return what plate and holes add to the square of the system's highest frequency, at most [1/s²]: the largest
+        row sum of what jumps do to a jump. ``mass``: of the liquid's nodes [s²]; ``free``: 0 where no pressure can
+        be."""
         softer = free[self.left] / mass[self.left] + free[self.right] / mass[self.right]
         rows = (1.0 - self.holes.carried) ** 2 * (self.shares.T @ self.area) / self.plate.shape[1]
         moved = self.shares @ jnp.mean(rows[:, None] * inverse_mass[self.plate, 0], axis=1)
@@ -140,5 +141,7 @@ class Perforated(NamedTuple):
 
 
 def at_heights(heights: Float[Array, " pairs"], rows: Float[Array, " rows"]) -> Float[Array, "pairs rows"]:
-    """Shares of the plate's ``rows`` [m], which follow each other upwards, in its place at some ``heights`` [m]."""
+    """Return the shares of the plate's ``rows`` [m], which follow each other upwards, in its place at some ``heights``
+    [m]."""
+    # Interpolating each row's unit vector gives its shares.
     return jax.vmap(lambda of_row: jnp.interp(heights, rows, of_row), out_axes=1)(jnp.eye(len(rows)))

@@ -27,7 +27,7 @@ class Sloshing(NamedTuple):
 
 
 def in_rectangle(length: Scalar, height: Scalar, mode: int = 1, gravity: Scalar = GRAVITY) -> Sloshing:
-    """An antisymmetric mode of a rectangular tank.
+    """Return an antisymmetric mode of a rectangular tank.
 
     **Arguments:** ``length`` of the tank [m]; ``height`` of the liquid [m]; ``mode``: counted from 1; ``gravity``
     [m/s²].
@@ -50,7 +50,7 @@ def in_rectangle(length: Scalar, height: Scalar, mode: int = 1, gravity: Scalar 
 
 
 def in_cylinder(radius: Scalar, height: Scalar, gravity: Scalar = GRAVITY) -> Sloshing:
-    """The first mode of an upright cylinder. ``radius``, ``height`` of the liquid [m]; ``gravity`` [m/s²].
+    """Return the first mode of an upright cylinder. ``radius``, ``height`` of the liquid [m]; ``gravity`` [m/s²].
 
     **Example:** as deep as it is wide by half.
 

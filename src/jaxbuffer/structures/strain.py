@@ -7,7 +7,8 @@ SMALL = 1e-3  # the square of the argument below which a series is exact to roun
 
 
 def logarithmic(c11: Array, c22: Array, c12: Array) -> Float[Array, "*batch 3"]:
-    """½ ln C as (ε11, ε22, γ12), from C = FᵀF, in closed form and smooth where the principal stretches are equal.
+    """Return ½ ln C as (ε11, ε22, γ12), from C = FᵀF, in closed form and smooth where the principal stretches are
+    equal.
 
     **Example:** a stretch to twice the length.
 
@@ -23,7 +24,8 @@ def logarithmic(c11: Array, c22: Array, c12: Array) -> Float[Array, "*batch 3"]:
 
 
 def _artanh_over_argument(squared: Array) -> Array:
-    """artanh(x)/x from x²."""
+    """Return artanh(x)/x from x²."""
     series = 1.0 + squared * (1.0 / 3.0 + squared * (1.0 / 5.0 + squared * (1.0 / 7.0 + squared / 9.0)))
+    # Each branch gets an argument that it can take: NaN of one that is not taken would reach the derivative.
     x = jnp.sqrt(jnp.where(squared < SMALL, 0.25, squared))
     return jnp.where(squared < SMALL, series, jnp.arctanh(x) / x)

@@ -35,16 +35,16 @@ class Elements(Protocol):
     """A group of elements of one kind and one material."""
 
     def start(self) -> History:
-        """What they remember at first."""
+        """Return what they remember at first."""
 
     def resist(self, displacement: Float[Array, "nodes 2"], history: History) -> Resistance:
-        """Their answer."""
+        """Return their answer."""
 
     def mass(self) -> Float[Array, " nodes"]:
-        """(nodes,) lumped [kg]."""
+        """Return the (nodes,) lumped masses [kg]."""
 
     def fastest(self) -> Float[Array, " elements"]:
-        """(elements,) the highest natural frequency of each, free [rad/s]."""
+        """Return the (elements,) highest natural frequencies of each alone, free [rad/s]."""
 
 
 class Plane(eqx.Module):
@@ -61,7 +61,8 @@ class Plane(eqx.Module):
         return History.none(*self.quads.weight.shape)
 
     def resist(self, displacement: Float[Array, "nodes 2"], history: History) -> Resistance:
-        """An element whose points have all failed is deleted: it carries nothing and remembers no more."""
+        """Return the elements' answer. One whose points have all failed is deleted: it carries nothing and remembers no
+        more."""
         alive = 1.0 - jnp.all(self.material.failed(history), axis=1)
         # A deleted element may turn inside out, which has no strain: nothing times NaN would be NaN.
         here = jnp.where(alive[:, None, None] > 0.0, self.quads.incidence.to_corners(displacement), 0.0)
@@ -91,7 +92,8 @@ class Plane(eqx.Module):
         return self.quads.lumped_mass(self.material.density)
 
     def stiffness(self, displacement: Float[Array, "nodes 2"]) -> Float[Array, "elements 8 8"]:
-        """Of each element as it is before it yields [N/m]: forces at its corners from their displacements."""
+        """Return the stiffness of each element as it is before it yields [N/m]: forces at its corners from their
+        displacements."""
         history, coupling = self.start(), self.material.coupling()
         here = self.quads.incidence.to_corners(displacement)
 
@@ -103,6 +105,7 @@ class Plane(eqx.Module):
         def column(direction: Array) -> Array:
             return jax.jvp(forces, (here,), (jnp.broadcast_to(direction[None], here.shape),))[1]
 
+        # Eight push-forwards for all elements together, since none answers to the corners of another.
         columns = jax.vmap(column)(jnp.eye(8).reshape(8, 4, 2))
         return jnp.moveaxis(columns, 0, -1).reshape(-1, 8, 8)
 
@@ -145,5 +148,5 @@ class Rods(eqx.Module):
 
 
 def _beside(alive: Array, values: Array) -> Array:
-    """One number an element, in the shape of its points' numbers."""
+    """Return one number an element, in the shape of its points' numbers."""
     return alive.reshape(-1, *[1] * (values.ndim - 1))

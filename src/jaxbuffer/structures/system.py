@@ -44,12 +44,13 @@ class System(eqx.Module):
 
     @property
     def mass(self) -> Float[Array, "nodes 2"]:
-        """Of each direction that is not held, 0 where it is [kg]."""
+        """Return the mass of each direction that is not held, 0 where it is [kg]."""
+        # A held node has an infinite mass: zero keeps it out of weights and energies.
         free = self.inverse_mass > 0.0
         return jnp.where(free, 1.0 / jnp.where(free, self.inverse_mass, 1.0), 0.0)
 
     def start(self, velocity: Float[Array, "nodes 2"] | None = None) -> "State":
-        """Undeformed, with velocities [m/s] (default: at rest), which a liquid has not felt yet."""
+        """Return the undeformed state with velocities [m/s] (default: at rest), which a liquid has not felt yet."""
         still = jnp.zeros_like(self.positions)
         velocity = still if velocity is None else velocity
         quiet = jnp.zeros(0) if self.liquid is None else jnp.zeros_like(self.liquid.mass)
@@ -70,7 +71,7 @@ class System(eqx.Module):
         )
 
     def search(self, displacement: Float[Array, "nodes 2"]) -> tuple:
-        """The candidates of each contact, where it needs any."""
+        """Return the candidates of each contact, where it needs any."""
         return tuple(
             candidates(contact.slaves, contact.surface.ends, self.positions + displacement)
             if isinstance(contact.surface, Segments)
@@ -79,7 +80,7 @@ class System(eqx.Module):
         )
 
     def stable_step(self) -> Float[Array, ""]:
-        """The critical step [s], found from the fastest element, node on a contact and liquid element, at rest.
+        """Return the critical step [s], found from the fastest element, node on a contact and liquid element, at rest.
 
         An element's frequency bounds that of any assembly of such (Irons). What a contact or the liquid adds to a node
         adds to the square at most (M128).
@@ -101,11 +102,12 @@ class System(eqx.Module):
             if wet.plate is not None:
                 added.append(wet.plate.fastest(wet.mass, wet.free, self.inverse_mass))
             fastest = jnp.maximum(fastest, wet.fastest() ** 2)
+        # By Weyl's inequality the largest eigenvalues of all parts add up to a bound of the largest of their sum.
         return 2.0 / jnp.sqrt(fastest + sum(added, jnp.zeros(())))
 
     def _penalties(self, contact: Contact) -> Float[Array, ""]:
-        """What a contact's penalties add to the square of a frequency, at most [1/s²]: all nodes press on a rigid plane
-        together, two at most on a segment."""
+        """Return what a contact's penalties add to the square of a frequency, at most [1/s²]: all nodes press on a
+        rigid plane together, two at most on a segment."""
         surface = contact.surface
         stiffness = jnp.broadcast_to(jnp.asarray(contact.stiffness, float), (len(contact.slaves),))
         if isinstance(surface, Segments):

@@ -73,7 +73,7 @@ class Options(Part):
     solver: str = choice("automatic", *SOLVER_NAMES, doc="how runs are stepped")
 
     def stepper(self) -> Solver:
-        """The solver that ``solver`` names."""
+        """Return the solver that ``solver`` names."""
         return solver_named(self.solver)
 
 
@@ -104,6 +104,7 @@ class Config:
         check_pair(mechanism, self.design, self.scenario)
         if self.options.duration is None:
             filled = dataclasses.replace(self.options, duration=mechanism.duration(self.design))
+            # Frozen for everyone else: what was left out is filled in here, once.
             object.__setattr__(self, "options", filled)
             object.__setattr__(self, "usual_duration", True)
         for i, scenario in enumerate(self.scenarios, 1):
@@ -116,12 +117,12 @@ class Config:
 
     @property
     def mechanism(self) -> Mechanism:
-        """Whose design it is."""
+        """Return the mechanism whose design it is."""
         return mechanism_of(self.design)
 
     @property
     def varied(self) -> set[str]:
-        """The paths that the study's tuning, sweep or sample gives values."""
+        """Return the paths that the study's tuning, sweep or sample gives values."""
         ranges = self.sample.get("ranges", {})
         return {*self.table.get("variables", {}), *self.sweep, *(ranges if isinstance(ranges, Mapping) else ())}
 
@@ -134,8 +135,9 @@ class Config:
         return dataclasses.replace(self, options=dataclasses.replace(self.options, duration=duration))
 
     def problem(self) -> Problem:
-        """The design problem; its start must lie within the bounds."""
+        """Read the design problem, whose start must lie within the bounds."""
         options = self.options
+        # Messages say numbers in the units that they were typed with.
         with errors_in_typed_units(self.units):
             return read_problem(
                 self.table,
@@ -165,8 +167,10 @@ def load(path: str | Path | None) -> Config:
 
 def loads(content: bytes, name: str | Path) -> Config:
     """Read a study from a file's content; ``name`` starts an error's line."""
+    # For the message, where the bytes are no text.
     text = ""
     try:
+        # Some editors begin a file with a byte order mark, which TOML does not allow.
         text = content.decode("utf-8-sig")
         data = tomllib.loads(text)
     except ValueError as error:  # TOML syntax, with line and column, or bytes that are not UTF-8
@@ -180,10 +184,11 @@ def loads(content: bytes, name: str | Path) -> Config:
 
 
 def apply_overrides(config: Config, values: Mapping[str, str]) -> Config:
-    """A copy with fields replaced, as typed on a command line: ``{"buffer.k_A": "800"}``.
+    """Return a copy with fields replaced, as typed on a command line: ``{"buffer.k_A": "800"}``.
 
     A scenario's field holds for every scenario of the study; scenarios that thereby become equal count once.
     """
+    # First of all, so that a mistyped address is not blamed on its value.
     for path in values:
         check_address(config.design, config.scenario, path)
     meeting = {path.removeprefix(SCENARIO): text for path, text in values.items() if path.startswith(SCENARIO)}
@@ -205,7 +210,8 @@ def apply_overrides(config: Config, values: Mapping[str, str]) -> Config:
 
 
 def apply_options(settings: T, typed: Mapping[str, str]) -> T:
-    """`Options` or `Settings` with fields replaced as typed on a command line: ``{"rtol": "1e-8"}`` of --rtol 1e-8."""
+    """Return `Options` or `Settings` with fields replaced as typed on a command line: ``{"rtol": "1e-8"}`` of --rtol
+    1e-8."""
     values = {name: _typed(settings, name, text) for name, text in typed.items()}
     for name, value in values.items():
         if (least := metadata(settings, name).get("least")) is not None:
@@ -220,7 +226,7 @@ def design_toml(
     units: Mapping[str, str] = MappingProxyType({}),
     heading: str = "[[scenarios]]",
 ) -> str:
-    """A study that `load` reads back to exactly the same numbers.
+    """Write a study that `load` reads back to exactly the same numbers.
 
     **Arguments:** ``units``: those that numbers were typed with, by address, in which they are written; others have
     theirs as a comment; ``heading``: of the table of each scenario.
@@ -237,7 +243,7 @@ def design_toml(
 
 
 def _lines(part: eqx.Module, prefix: str, units: Mapping[str, str]) -> list[str]:
-    """A line for each field; ``prefix`` makes its address of its name."""
+    """Return a line for each field; ``prefix`` makes its address of its name."""
     lines = []
     for name in (field.name for field in dataclasses.fields(part)):
         value, symbol = getattr(part, name), unit(part, name)
@@ -268,6 +274,7 @@ def _config(data: dict[str, Any], folder: Path) -> Config:
     if "scenarios" in data and not (isinstance(listed, list) and listed and all(isinstance(x, dict) for x in listed)):
         raise InputError("scenarios is not a list of tables; write each under its own [[scenarios]]")
     scenarios = tuple(_replaced(scenario, entry, f"scenarios[{i}].") for i, entry in enumerate(listed, 1))
+    # Commands of one run need one scenario: without a [scenario] it is the first that is listed.
     if scenarios and "scenario" not in data:
         scenario = scenarios[0]
     options = _replaced(Options(), _table(data, "options"), "options.")
@@ -298,12 +305,13 @@ def _sample(table: Mapping[str, Any], design: Part, scenario: Part) -> dict[str,
             raise InputError(f"sample.ranges = {shown(table['ranges'])} is not a table; write [sample.ranges]")
         sample["ranges"] = by_path(table["ranges"], where="sample.ranges", fields=single_fields(design, scenario))
         axes = ranges(sample["ranges"], design, scenario)
+        # Made only to be checked: a sample is drawn when it is run.
         points(axes, table.get("count", 1), table.get("method", METHODS[0]), table.get("seed", 0))
     return sample
 
 
 def _typed_units(value: Any, path: str = "") -> Iterator[tuple[str, str]]:
-    """The unit that was typed with each number, by the address of its field, wherever it is set, tuned, swept or
+    """Yield the unit that was typed with each number, by the address of its field, wherever it is set, tuned, swept or
     sampled. ``path``: of ``value`` in the file."""
     if isinstance(value, Mapping):
         for name, inner in value.items():
@@ -312,19 +320,20 @@ def _typed_units(value: Any, path: str = "") -> Iterator[tuple[str, str]]:
         for inner in value:
             yield from _typed_units(inner, "scenario")
     elif symbol := typed_unit(value):
+        # From the number's place in the file to the address of the field that it is about.
         path = re.sub(r"\.(from|to|uniform|normal)$", "", path)
         path = re.sub(r"^(problem\.variables|sweep|sample\.ranges)\.", "", path)
         yield re.sub(r"^problem\.(grid|sample\.scenario)\.", "scenario.", path), symbol
 
 
 def sections(mechanism: Mechanism) -> tuple[str, ...]:
-    """The parts of its designs."""
+    """Return the names of the parts of a mechanism's designs."""
     return tuple(f.name for f in dataclasses.fields(mechanism.design) if isinstance(f.default, Part))
 
 
 def _replaced(module: T, values: Mapping[str, Any], prefix: str = "", folder: Path = Path()) -> T:
-    """`replace` with values from TOML or the command line. ``prefix``: of paths in messages; ``folder``:
-    where mesh files lie."""
+    """Do as `replace` with values from TOML or the command line. ``prefix``: of paths in messages; ``folder``: where
+    mesh files lie."""
     known = [prefix + path for path in (*paths(module), *point_paths(module))]
     checked = {}
     for path, value in values.items():
@@ -339,7 +348,7 @@ def _replaced(module: T, values: Mapping[str, Any], prefix: str = "", folder: Pa
 
 
 def _number(path: str, value: Any, unit: str, **limits: Any) -> float:
-    """A float from an integer, a float or a text with a unit, in range; everything else TOML knows is an error."""
+    """Read a float from an integer, a float or a text with a unit, in range; everything else TOML knows is an error."""
     number = as_number(in_unit(path, value, unit, **limits))
     if type(number) is not float:
         number = str(value).lower() if isinstance(value, bool) else str(value)  # as TOML spells it
@@ -348,7 +357,7 @@ def _number(path: str, value: Any, unit: str, **limits: Any) -> float:
 
 
 def _typed(owner: eqx.Module, path: str, text: str) -> Any:
-    """What was typed for a field: "2" is a whole number where it takes such, "[[1, 2], [3, 4]]" the points of a
+    """Read what was typed for a field: "2" is a whole number where it takes such, "[[1, 2], [3, 4]]" the points of a
     curve."""
     value = text == "true" if text in ("true", "false") else literal(text)
     known = metadata(owner, path)

@@ -13,7 +13,7 @@ from .config import design_toml, load
 
 
 def load_design(toml: str | Path) -> tuple[Any, tuple[Any, ...]]:
-    """The design and the scenarios of a TOML file: a study, or what `save_design` or a tuning wrote.
+    """Load the design and the scenarios of a TOML file: a study, or what `save_design` or a tuning wrote.
 
     **Arguments:**
 

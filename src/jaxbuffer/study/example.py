@@ -20,8 +20,8 @@ SCHEMA = "jaxbuffer.schema.json"
 
 
 def example_toml(mechanism: Mechanism) -> str:
-    """A study that `load` reads to the mechanism's defaults and what its example has beside them, with a problem and a
-    sweep of its own."""
+    """Write a study that `load` reads to the mechanism's defaults and what its example has beside them, with a problem
+    and a sweep of its own."""
     design, scenario, example = mechanism.design(), mechanism.scenario(), mechanism.defaults.example
     lines = [
         f"#:schema ./{SCHEMA}",
@@ -51,8 +51,8 @@ def example_toml(mechanism: Mechanism) -> str:
 
 
 def _fields(part: Part, commented: bool, own: Mapping[str, Any] = MappingProxyType({})) -> Iterator[str]:
-    """A line for each field; ``commented``: whether a field that has a value is a comment too; ``own``: values that the
-    example has beside the defaults."""
+    """Yield a line for each field; ``commented``: whether a field that has a value is a comment too; ``own``: values
+    that the example has beside the defaults."""
     for name in (field.name for field in dataclasses.fields(part)):
         known, value = metadata(part, name), get(part, name)
         words = [_allowed(known), meaning(part, name)]
@@ -65,7 +65,7 @@ def _fields(part: Part, commented: bool, own: Mapping[str, Any] = MappingProxyTy
 
 
 def _allowed(known: Mapping[str, Any]) -> str:
-    """Unit and range of a field, or its choices."""
+    """Say unit and range of a field, or its choices."""
     if "choices" in known:
         return f"one of {', '.join(known['choices'])}"
     if "curve" in known:
@@ -79,8 +79,9 @@ def _allowed(known: Mapping[str, Any]) -> str:
 
 
 def _problem(mechanism: Mechanism, design: Part) -> Iterator[str]:
-    """The sections of jaxbuffer tune."""
+    """Yield the sections of jaxbuffer tune."""
     catalogue, defaults = mechanism.quantities, mechanism.defaults
+    # `tune` refuses a start outside its bounds, so only bounds that hold it are offered.
     starts_inside = {
         path: bounds
         for path, bounds in mechanism.variables(design).items()
@@ -113,7 +114,7 @@ def _problem(mechanism: Mechanism, design: Part) -> Iterator[str]:
 
 
 def _sampled(mechanism: Mechanism, field: str) -> Iterator[str]:
-    """The section of tolerances; ``field``: of the scenario."""
+    """Yield the section of tolerances; ``field``: of the scenario."""
     value = float(getattr(mechanism.scenario(), field))
     low, high = 0.9 * value, 1.1 * value
     yield "# [problem.sample]  # robust designs: what scatters; each sample at every point of a grid, if there is one"
@@ -138,7 +139,7 @@ def _entry(name: str, value: Any) -> str:
 
 
 def _line(entry: str, comment: str) -> str:
-    """An entry with its comment behind it or, where that is too long, in lines of their own above it."""
+    """Return an entry with its comment behind it or, where that is too long, in lines of their own above it."""
     line = f"{entry:{WIDTH}}  # {comment}" if comment else entry
     if len(line) <= LONGEST:
         return line

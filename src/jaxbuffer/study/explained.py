@@ -17,7 +17,7 @@ FAR = 100.0  # a factor to the default from which on it is told: a unit may be m
 
 
 def explained(study: Config, name: str) -> str:
-    """A study in some twenty lines.
+    """Explain a study in some twenty lines.
 
     **Arguments:** ``name``: of its file, as the commands take it.
 
@@ -52,7 +52,7 @@ def explained(study: Config, name: str) -> str:
 
 
 def _differences(study: Config) -> list[str]:
-    """Each field that is not at its default: "buffer.k_A 0.8 kN/m = 800 N/m (default 500 N/m)"."""
+    """Return a line for each field that is not at its default: "buffer.k_A 0.8 kN/m = 800 N/m (default 500 N/m)"."""
     mechanism, differences = study.mechanism, []
     usual = {"": mechanism.design(), "scenario.": mechanism.scenario()}
     for (prefix, default), part in zip(usual.items(), (study.design, study.scenario), strict=True):
@@ -63,6 +63,7 @@ def _differences(study: Config) -> list[str]:
                 differences.append(
                     f"{prefix}{path} {typed}{_value(part, path)} ({_beside_default(part, default, path)})"
                 )
+    # What is usual for this very design, so that a duration that nobody typed is no difference.
     default_options = Options(duration=mechanism.duration(study.design))
     for path in paths(study.options):
         if get(study.options, path) != get(default_options, path):
@@ -71,10 +72,11 @@ def _differences(study: Config) -> list[str]:
 
 
 def _beside_default(part: Part, default: Part, path: str) -> str:
-    """The default, and by which factor a number is away from it, where that is large."""
+    """Say the default, and by which factor a number is away from it, where that is large."""
     value, usual = get(part, path), get(default, path)
     if isinstance(value, float) and isinstance(usual, float) and value and usual:
         ratio = abs(value / usual)
+        # So far from the default a unit may be mistyped, which a factor shows.
         if max(ratio, 1.0 / ratio) > FAR:
             times = f"{ratio:.4g} times" if ratio > 1.0 else f"1/{1.0 / ratio:.4g} of"
             return f"{times} the default {_value(default, path)}"
@@ -98,7 +100,8 @@ def _variables(problem: Problem) -> list[str]:
 
 
 def _variables_with_start(study: Config) -> tuple[Mapping[str, Any], list[str]]:
-    """Of a study without bounds of its own: the default ones that hold the start, and a line for each other."""
+    """Return, for a study without bounds of its own, the default ones that hold the start, and a line for each
+    other."""
     if "variables" in study.table:
         return {}, []
     design, usual = study.design, study.mechanism.variables(study.design)
@@ -125,7 +128,7 @@ def _limits(problem: Problem) -> list[str]:
 
 
 def _commands(study: Config, name: str, problem: Problem | None, swept: Grid, missing: bool) -> list[str]:
-    """What each command would do. ``missing``: whether a tuning needs bounds that the study has not."""
+    """Say what each command would do. ``missing``: whether a tuning needs bounds that the study has not."""
     mechanism = study.mechanism
     run = mechanism.view.run_name
     counts = f"{' × '.join(map(str, swept.shape))} = {len(swept)}" if len(swept.shape) > 1 else str(len(swept))
@@ -150,6 +153,7 @@ def _shown(part: Part, path: str, prefix: str = "") -> str:
 
 
 def _value(part: Part, path: str) -> str:
+    """Say a field's value with its unit."""
     return field_text(get(part, path), _unit(part, path))
 
 

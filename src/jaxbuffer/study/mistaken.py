@@ -53,6 +53,7 @@ def no_toml(text: str, error: ValueError) -> str:
     place = PLACE.search(message)
     number = int(place[1]) if place else 0
     is_open = message.startswith(QUOTES)
+    # Of some open quotes tomllib says only that the file has ended: the first line that leaves one open is meant.
     if is_open and not number:
         number = next((k for k, line in enumerate(lines, 1) if OPEN.search(line)), 0)
         message += f", opened at line {number}" if number else ""
@@ -74,6 +75,7 @@ def no_table(name: str, known: Iterable[str]) -> str:
     if (within := WITHIN.get(first.lower())) and within.partition(".")[0] in names:
         return f"; did you mean [{within}]?"
     part, meaning = SYNONYMS.get(first.lower(), ("", ""))
+    # A name that is merely misspelt is more likely than one from elsewhere.
     if part not in names or nearest(first, names):
         return suggest(first, names)
     return f"; did you mean [{part}] ({meaning})?"

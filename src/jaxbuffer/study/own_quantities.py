@@ -29,7 +29,8 @@ class Named(NamedTuple):
 
 
 def named_quantities(table: Mapping[str, Any], mechanism: Mechanism) -> dict[str, Named]:
-    """Those of a ``[problem]``, whose files are not looked at. **Raises:** `InputError` for what names none."""
+    """Return the own quantities of a ``[problem]``, without looking at their files. **Raises:** `InputError` for what
+    names none."""
     given = table.get("quantities", {})
     if not isinstance(given, dict):
         raise InputError(f"problem.quantities = {shown(given)} is not a table; write effort = {EXAMPLE} below it")
@@ -57,7 +58,7 @@ def _named(name: str, entry: Any, mechanism: Mechanism) -> Named:
 
 
 def own_quantities(table: Mapping[str, Any], mechanism: Mechanism, folder: Path) -> dict[str, Derived]:
-    """The own quantities of a ``[problem]``; their files, beside the study in ``folder``, are run.
+    """Load the own quantities of a ``[problem]``; their files, beside the study in ``folder``, are run.
 
     **Raises:** `InputError` for files that are missing or raise something, and functions that make no quantity.
     """
@@ -66,6 +67,7 @@ def own_quantities(table: Mapping[str, Any], mechanism: Mechanism, folder: Path)
     for name, named in named_quantities(table, mechanism).items():
         where = f"problem.quantities.{name}"
         try:
+            # Each file is run once, though several quantities may name functions of it.
             if named.file not in modules:
                 modules[named.file] = _run(folder / user_path(named.file), named.file)
             function = _function(modules[named.file], named)
@@ -79,13 +81,14 @@ def own_quantities(table: Mapping[str, Any], mechanism: Mechanism, folder: Path)
 
 
 def _run(path: Path, shown_as: str) -> dict[str, Any]:
-    """What a Python file defines; nothing is written beside it."""
+    """Run a Python file and return what it defines; nothing is written beside it."""
     try:
         source = path.read_bytes()
     except FileNotFoundError:
         raise InputError(f"{path}: no such file") from None
     except OSError as error:
         raise InputError(f"{path}: {error.strerror}") from None
+    # Not an import, since a study's file need not lie on Python's path.
     module = types.ModuleType(f"study {path.stem}")
     module.__file__ = str(path)
     try:
@@ -93,13 +96,14 @@ def _run(path: Path, shown_as: str) -> dict[str, Any]:
     except SyntaxError as error:
         raise InputError(f"{shown_as}, line {error.lineno}: {error.msg}") from None
     except (Exception, SystemExit) as error:
+        # A script may end itself, which must not end the command without a word.
         line = line_in(str(path), error)
         raise InputError(f"{shown_as}{'' if line is None else f', line {line},'} {raised(error)}") from None
     return vars(module)
 
 
 def _function(defined: Mapping[str, Any], named: Named) -> Callable[..., Any]:
-    """The function of that name."""
+    """Return the function of that name."""
     if named.function in defined:
         function: Callable[..., Any] = defined[named.function]
         return function

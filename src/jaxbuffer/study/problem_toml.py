@@ -53,7 +53,7 @@ def read_problem(
     folder: Path,
     units: Mapping[str, str],
 ) -> Problem:
-    """A problem from its TOML table.
+    """Read a problem from its TOML table.
 
     **Arguments:** ``listed``: the study's scenarios, which a grid or a sample here replaces; where both are here, every
     sample is taken at every point of the grid; ``folder``: the study's, beside which its Python files are; ``units``:
@@ -63,9 +63,11 @@ def read_problem(
     try:
         parts = _parts(table, design, base, listed)
         _check_start(design, parts["variables"], "variables" in table, units)
+        # Last, since it runs files: whatever is wrong with the table itself is said before.
         own = own_quantities(table, mechanism, folder)
         return Problem(design, **parts, duration=duration, rtol=rtol, quantities=own, units=units)
     except InputError as error:
+        # A `Problem` names its own part first: here the place in the file is put in front.
         if not str(error).startswith(SECTIONS):
             raise
         at_most, symbols = limits(table, mechanism).at_most, _units(table, mechanism)
@@ -77,12 +79,13 @@ def read_problem(
 def check_table(table: Mapping[str, Any], design: Part, base: Part) -> None:
     """Raise `InputError` for whatever is wrong with the table in itself, wherever the start may be."""
     parts = _parts(table, design, base, ())
+    # Drawn only to be checked: samples may leave the fields' ranges.
     if (scatter := parts["scatter"]) is not None:
         scatter.cases(parts["scenarios"], design)
 
 
 def _parts(table: Mapping[str, Any], design: Part, base: Part, listed: tuple[Part, ...]) -> dict[str, Any]:
-    """What the table says of a `Problem`, but for the own quantities, whose functions are in files."""
+    """Read what the table says of a `Problem`, but for the own quantities, whose functions are in files."""
     check_known(table, SECTIONS, "problem")
     mechanism = mechanism_of(design)
     symbols = _units(table, mechanism)
@@ -97,13 +100,13 @@ def _parts(table: Mapping[str, Any], design: Part, base: Part, listed: tuple[Par
 
 
 def _units(table: Mapping[str, Any], mechanism: Mechanism) -> dict[str, str]:
-    """The units of all quantities that objectives and limits may use, the study's own ones among them."""
+    """Return the units of all quantities that objectives and limits may use, the study's own ones among them."""
     own = {name: own.unit for name, own in named_quantities(table, mechanism).items()}
     return {name: mechanism.quantities[name].unit for name in mechanism.tuned} | own
 
 
 def _variables_of(table: Mapping[str, Any], mechanism: Mechanism, design: Part) -> tuple[Variable, ...]:
-    """The variables of a [problem], by default the mechanism's."""
+    """Read the variables of a [problem], by default the mechanism's."""
     bounds = _table(table, "variables", mechanism.variables(design))
     if not bounds:
         raise InputError("problem.variables is empty; name a field and its bounds, such as buffer.k_A = [100, 2000]")
@@ -150,7 +153,7 @@ def _variable(path: str, given: Any, design: Part) -> Variable:
 
 
 def _scenarios(table: Mapping[str, Any], base: Part, listed: tuple[Part, ...]) -> tuple[Case, ...]:
-    """The grid's, or the one that samples are taken about, or else the study's."""
+    """Read the scenarios: the grid's, or the one that samples are taken about, or else the study's."""
     if "grid" in table:
         fields = _table(table, "grid", {})
         check_known(fields, tuple(paths(base)), "problem.grid", _meanings(base))
@@ -159,7 +162,7 @@ def _scenarios(table: Mapping[str, Any], base: Part, listed: tuple[Part, ...]) -
 
 
 def _grid_values(name: str, values: Any, base: Part) -> list[Any]:
-    """The values of one field of a grid: numbers, listed or spanned, or some of what a choice may be."""
+    """Read the values of one field of a grid: numbers, listed or spanned, or some of what a choice may be."""
     where, symbol, limits = f"problem.grid.{name}", unit(base, name), limits_of(base, name)
     if not symbol:
         return _grid_choices(where, name, values, base)
@@ -188,7 +191,7 @@ def _grid_choices(where: str, name: str, values: Any, base: Part) -> list[Any]:
 
 
 def _scatter(table: Mapping[str, Any], design: Part, base: Part) -> Scatter | None:
-    """How scenarios and design scatter; None where they do not."""
+    """Read how scenarios and design scatter; None where they do not."""
     if "sample" not in table:
         return None
     sample, spanned = _table(table, "sample", {}), _table(table, "grid", {})
@@ -216,7 +219,7 @@ def _meanings(part: Part) -> Meaning:
 
 
 def _distributions(table: Mapping[str, Any], known: tuple[str, ...], where: str, means: Meaning) -> dict[str, Any]:
-    """Distributions by path. **Raises:** `InputError` for an unknown path or kind, with the nearest one."""
+    """Read distributions by path. **Raises:** `InputError` for an unknown path or kind, with the nearest one."""
     by_name = by_path(table, KINDS, where, known)
     check_known(by_name, known, where, means)
     for path, given in by_name.items():
@@ -251,7 +254,7 @@ def _objective(table: Mapping[str, Any], where: str, units: Mapping[str, str]) -
 
 
 def limits(table: Mapping[str, Any], mechanism: Mechanism) -> Limits:
-    """The limits of a [problem], by default the mechanism's."""
+    """Read the limits of a [problem], by default the mechanism's."""
     units, ends = _units(table, mechanism), tuple(end.name for end in mechanism.tuning.ends)
     table = _table(table, "constraints", mechanism.defaults.limits)
     of_ends = {name: value for name, value in table.items() if name in ends}
@@ -295,4 +298,5 @@ def _table(data: Mapping[str, Any], name: str, default: Mapping[str, Any]) -> Ma
 
 
 def _is_number(value: Any) -> bool:
+    # Python counts true and false among the whole numbers.
     return isinstance(value, (int, float)) and not isinstance(value, bool)

@@ -22,7 +22,7 @@ Schema = dict[str, Any]
 
 
 def study_schema(mechanism: Mechanism) -> Schema:
-    """The schema of a study of the mechanism."""
+    """Return the schema of a study of the mechanism."""
     design, scenario = mechanism.design(), mechanism.scenario()
     fields = {path: metadata(design, path) for path in paths(design)}
     fields |= {f"scenario.{path}": metadata(scenario, path) for path in paths(scenario)}
@@ -48,11 +48,12 @@ def study_schema(mechanism: Mechanism) -> Schema:
 
 
 def _object(properties: Mapping[str, Schema], **others: Any) -> Schema:
+    # Closed, so that an editor marks a name that is misspelt.
     return {"type": "object", "properties": dict(properties), "additionalProperties": False, **others}
 
 
 def _part(part: Part) -> Schema:
-    """Of a section: each field with its range or choices, its unit and meaning in words."""
+    """Return the schema of a section: each field with its range or choices, its unit and meaning in words."""
     fields = {}
     for name in (field.name for field in dataclasses.fields(part)):
         known, value = metadata(part, name), get(part, name)
@@ -87,8 +88,8 @@ def _number(known: Mapping[str, Any]) -> Schema:
 
 
 def _by_path(fields: Mapping[str, Mapping[str, Any]], schema_of: Callable[[Mapping[str, Any]], Schema]) -> Schema:
-    """Of a table of dotted paths, which TOML reads as tables in tables, or quoted as they are: ``schema_of`` what each
-    field declares; of a measured curve of its numbers, "force[2]" say."""
+    """Return the schema of a table of dotted paths, which TOML reads as tables in tables, or quoted as they are:
+    ``schema_of`` what each field declares; of a measured curve of its numbers, "force[2]" say."""
     nested, whole, patterns = dict[str, dict[str, Schema]](), dict[str, Schema](), dict[str, Schema]()
     for path, known in fields.items():
         section, _, name = path.partition(".")
@@ -104,12 +105,12 @@ def _by_path(fields: Mapping[str, Mapping[str, Any]], schema_of: Callable[[Mappi
 
 
 def _numeric(known: Mapping[str, Any]) -> bool:
-    """Whether a field is a number or has numbers: a measured curve's."""
+    """Return whether a field is a number or has numbers: a measured curve's."""
     return "unit" in known or "curve" in known
 
 
 def _values(known: Mapping[str, Any]) -> Schema:
-    """Of the values of a sweep."""
+    """Return the schema of the values of a sweep."""
     if "unit" not in known:
         choice = _field(known)
         return {"anyOf": [choice, {"type": "array", "items": choice, "minItems": 1}]}
@@ -118,7 +119,7 @@ def _values(known: Mapping[str, Any]) -> Schema:
 
 
 def _listed_or_spanned(known: Mapping[str, Any]) -> Schema:
-    """Of several values of a field: a list, or of a number the ends of a range and how many."""
+    """Return the schema of several values of a field: a list, or of a number the ends of a range and how many."""
     one = _field(known)
     listed = {"type": "array", "items": one, "minItems": 1}
     if "unit" not in known:
@@ -136,14 +137,14 @@ def _sample(fields: Mapping[str, Mapping[str, Any]]) -> Schema:
 
 
 def _range(known: Mapping[str, Any], scales: Sequence[str]) -> Schema:
-    """Of two ends and a scale."""
+    """Return the schema of two ends and a scale."""
     items: Schema = {"anyOf": [_number(known), TEXT, {"enum": list(scales)}]}
     words = f"[low, high] in {known['unit']}, or [low, high, scale]"
     return {"type": "array", "items": items, "minItems": 2, "maxItems": 3, "description": words}
 
 
 def _scatter(numbers: Mapping[str, Mapping[str, Any]], scenario: Mapping[str, Mapping[str, Any]]) -> Schema:
-    """Of how the cases of a tuning scatter."""
+    """Return the schema of how the cases of a tuning scatter."""
     fields = {path: _distribution(f"[{known['unit']}]") for path, known in scenario.items() if "unit" in known}
     parts: dict[str, Schema] = {
         "count": {"type": "integer", "minimum": 1, "description": "samples of each scenario; their worst is no bound"},
@@ -156,7 +157,7 @@ def _scatter(numbers: Mapping[str, Mapping[str, Any]], scenario: Mapping[str, Ma
 
 
 def _distribution(words: str) -> Schema:
-    """Of a number that scatters."""
+    """Return the schema of a number that scatters."""
     two: Schema = {"type": "array", "items": {"anyOf": [{"type": "number"}, TEXT]}, "minItems": 2, "maxItems": 2}
     uniform, normal = (
         two | {"description": f"{words}, low and high"},
@@ -192,7 +193,7 @@ def _problem(mechanism: Mechanism, design: Part, scenario: Part) -> Schema:
 
 
 def _own() -> Schema:
-    """Of a study's own quantity."""
+    """Return the schema of a study's own quantity."""
     text: Schema = {"type": "string"}
     file = text | {"pattern": r"\.py:\w+$", "description": "a file beside the study and a name: objectives.py:effort"}
     unit = text | {"description": "of what the function returns, - for none"}
@@ -200,7 +201,7 @@ def _own() -> Schema:
 
 
 def _open(properties: Mapping[str, Schema]) -> Schema:
-    """An object that may have other names too: those of a study's own quantities."""
+    """Return the schema of an object that may have other names too: those of a study's own quantities."""
     return {"type": "object", "properties": dict(properties)}
 
 

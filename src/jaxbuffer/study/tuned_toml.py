@@ -61,7 +61,7 @@ def _variables(problem: Problem) -> list[str]:
 
 
 def _list(values: Iterable[Any]) -> str:
-    """A list on one line."""
+    """Write a list on one line."""
     return "[" + ", ".join(f'"{value}"' if isinstance(value, str) else repr(float(value)) for value in values) + "]"
 
 
@@ -73,8 +73,8 @@ def _objective(problem: Problem) -> list[str]:
 
 
 def _weights(problem: Problem, objective: Objective) -> list[str]:
-    """Weights and options; all of them as comments where one is on a quantity of the user's own: what is left would be
-    another objective."""
+    """Write weights and options; all of them as comments where one is on a quantity of the user's own: what is left
+    would be another objective."""
     lines = [f"{name} = {float(weight)!r}" for name, weight in objective.weights.items()]
     lines.append(f'over = "{objective.over}"')
     if objective.over == "cvar":
@@ -140,6 +140,7 @@ def _grid(scenarios: list[Part]) -> dict[str, list[Any]] | None:
     values = {name: list(dict.fromkeys(getattr(it, name) for it in scenarios)) for name in names}
     differing = {name: several for name, several in values.items() if len(several) > 1}
     every = {tuple(getattr(it, name) for name in differing) for it in scenarios}
+    # A grid says the same only if every combination is there, each once.
     whole = every == set(itertools.product(*differing.values())) and len(scenarios) == len(every)
     return differing if whole else None
 

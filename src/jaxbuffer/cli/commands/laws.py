@@ -25,12 +25,13 @@ def laws(request: CommandLine, mass: str | None, speed: str | None) -> int:
 
 
 def _number(option: str, text: str | None, unit: str) -> float | None:
-    """What was typed as a number above 0."""
+    """Read what was typed as a number above 0."""
     if text is None:
         return None
     try:
         value: Any = float(text)
     except ValueError:
+        # The check below says what is wrong with it.
         value = text
     check_number(option, value, unit, low=0.0, low_open=True)
     return value

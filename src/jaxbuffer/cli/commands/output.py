@@ -51,6 +51,7 @@ class Output:
             if self.folder is not None:
                 written, failure = write_all(self.folder, contents(), self.force, note)
         finally:
+            # Also after a failure: what was computed is shown in any case.
             if self.as_json and record is not None:
                 for path in written:
                     note(f"wrote {path}")

@@ -147,9 +147,11 @@ def _interruptible(work: Callable[[], T]) -> T:
             future.set_exception(error)
 
     before = threading.stack_size(STACK)
+    # A daemon, so that the process may end while a compiler is still at work in it.
     thread = threading.Thread(target=run, daemon=True)
     thread.start()
     threading.stack_size(before)
     while thread.is_alive():
+        # Not for good: Python delivers a signal only while the main thread runs.
         thread.join(0.2)
     return future.result()

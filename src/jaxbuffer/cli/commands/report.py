@@ -57,6 +57,7 @@ def _text(file: Path) -> str:
         text = file.read_text(encoding="utf-8").rstrip("\n")
     except UnicodeDecodeError as error:
         raise InputError(f"{file} is damaged: byte {error.start} is not text") from None
+    # A file is written whole, so an empty one was cut short by something else.
     if not text:
         raise InputError(f"{file} is damaged: it is empty")
     return text

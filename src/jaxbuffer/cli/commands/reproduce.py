@@ -24,6 +24,7 @@ def reproduce(output: Path, paper: str, published: bool, force: bool) -> int:
         others = [name for name in PAPERS if paper_named(name).published]
         raise InputError(f"--published: {paper} has no second set of equations; {', '.join(others)} has: leave it out")
     chosen = chosen._replace(parts=chosen.parts + chosen.published * published)
+    # Said before minutes of computing, not after.
     style.require_matplotlib()
     process.configure(cache=process.cache_folder() or True)
     process.check_ready()

@@ -33,7 +33,7 @@ class CommandLine:
     as_json: bool = False
 
     def study(self) -> Config:
-        """The study with everything the command line overrides; JAX is set up on the way."""
+        """Return the study with everything the command line overrides; JAX is set up on the way."""
         process.configure(cache=process.cache_folder() or True)
         study = apply_overrides(load(self.config), self.fields)
         options = given(solver=self.solver, rtol=self.rtol, duration=self.duration)
@@ -43,13 +43,13 @@ class CommandLine:
         return study
 
     def tuning_study(self, **options: str | None) -> Config:
-        """The study with those of the search's ``options`` that are given."""
+        """Return the study with those of the search's ``options`` that are given."""
         study = self.study()
         return dataclasses.replace(study, tuning=apply_options(study.tuning, given(**options)))
 
     def one_scenario(self, number: str | None) -> Config:
-        """The study with the scenario of that number among its [[scenarios]], counted from 1; without one, its first
-        or that of [scenario], which a line on stderr says where there are several."""
+        """Return the study with the scenario of that number among its [[scenarios]], counted from 1; without one, its
+        first or that of [scenario], which a line on stderr says where there are several."""
         study = self.study()
         count = len(study.scenarios)
         if number is not None:
@@ -67,7 +67,7 @@ class CommandLine:
         return study
 
     def made(self, study: Config, resumed: bool = False) -> dict[str, Any]:
-        """How the result came about that is known by now, for its record."""
+        """Return what is known by now of how the result came about, for its record."""
         options, read = study.options, None
         if self.config is not None and self.config.is_file():
             read = self.config.read_text(encoding="utf-8", errors="replace")
@@ -77,12 +77,13 @@ class CommandLine:
         return {**about, "units": dict(study.units)}
 
     def files(self, *names: str, resumable: Sequence[str] = (), resume: bool = False) -> Output:
-        """Files to write later; everything that can go wrong with it is found now, before computing them.
+        """Prepare files to write later; everything that can go wrong with it is found now, before computing them.
 
         **Arguments:** ``resumable``: files of a run that ``resume`` goes on with; it may overwrite the others.
         """
         if resume and self.output is None:
             raise InputError("--resume needs --output DIR, the folder of the run to go on with")
+        # Said before anything is computed, not when figures are drawn at the end.
         if self.output is not None and any(name.endswith(".png") for name in names):
             style.require_matplotlib()
         return Output(self.output, names, self.force, resumable, resume, self.as_json)
@@ -113,11 +114,11 @@ def each_once(over: Sequence[str], typed: Callable[[str], tuple[str, Any]], inst
 
 
 def given(**options: Any) -> dict[str, Any]:
-    """Those options that were given."""
+    """Return those options that were given."""
     return {name: value for name, value in options.items() if value is not None}
 
 
 def asked_for(trust: str) -> bool:
-    """Whether it is on."""
+    """Return whether a second run is asked for."""
     check_choice("trust", trust, ("on", "off"))
     return trust == "on"

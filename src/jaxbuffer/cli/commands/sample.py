@@ -38,6 +38,7 @@ def sample(
     study = request.study()
     if scheduler is not None:
         check_scheduler(scheduler, request)
+    # Before anything is computed or written: mistakes of the command line are found at once.
     points = _points(study, over or [], count, method, seed, indices)
     check_swept_once(request.fields, (axis.path for axis in points.axes), "this sample")
     varied = [axis.path for axis in points.axes]
@@ -82,7 +83,7 @@ def _whole(name: str, text: str) -> int:
 
 
 def _computed(study: Config, points: Points, folder: Any, **options: Any) -> tuple[Sample | None, bool]:
-    """The sample, as far as it came, and whether it was interrupted; ``options`` as of `sample`."""
+    """Compute the sample; return it as far as it came, and whether it was interrupted. ``options``: as of `sample`."""
     options |= {"solver": study.options.stepper(), "rtol": study.options.rtol, "folder": folder}
     task = (points, study.design, study.scenario, study.options.duration)
     try:

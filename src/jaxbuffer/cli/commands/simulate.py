@@ -42,6 +42,7 @@ def simulate(request: CommandLine, scenario_number: str | None, trust: str) -> i
         note(f"the history holds the first {HISTORY_STEPS} steps only")
     verdict = trusted(run, closer) if asked_for(trust) else None
     contents = run_files(run, request.made(study), limits, verdict)
+    # Said only where files are wanted, since it is about files.
     if request.output is not None and (missing := left_out(contents)):
         note(missing)
     files.save_and_show(lambda: contents, run, lambda: str(contents[f"{name}.json"]()))
@@ -76,8 +77,8 @@ def animate(request: CommandLine, scenario_number: str | None, kind: str | None)
 
 
 def simulated(study: Config, history: bool, again: bool) -> tuple[Run, Run | None]:
-    """The study's run, and, if it is asked for ``again``, the same at a tenth of the tolerance (None where that is not
-    allowed), with a spinner."""
+    """Simulate the study's run and, if it is asked for ``again``, the same at a tenth of the tolerance (None where that
+    is not allowed), with a spinner."""
     options = study.options
 
     def at(rtol: float) -> Run:
@@ -89,8 +90,8 @@ def simulated(study: Config, history: bool, again: bool) -> tuple[Run, Run | Non
 
 
 def trusted(run: Run, closer: Run | None) -> Trust:
-    """How far the run's numbers can be trusted, said; ``closer``: at a tenth of the tolerance, None where there is no
-    such run."""
+    """Say and return how far the run's numbers can be trusted; ``closer``: at a tenth of the tolerance, None where
+    there is no such run."""
     verdict = Trust({}, "", NO_TENTH) if closer is None else trust(run, closer)
     if verdict.verdict == "trusted":
         print(verdict, file=sys.stderr, flush=True)

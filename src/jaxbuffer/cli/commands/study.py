@@ -34,6 +34,7 @@ def check(file: Path) -> int:
     try:
         show(explained(load(file), str(file)))
     except InputError as error:
+        # What is wrong with the file itself names it already.
         raise error if str(error).startswith(f"{file}") else InputError(f"{file}: {error}") from None
     return OK
 

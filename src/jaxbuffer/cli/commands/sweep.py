@@ -42,6 +42,7 @@ def sweep(request: CommandLine, over: list[str] | None, scheduler: str | None, r
     varied = [axis.path for axis in grid.axes]
     say_cautions(study.design, (study.scenario,), varied, geometry=False)
     study = study.varying(varied)
+    # A sweep that is too large for tables and figures stays in its store.
     tabulated = scheduler is None or len(grid) <= LARGEST
     if tabulated:
         grid.batches(study.design, study.scenario)  # checks that the values go together
@@ -55,6 +56,7 @@ def sweep(request: CommandLine, over: list[str] | None, scheduler: str | None, r
         files.save_and_show(dict, result, lambda: json.dumps(result.outcomes))
         return INTERRUPTED if interrupted else OK
     swept = result.load() if isinstance(result, StoredSweep) else result
+    # Interrupted before its first run: there is nothing to save.
     if not swept.done.any():
         return INTERRUPTED
     envelope = None if limits is None else safe_rectangle(swept, limits, study.scenarios)
@@ -65,7 +67,7 @@ def sweep(request: CommandLine, over: list[str] | None, scheduler: str | None, r
 
 
 def _limits(study: Config, over: Grid) -> Limits | None:
-    """The limits of a sweep's envelope: the study's; None where there is no envelope."""
+    """Return the study's limits for a sweep's envelope; None where there is no envelope."""
     mechanism = study.mechanism
     of_study = limits(study.table, mechanism) if "constraints" in study.table else Limits()
     varied = {axis.path for axis in over.axes}
@@ -89,7 +91,7 @@ def check_scheduler(scheduler: str, request: CommandLine) -> None:
 
 
 def _computed(study: Config, spans: Mapping[str, Any], count: int, **options: Any) -> tuple[Sweep | StoredSweep, bool]:
-    """A sweep, in memory or stored by workers, and whether it was interrupted."""
+    """Compute a sweep, in memory or stored by workers, and return it and whether it was interrupted."""
     usual = study.options
     settings = {"over": spans, "solver": usual.stepper(), "rtol": usual.rtol, "save": False, **options}
     swept = study.design, study.scenario, usual.duration
@@ -112,7 +114,7 @@ def resumable(stop: SweepInterrupted | StoredInterrupted, folder: Any) -> Any:
 
 
 def any_solved(runs: RunTable) -> int:
-    """The exit code of many runs: `FAILED`, with a line that says so, where not one of them was solved."""
+    """Return the exit code of many runs: `FAILED`, with a line that says so, where not one of them was solved."""
     if runs.solved.any():
         return OK
     return fail(f"none of the {int(runs.done.sum())} {runs.mechanism.view.run_name}s was solved; the outcomes say why")

@@ -99,6 +99,7 @@ def register_law(name: str, law: type[ContactLaw]) -> None:
         raise InputError(f"law name {name!r} is a built-in law's; choose another")
     if not (isinstance(law, type) and issubclass(law, ContactLaw)):
         raise InputError(f"law {name!r}: {law!r} is not a subclass of jaxbuffer.contact.ContactLaw")
+    # Said here, not when a run is first traced, where the error would be far from its cause.
     missing = [method for method in METHODS if getattr(law, method) is getattr(ContactLaw, method)]
     if missing:
         raise InputError(f"law {name!r}: {law.__name__} lacks {', '.join(missing)}")
@@ -113,12 +114,13 @@ def register_law(name: str, law: type[ContactLaw]) -> None:
 
 
 def contact_law(name: str, numbers: Mapping[str, Scalar]) -> ContactLaw:
-    """A law by its name.
+    """Make a law by its name.
 
     **Arguments:** ``name``: a key of `LAWS`; ``numbers``: values by field name, of which the law takes those that it
     has.
     """
     law = LAWS[name]
+    # A design has numbers for all laws; each takes its own.
     return law(**{field: numbers[field] for field in _numbers_of(law) if field in numbers})
 
 
@@ -128,5 +130,5 @@ def laws_with(number: str) -> Callable[[], tuple[str, ...]]:
 
 
 def _numbers_of(law: type[ContactLaw]) -> list[str]:
-    """The names of a law's fields that are numbers."""
+    """Return the names of a law's fields that are numbers."""
     return [field.name for field in dataclasses.fields(law) if not field.metadata.get("static", False)]

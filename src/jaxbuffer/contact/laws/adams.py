@@ -9,7 +9,7 @@ from .base import ContactLaw, power, root
 
 
 def step(x: Values, start: Scalar, start_value: Scalar, end: Scalar, end_value: Scalar) -> Values:
-    """The function STEP, a cubic between two constants, the shape of ``x`` (M52).
+    """Return the function STEP, a cubic between two constants, in the shape of ``x`` (M52).
 
     **Arguments:** ``x``; ``start``, ``end``: where the cubic begins and ends, in the unit of ``x``; ``start_value``,
     ``end_value``: the constants before and after.

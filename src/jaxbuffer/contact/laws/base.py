@@ -30,16 +30,16 @@ class ContactLaw(eqx.Module):
     jumps: ClassVar[bool] = False
 
     def elastic(self, penetration: Values) -> Values:
-        """Force of the spring in the contact [N], zero for δ ≤ 0, with finite derivatives there. ``penetration``: δ
-        [m]."""
+        """Return the force of the spring in the contact [N], zero for δ ≤ 0, with finite derivatives there.
+        ``penetration``: δ [m]."""
         raise NotImplementedError
 
     def energy(self, penetration: Values) -> Values:
-        """Energy stored in the spring in the contact [J] (M37). ``penetration``: δ [m]."""
+        """Return the energy stored in the spring in the contact [J] (M37). ``penetration``: δ [m]."""
         raise NotImplementedError
 
     def depth(self, force: Scalar) -> Scalar:
-        """The penetration at which the spring alone exerts a ``force`` [N], in metres; differentiable (M72).
+        """Return the penetration at which the spring alone exerts a ``force`` [N], in metres; differentiable (M72).
 
         No penetration of a run exceeds that of its peak force: at the deepest point δ̇ = 0, and the spring alone acts.
         It is found by bisection, up to 10 m, unless a law gives it in closed form.
@@ -47,7 +47,7 @@ class ContactLaw(eqx.Module):
         return depth_at(self.elastic, force)
 
     def force(self, penetration: Values, approach_speed: Values, touchdown_speed: Values) -> Values:
-        """F_n of a closed contact [N].
+        """Return F_n of a closed contact [N].
 
         **Arguments:**
 
@@ -65,14 +65,15 @@ class ContactLaw(eqx.Module):
         raise NotImplementedError
 
     def delivered_restitution(self, mass: Scalar, speed: Scalar) -> Scalar:
-        """Speed of separation over speed of approach of two free bodies [-], integrated or in a law's closed form.
+        """Return the speed of separation over speed of approach of two free bodies [-], integrated or in a law's closed
+        form.
 
         **Arguments:** ``mass``: effective mass [kg]; ``speed``: of approach [m/s].
         """
         return free_impact(self, float(mass), float(speed)).restitution
 
     def max_penetration(self, mass: Scalar, speed: Scalar) -> Scalar:
-        """Deepest penetration of two free bodies [m], integrated or in a law's closed form.
+        """Return the deepest penetration of two free bodies [m], integrated or in a law's closed form.
 
         **Arguments:** ``mass``: effective mass [kg]; ``speed``: of approach [m/s].
         """
@@ -80,7 +81,8 @@ class ContactLaw(eqx.Module):
 
 
 def depth_at(function: Callable[[Values], Values], value: Scalar) -> Scalar:
-    """The penetration [m], up to 10 m, at which an increasing function of it takes a ``value``; zero for values ≤ 0.
+    """Return the penetration [m], up to 10 m, at which an increasing function of it takes a ``value``; zero for values
+    ≤ 0.
 
     Found by bisection, differentiable by the step of Newton's method at its end.
     """
@@ -88,11 +90,14 @@ def depth_at(function: Callable[[Values], Values], value: Scalar) -> Scalar:
 
     def halved(_: int, bracket: tuple[Values, Values]) -> tuple[Values, Values]:
         low, high = bracket
+        # The geometric mean, since depths may differ by many orders of magnitude.
         middle = jnp.sqrt(low * high)
         shallow = function(middle) < target
         return jnp.where(shallow, middle, low), jnp.where(shallow, high, middle)
 
     ends = (jnp.full_like(target, 1e-15), jnp.full_like(target, 10.0))
+    # Bisection has no derivative. One step of Newton's method from its result, with the slope held fixed, has that of
+    # the implicit function.
     depth = jax.lax.stop_gradient(jax.lax.fori_loop(0, 60, halved, ends)[1])
     reached, slope = jax.jvp(function, (depth,), (jnp.ones_like(depth),))
     steep = jnp.where(slope > 0.0, jax.lax.stop_gradient(slope), 1.0)
@@ -100,7 +105,7 @@ def depth_at(function: Callable[[Values], Values], value: Scalar) -> Scalar:
 
 
 def power(penetration: Values, exponent: Scalar) -> Values:
-    """δⁿ, zero for δ ≤ 0. ``penetration``: δ [m]; ``exponent``: n [-]; δ^{3/2} is taken by a square root."""
+    """Return δⁿ, zero for δ ≤ 0. ``penetration``: δ [m]; ``exponent``: n [-]; δ^{3/2} is taken by a square root."""
     inside = penetration > 0.0
     # A guarded argument: the untaken branch of a `where` still sends NaN into tangents.
     depth = jnp.where(inside, penetration, 1.0)
@@ -109,6 +114,7 @@ def power(penetration: Values, exponent: Scalar) -> Values:
 
 
 def root(value: Scalar, exponent: Scalar) -> Scalar:
-    """The n-th root of a ``value``, the inverse of `power`; zero, with no derivative, for values ≤ 0."""
+    """Return the n-th root of a ``value``, the inverse of `power`; zero, with no derivative, for values ≤ 0."""
     positive = jnp.asarray(value) > 0.0
+    # Guarded as in `power`.
     return jnp.where(positive, jnp.where(positive, value, 1.0) ** (1.0 / exponent), 0.0)

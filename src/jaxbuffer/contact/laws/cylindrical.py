@@ -35,17 +35,17 @@ class SphereInSphere(PowerLaw, PinInHoleLaw):
 
     @property
     def stiffness(self) -> Scalar:
-        """K [N/m^1.5]."""
+        """Return K [N/m^1.5]."""
         return ball_stiffness(self.relative_radius, 1.0 / self.modulus)
 
     @property
     def exponent(self) -> Scalar:
-        """3/2."""
+        """Return 3/2."""
         return 1.5
 
     @property
     def limit_force(self) -> Scalar:
-        """The force [N] at which the contact's radius √(R δ) is R_J/√10, as in M57."""
+        """Return the force [N] at which the contact's radius √(R δ) is R_J/√10, as in M57."""
         return self.elastic(jnp.asarray(0.1 * self.journal_radius**2 / self.relative_radius))
 
 
@@ -61,7 +61,7 @@ class Liu(PinInHoleLaw):
         return self._unit_force() * jnp.where(penetration > LEAST, y * jnp.sqrt(y / (1.0 + y)), 0.0)
 
     def energy(self, penetration: Values) -> Values:
-        """The integral of the force [J] in closed form, as a series where that would cancel (M103)."""
+        """Return the integral of the force [J] in closed form, as a series where that would cancel (M103)."""
         y = jnp.where(penetration > LEAST, penetration, self.clearance) / self.clearance
         near, far = jnp.where(y < SMALL, y, SMALL), jnp.where(y < SMALL, SMALL, y)
         series, coefficient = jnp.zeros_like(y), 1.0
@@ -79,17 +79,18 @@ class Liu(PinInHoleLaw):
         return self._inverse(self.energy, self.elastic, energy, 0.4 * self._unit_force() * self.clearance, 2.5)
 
     def elastic_slope(self, penetration: Values) -> Values:
-        """dF/dδ [N/m] for δ > 0."""
+        """Return dF/dδ [N/m] for δ > 0."""
         y = penetration / self.clearance
         return self.elastic(penetration) / penetration * (1.5 - 0.5 * y / (1.0 + y))
 
     def _unit_force(self) -> Scalar:
-        """k ΔR/√8 [N]."""
+        """Return k ΔR/√8 [N]."""
         return self.line_stiffness * self.clearance / 8.0**0.5
 
     def _inverse(self, function, slope, value: Scalar, unit: Scalar, exponent: float) -> Scalar:
-        """Where a ``function`` of δ that begins as ``unit`` times (δ/ΔR)^exponent takes a ``value`` [m]."""
+        """Return the δ [m] at which a ``function`` that begins as ``unit`` times (δ/ΔR)^exponent takes a ``value``."""
         positive = jnp.asarray(value, float) > 0.0
+        # Guarded as in `base.power`: a power of zero has no derivative.
         target = jnp.where(positive, value, unit)
         depth = self.clearance * (target / unit) ** (1.0 / exponent)
         for _ in range(STEPS):
@@ -111,7 +112,7 @@ class Pereira(PowerLaw, PinInHoleLaw):
 
     @property
     def exponent(self) -> Scalar:
-        """n [-]."""
+        """Return n [-]."""
         gap = jnp.clip(jnp.asarray(self.clearance, float) / MM, LEAST_MM, MOST_MM)
         narrow = gap < BEND_MM
         inner = jnp.where(narrow, gap, BEND_MM)
@@ -120,7 +121,7 @@ class Pereira(PowerLaw, PinInHoleLaw):
 
     @property
     def stiffness(self) -> Scalar:
-        """K [N/mⁿ]."""
+        """Return K [N/mⁿ]."""
         gap = self.clearance / MM
         per_mm = (0.965 * gap + 0.0965) / gap * (self.modulus * MM**2) * (self.length / MM)
         return per_mm * MM**-self.exponent
@@ -151,7 +152,7 @@ def pin_in_hole_law(
     damping: str = "lankarani-nikravesh",
     restitution: Scalar = 1.0,
 ) -> PinInHoleLaw:
-    """A law of a pin in a hole by its name, with an author's damping factor.
+    """Make a law of a pin in a hole by its name, with an author's damping factor.
 
     **Arguments:**
 

@@ -15,47 +15,47 @@ from .restitution import damping_delivering
 
 
 def none(restitution: Scalar) -> Scalar:
-    """χ̂ = 0, no loss (M38), whatever the ``restitution`` e [-]."""
+    """Return χ̂ = 0, no loss (M38), whatever the ``restitution`` e [-]."""
     return 0.0
 
 
 def hunt_crossley(restitution: Scalar) -> Scalar:
-    """χ̂ = 3 (1 - e)/2 (M39). ``restitution``: e [-]."""
+    """Return χ̂ = 3 (1 - e)/2 (M39). ``restitution``: e [-]."""
     return 1.5 * (1.0 - restitution)
 
 
 def herbert_mcwhannell(restitution: Scalar) -> Scalar:
-    """χ̂ = 6 (1 - e)/((2 e - 1)² + 3) (M40). ``restitution``: e [-]."""
+    """Return χ̂ = 6 (1 - e)/((2 e - 1)² + 3) (M40). ``restitution``: e [-]."""
     return 6.0 * (1.0 - restitution) / ((2.0 * restitution - 1.0) ** 2 + 3.0)
 
 
 def lankarani_nikravesh(restitution: Scalar) -> Scalar:
-    """χ̂ = 3 (1 - e²)/4 (M41). ``restitution``: e [-]."""
+    """Return χ̂ = 3 (1 - e²)/4 (M41). ``restitution``: e [-]."""
     return 0.75 * (1.0 - restitution * restitution)
 
 
 def lee_wang(restitution: Scalar) -> Scalar:
-    """χ̂ = 3 (1 - e)/4 (M42). ``restitution``: e [-]."""
+    """Return χ̂ = 3 (1 - e)/4 (M42). ``restitution``: e [-]."""
     return 0.75 * (1.0 - restitution)
 
 
 def gonthier(restitution: Scalar) -> Scalar:
-    """χ̂ = (1 - e²)/e (M43). ``restitution``: e [-]."""
+    """Return χ̂ = (1 - e²)/e (M43). ``restitution``: e [-]."""
     return (1.0 - restitution * restitution) / restitution
 
 
 def flores(restitution: Scalar) -> Scalar:
-    """χ̂ = 8 (1 - e)/(5 e) (M44). ``restitution``: e [-]."""
+    """Return χ̂ = 8 (1 - e)/(5 e) (M44). ``restitution``: e [-]."""
     return 1.6 * (1.0 - restitution) / restitution
 
 
 def hu_guo(restitution: Scalar) -> Scalar:
-    """χ̂ = 3 (1 - e)/(2 e) (M45). ``restitution``: e [-]."""
+    """Return χ̂ = 3 (1 - e)/(2 e) (M45). ``restitution``: e [-]."""
     return 1.5 * (1.0 - restitution) / restitution
 
 
 def carvalho_martins(restitution: Scalar) -> Scalar:
-    """χ̂ = 3 (1 - e) (11 - e)/(2 (1 + 9 e)), below e = 1/3 Gonthier's (M93). ``restitution``: e [-]."""
+    """Return χ̂ = 3 (1 - e) (11 - e)/(2 (1 + 9 e)), below e = 1/3 Gonthier's (M93). ``restitution``: e [-]."""
     e = restitution  # at 1/3 both are 8/3
     return jnp.where(3.0 * e < 1.0, gonthier(e), 1.5 * (1.0 - e) * (11.0 - e) / (1.0 + 9.0 * e))
 
@@ -78,7 +78,7 @@ DAMPING_FACTORS: Mapping[str, Callable[[Scalar], Scalar]] = MappingProxyType(
 
 
 def damping_factor(name: str, restitution: Scalar) -> Scalar:
-    """χ̂ [-] of an author for a restitution.
+    """Return χ̂ [-] of an author for a restitution.
 
     **Arguments:** ``name``: a key of `DAMPING_FACTORS`; ``restitution``: e in (0, 1] that is asked for [-].
 

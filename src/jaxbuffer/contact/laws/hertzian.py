@@ -61,11 +61,12 @@ class DampedHertz(Hertz):
         return self.elastic(penetration) * jnp.maximum(0.0, 1.0 + self.damping * approach_speed)
 
     def delivered_restitution(self, mass: Scalar, speed: Scalar) -> Scalar:
-        """M46 with d = a v."""
+        """Return the restitution by M46 with d = a v [-]."""
         return restitution_delivered(self.damping * speed)
 
     def max_penetration(self, mass: Scalar, speed: Scalar) -> Scalar:
-        """M48 with d = a v."""
+        """Return the deepest penetration by M48 with d = a v [m]."""
+        # M48 solved for the stored energy: ψ is negative.
         return self.depth_storing(-mass * speed**2 * psi(self.damping * speed))
 
 

@@ -27,16 +27,16 @@ class DampedSpring(ContactLaw):
         return self.elastic(penetration) * jnp.maximum(0.0, 1.0 + self.hysteresis * approach_speed / touchdown_speed)
 
     def depth_storing(self, energy: Scalar) -> Scalar:
-        """The penetration [m] at which the spring has stored an ``energy`` [J]; zero, with no derivative, for energies
-        ≤ 0. Found by bisection unless a law gives it in closed form."""
+        """Return the penetration [m] at which the spring has stored an ``energy`` [J]; zero, with no derivative, for
+        energies ≤ 0. Found by bisection unless a law gives it in closed form."""
         return depth_at(self.energy, energy)
 
     def delivered_restitution(self, mass: Scalar = 1.0, speed: Scalar = 1.0) -> Scalar:
-        """The restitution [-] that solves M46 with d = χ̂, the same for any mass [kg] and speed [m/s]."""
+        """Return the restitution [-] that solves M46 with d = χ̂, the same for any mass [kg] and speed [m/s]."""
         return restitution_delivered(self.hysteresis)
 
     def max_penetration(self, mass: Scalar, speed: Scalar) -> Scalar:
-        """Deepest penetration [m] of two free bodies (M94). ``mass``: effective [kg]; ``speed``: [m/s]."""
+        """Return the deepest penetration [m] of two free bodies (M94). ``mass``: effective [kg]; ``speed``: [m/s]."""
         return self.depth_storing(-mass * speed**2 * psi(self.hysteresis))
 
 
@@ -59,22 +59,23 @@ class PowerLaw(DampedSpring):
         exponent: eqx.AbstractVar[Scalar]
 
     def elastic(self, penetration: Values) -> Values:
-        """K δⁿ [N], zero for δ ≤ 0, with finite derivatives there."""
+        """Return K δⁿ [N], zero for δ ≤ 0, with finite derivatives there."""
         return self.stiffness * power(penetration, self.exponent)
 
     def energy(self, penetration: Values) -> Values:
-        """K δⁿ⁺¹/(n + 1) [J] (M37)."""
+        """Return K δⁿ⁺¹/(n + 1) [J] (M37)."""
         return self.elastic(penetration) * penetration / (self.exponent + 1.0)
 
     def depth(self, force: Scalar) -> Scalar:
-        """(F/K)^(1/n) [m] (M72)."""
+        """Return (F/K)^(1/n) [m] (M72)."""
         return root(force / self.stiffness, self.exponent)
 
     def depth_storing(self, energy: Scalar) -> Scalar:
-        """((n + 1) V/K)^(1/(n + 1)) [m]."""
+        """Return ((n + 1) V/K)^(1/(n + 1)) [m]."""
         return root((self.exponent + 1.0) * energy / self.stiffness, self.exponent + 1.0)
 
     def time_scale(self, mass: Scalar, speed: Scalar) -> Scalar:
+        # One root for the usual exponent, whose general form takes two powers.
         if isinstance(self.exponent, float) and self.exponent == 1.5:
             return (mass**2 / (self.stiffness**2 * speed)) ** 0.2
         return (mass * speed ** (1.0 - self.exponent) / self.stiffness) ** (1.0 / (self.exponent + 1.0))

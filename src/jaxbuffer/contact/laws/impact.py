@@ -52,6 +52,7 @@ def free_impact(law: ForceLaw, mass: float, speed: float, points: int = 400) -> 
     - ``speed``: of approach [m/s].
     - ``points``: how many points of the course to return.
     """
+    # Imported here, since it takes long and most laws have a closed form.
     from scipy.integrate import solve_ivp
 
     # In units of the law's own time and of the touchdown speed all impacts look alike to the integrator.
@@ -70,6 +71,7 @@ def free_impact(law: ForceLaw, mass: float, speed: float, points: int = 400) -> 
     def deepest(_, y):
         return y[1]
 
+    # Falling only, since the penetration is zero at touchdown as well.
     apart.terminal, apart.direction = True, -1  # type: ignore[attr-defined]
     run = solve_ivp(
         field, (0.0, 1e9), [0.0, 1.0], "DOP853", events=(apart, deepest), rtol=1e-11, atol=1e-13, dense_output=True
@@ -78,7 +80,7 @@ def free_impact(law: ForceLaw, mass: float, speed: float, points: int = 400) -> 
     course = np.linspace(0.0, end, points)
     depth, rate = run.sol(course)
     forces = force(depth, rate)
-    top = int(np.argmax(forces))
+    top = int(np.argmax(forces))  # the peak lies between two points of the course
     around = np.linspace(course[max(top - 1, 0)], course[min(top + 1, points - 1)], points)
     return FreeImpact(
         restitution=float(-run.y_events[0][-1][1]),

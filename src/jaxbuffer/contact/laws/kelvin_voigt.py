@@ -41,18 +41,20 @@ class KelvinVoigt(ContactLaw):
         return 1.0 / (jnp.sqrt(self.linear_stiffness / mass) + self.damping / mass)
 
     def delivered_restitution(self, mass: Scalar, speed: Scalar = 1.0) -> Scalar:
-        """Restitution [-] of two free bodies of an effective ``mass`` [kg], the same for any ``speed`` (M50)."""
+        """Return the restitution [-] of two free bodies of an effective ``mass`` [kg], the same for any ``speed``
+        (M50)."""
         return self._decay(mass) ** 2
 
     def max_penetration(self, mass: Scalar, speed: Scalar) -> Scalar:
-        """Deepest penetration of two free bodies [m] (M50). ``mass``: effective [kg]; ``speed``: [m/s]."""
+        """Return the deepest penetration of two free bodies [m] (M50). ``mass``: effective [kg]; ``speed``: [m/s]."""
         return speed * self._decay(mass) / jnp.sqrt(self.linear_stiffness / mass)
 
     def _decay(self, mass: Scalar) -> Scalar:
-        """G of M50; arccos(ζ)/√(1 - ζ²) is smooth through ζ = 1, and is taken from its series near there."""
+        """Return G of M50; arccos(ζ)/√(1 - ζ²) is smooth through ζ = 1, and is taken from its series near there."""
         zeta = self.damping / (2.0 * jnp.sqrt(self.linear_stiffness * mass))
         off = zeta - 1.0
         near = jnp.abs(off) < 1e-3
+        # Each branch gets an argument that it can take: NaN of one that is not taken would reach the derivative.
         below, above = jnp.where(near | (off > 0.0), 0.5, zeta), jnp.where(near | (off < 0.0), 2.0, zeta)
         slow = jnp.arccos(below) / jnp.sqrt(1.0 - below * below)
         fast = jnp.arccosh(above) / jnp.sqrt(above * above - 1.0)

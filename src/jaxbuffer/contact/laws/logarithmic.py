@@ -24,7 +24,7 @@ END_ENERGY = END_X**2 * (2.0 * END_U - 1.0) / 4.0
 
 @jax.custom_jvp
 def lambert(t: Values) -> Values:
-    """The u > 1 that solves u - ln u = t for t > 1: -W₋₁(-exp(-t)) of Lambert's function (M97).
+    """Return the u > 1 that solves u - ln u = t for t > 1: -W₋₁(-exp(-t)) of Lambert's function (M97).
 
     The start is Chatzigeorgiou's upper bound (2013). The iteration is that of Fritsch, Shafer and Crowley (1973): of
     fourth order, with one logarithm a step.
@@ -37,6 +37,7 @@ def lambert(t: Values) -> Values:
     return u
 
 
+# The derivative follows from the equation itself, without one of the iteration.
 @lambert.defjvp
 def _lambert_jvp(primals: tuple, tangents: tuple) -> tuple:
     u = lambert(*primals)
@@ -50,35 +51,38 @@ class LogarithmicLaw(PinInHoleLaw):
 
     @property
     def log_length(self) -> Scalar:
-        """c [m], in which the laws differ."""
+        """Return c [m], in which the laws differ."""
         raise NotImplementedError
 
     @property
     def limit_force(self) -> Scalar:
-        """k c/(2 e) [N], half of the force at which dδ/dF = 0: from there on the law is its tangent (M98)."""
+        """Return k c/(2 e) [N], half of the force at which dδ/dF = 0: from there on the law is its tangent (M98)."""
         return self.line_stiffness * self.log_length * END_X
 
     def elastic(self, penetration: Values) -> Values:
-        """k c x(δ/c) [N], zero for δ ≤ 0, with finite derivatives there."""
+        """Return k c x(δ/c) [N], zero for δ ≤ 0, with finite derivatives there."""
         x, _, _ = self._part(penetration)
         return self.line_stiffness * self.log_length * x
 
     def energy(self, penetration: Values) -> Values:
-        """∫F dδ = F δ - ∫δ dF = k c² x² (2 u - 1)/4 [J] (M97), beyond the limit the tangent's (M98)."""
+        """Return ∫F dδ = F δ - ∫δ dF = k c² x² (2 u - 1)/4 [J] (M97), beyond the limit the tangent's (M98)."""
         x, u, beyond = self._part(penetration)
         stored = jnp.where(beyond > 0.0, END_ENERGY + 0.5 * (END_X + x) * beyond, 0.25 * x * x * (2.0 * u - 1.0))
         return self.line_stiffness * self.log_length**2 * stored
 
     def depth(self, force: Scalar) -> Scalar:
-        """s ln(c/s) [m] (M96), beyond the limit the tangent's (M98)."""
+        """Return s ln(c/s) [m] (M96), beyond the limit the tangent's (M98)."""
         x = jnp.asarray(force, float) / (self.line_stiffness * self.log_length)
         within = (x > LEAST) & (x < END_X)
+        # Guarded as in `power`: the branch that is not taken must have finite derivatives.
         inner = jnp.where(within, x, END_X)
+        # Beyond the end the law is its tangent, which has no logarithm.
         y = jnp.where(x < END_X, -inner * jnp.log(inner), END_Y + (x - END_X) / END_SLOPE)
         return self.log_length * jnp.where(x > LEAST, y, 0.0)
 
     def depth_storing(self, energy: Scalar) -> Scalar:
-        """In closed form: w = 2 u - 1 solves w - ln w = -1 - ln(4 V/(k c²)), M97's equation again (M99)."""
+        """Return the penetration [m] at which the spring has stored an ``energy`` [J], in closed form: w = 2 u - 1
+        solves w - ln w = -1 - ln(4 V/(k c²)), M97's equation again (M99)."""
         v = jnp.asarray(energy, float) / (self.line_stiffness * self.log_length**2)
         within = (v > LEAST) & (v < END_ENERGY)
         u = 0.5 * (1.0 + lambert(-1.0 - jnp.log(4.0 * jnp.where(within, v, END_ENERGY))))
@@ -88,7 +92,7 @@ class LogarithmicLaw(PinInHoleLaw):
         return self.log_length * jnp.where(v > LEAST, y, 0.0)
 
     def _part(self, penetration: Values) -> tuple[Values, Values, Values]:
-        """x = F/(k c) [-], u within the limit [-], and y beyond it [-]."""
+        """Return x = F/(k c) [-], u within the limit [-], and y beyond it [-]."""
         y = penetration / self.log_length
         inside, within = penetration > LEAST, y < END_Y
         u = lambert(-jnp.log(jnp.where(inside & within, y, END_Y)))

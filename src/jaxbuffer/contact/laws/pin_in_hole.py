@@ -28,24 +28,25 @@ class PinInHoleLaw(DampedSpring):
 
     @property
     def journal_radius(self) -> Scalar:
-        """R_J of the pin [m]."""
+        """Return R_J of the pin [m]."""
         return self.bush_radius - self.clearance
 
     @property
     def relative_radius(self) -> Scalar:
-        """R = R_B R_J/ΔR [m] (M54)."""
+        """Return R = R_B R_J/ΔR [m] (M54)."""
         return self.bush_radius * self.journal_radius / self.clearance
 
     @property
     def line_stiffness(self) -> Scalar:
-        """k = π E* L [N/m] (M95)."""
+        """Return k = π E* L [N/m] (M95)."""
         return jnp.pi * self.modulus * self.length
 
     @property
     def limit_force(self) -> Scalar:
-        """The force [N] above which the law means nothing any more, for warnings; infinite where none is known."""
+        """Return the force [N] above which the law means nothing any more, for warnings; infinite where none is
+        known."""
         return math.inf
 
     def time_scale(self, mass: Scalar, speed: Scalar) -> Scalar:
-        """Largest penetration of a lossless impact over its speed [s] (M101)."""
+        """Return the largest penetration of a lossless impact over its speed [s] (M101)."""
         return self.depth_storing(0.5 * mass * speed * speed) / speed

@@ -9,7 +9,7 @@ PLANE = jnp.pi**3 / 6.0
 
 
 def hertz_pressure(force: Scalar, radius: Scalar, young: Scalar, poisson: Scalar) -> Float[Array, "..."]:
-    """Largest pressure under a ball that is pressed on a plane of its own material [Pa] (M55).
+    """Return the largest pressure under a ball that is pressed on a plane of its own material [Pa] (M55).
 
     **Arguments:**
 
@@ -23,8 +23,8 @@ def hertz_pressure(force: Scalar, radius: Scalar, young: Scalar, poisson: Scalar
 
 
 def yield_pressure(stress: Scalar, poisson: Scalar) -> Float[Array, "..."]:
-    """The largest pressure [Pa] at which the material below the surface begins to yield (M56); 1.61 ``stress`` for ν =
-    0.3.
+    """Return the largest pressure [Pa] at which the material below the surface begins to yield (M56); 1.61 ``stress``
+    for ν = 0.3.
 
     **Arguments:** ``stress``: yield stress [Pa]; ``poisson``: Poisson's ratio [-].
     """

@@ -17,13 +17,15 @@ TERMS = 14  # of the series: its first neglected term is below 0.05^14 / 16
 
 
 def psi(x: Scalar) -> Scalar:
-    """(ln(1 + x) - x)/x² for x > -1 (M47)."""
+    """Return (ln(1 + x) - x)/x² for x > -1 (M47)."""
     x = jnp.asarray(x, float)
     small = jnp.abs(x) < SERIES_BELOW
+    # Each branch gets an argument that it can take: NaN of one that is not taken would reach the derivative.
     far = jnp.where(small, 1.0, x)
     near = jnp.where(small, x, 0.0)
     series = jnp.zeros_like(near)
     for k in reversed(range(TERMS)):
+        # Horner's rule, from the last term.
         series = (-1.0) ** (k + 1) / (k + 2) + near * series
     return jnp.where(small, series, (jnp.log1p(far) - far) / (far * far))
 
@@ -34,7 +36,7 @@ def _imbalance(d: Scalar, e: Scalar) -> Scalar:
 
 
 def _root(function, low: Scalar, high: Scalar) -> Scalar:
-    """Where an increasing function crosses zero, by bisection to the last digit."""
+    """Return where an increasing function crosses zero, by bisection to the last digit."""
 
     def halve(_, bracket):
         low, high = bracket
@@ -46,11 +48,12 @@ def _root(function, low: Scalar, high: Scalar) -> Scalar:
     return 0.5 * (low + high)
 
 
+# Bisection has no derivative: the rules of this module take it from the relation that is solved (M47).
 @jax.custom_jvp
 @INLINED
 def damping_delivering(restitution: Scalar) -> Scalar:
-    """The factor d [-] with which two free bodies part at ``restitution`` times their approach speed, for values in (0,
-    1]."""
+    """Return the factor d [-] with which two free bodies part at ``restitution`` times their approach speed, for values
+    in (0, 1]."""
     e = jnp.asarray(restitution, float)
     # The relation's imbalance is least at d = 1/e - 1 and infinite at 1/e: the root lies between.
     return jnp.where(e < 1.0, _root(lambda d: _imbalance(d, e), 1.0 / e - 1.0, 1.0 / e), 0.0)
@@ -66,7 +69,7 @@ def _damping_jvp(primals: tuple, tangents: tuple) -> tuple:
 @jax.custom_jvp
 @INLINED
 def restitution_delivered(factor: Scalar) -> Scalar:
-    """The restitution e [-] at which two free bodies part when the law's ``factor`` is d ≥ 0 [-]."""
+    """Return the restitution e [-] at which two free bodies part when the law's ``factor`` is d ≥ 0 [-]."""
     d = jnp.asarray(factor, float)
     return _root(lambda e: _imbalance(d, e), jnp.zeros_like(d), 1.0 / jnp.maximum(d, 1.0))
 
@@ -79,8 +82,9 @@ def _restitution_jvp(primals: tuple, tangents: tuple) -> tuple:
 
 
 def _slope(d: Scalar, e: Scalar) -> tuple[Scalar, Scalar]:
-    """dd/de and de/dd along the relation (M47); the limit of dd/de at d = 0 is -3/2."""
+    """Return dd/de and de/dd along the relation (M47); the limit of dd/de at d = 0 is -3/2."""
     d, e = jnp.asarray(d, float), jnp.asarray(e, float)
+    # Near d = 0 numerator and denominator vanish together: the limit takes their place.
     small = d < 1e-7
     below = jnp.where(small, 1.0, (1.0 + e) * (e - 1.0 + d * e))
     slope = jnp.where(small, -1.5, -d * e * (1.0 + d) / below)

@@ -17,7 +17,7 @@ def hertz_stiffness(
     young_2: Scalar = YOUNG,
     poisson_2: Scalar = POISSON,
 ) -> Scalar:
-    """K of a ball on a plane [N/m^1.5] (M53).
+    """Return K of a ball on a plane [N/m^1.5] (M53).
 
     **Arguments:**
 
@@ -29,7 +29,7 @@ def hertz_stiffness(
 
 
 def ball_stiffness(radius: Scalar, compliance: Scalar) -> Scalar:
-    """K of a ball on a plane [N/m^1.5] (M53).
+    """Return K of a ball on a plane [N/m^1.5] (M53).
 
     **Arguments:** ``radius``: of the ball, or what M54 puts in its place [m]; ``compliance``: 1/E* = σ₁ + σ₂ [1/Pa].
     """
@@ -39,7 +39,7 @@ def ball_stiffness(radius: Scalar, compliance: Scalar) -> Scalar:
 def contact_compliance(
     young_1: Scalar = YOUNG, poisson_1: Scalar = POISSON, young_2: Scalar = YOUNG, poisson_2: Scalar = POISSON
 ) -> Scalar:
-    """1/E* = σ₁ + σ₂ of two bodies [1/Pa] (M53).
+    """Return 1/E* = σ₁ + σ₂ of two bodies [1/Pa] (M53).
 
     **Arguments:** ``young_1``, ``young_2``: Young's moduli [Pa]; ``poisson_1``, ``poisson_2``: Poisson's ratios [-].
     """
@@ -49,7 +49,7 @@ def contact_compliance(
 def contact_modulus(
     young_1: Scalar = YOUNG, poisson_1: Scalar = POISSON, young_2: Scalar = YOUNG, poisson_2: Scalar = POISSON
 ) -> Scalar:
-    """E* of two bodies [Pa], Young's modulus over 1 - ν² of both in series (M95).
+    """Return E* of two bodies [Pa], Young's modulus over 1 - ν² of both in series (M95).
 
     **Arguments:** ``young_1``, ``young_2``: Young's moduli [Pa]; ``poisson_1``, ``poisson_2``: Poisson's ratios [-].
 
@@ -61,7 +61,7 @@ def contact_modulus(
 
 
 def two_spheres_stiffness(radius_1: Scalar, radius_2: Scalar, *materials: Scalar) -> Scalar:
-    """K of two balls [N/m^1.5] (M54).
+    """Return K of two balls [N/m^1.5] (M54).
 
     **Arguments:** ``radius_1``, ``radius_2``: of the balls [m]; ``materials``: as for `hertz_stiffness`.
     """
@@ -69,12 +69,13 @@ def two_spheres_stiffness(radius_1: Scalar, radius_2: Scalar, *materials: Scalar
 
 
 def socket_stiffness(radius: Scalar, socket_radius: Scalar, *materials: Scalar) -> Scalar:
-    """K of a ball in a spherical socket [N/m^1.5] (M54).
+    """Return K of a ball in a spherical socket [N/m^1.5] (M54).
 
     **Arguments:** ``radius``, ``socket_radius``: of ball and socket [m]; ``materials``: as for `hertz_stiffness`.
 
     **Raises:** `InputError` unless the socket is the larger.
     """
+    # Traced numbers have no value yet to compare.
     ball, socket = concrete(radius), concrete(socket_radius)
     if ball is not None and socket is not None and not (ball < socket).all():
         raise InputError(f"socket_radius = {socket_radius:g} m must be above the ball's radius, {radius:g} m")

@@ -40,14 +40,14 @@ class Bracket(NamedTuple):
 
     @staticmethod
     def none() -> "Bracket":
-        """No event is being located."""
+        """Return the bracket of no event."""
         zero = jnp.zeros(())
         return Bracket(jnp.asarray(-1), zero, zero, zero, zero, zero, jnp.asarray(0), jnp.asarray(False))
 
     @staticmethod
     def around(crossing: Crossing, before: Float[Array, " guards"], tries: Int[Array, ""]) -> "Bracket":
-        """Of a crossing found in a step, given the signed guards ``before`` it, and the ``tries`` spent on other events
-        from the same start."""
+        """Bracket a crossing that a step holds, given the signed guards ``before`` it and the ``tries`` spent on other
+        events from the same start."""
         guard, zero = crossing.guard, jnp.zeros(())
         return Bracket(
             guard,
@@ -62,8 +62,8 @@ class Bracket(NamedTuple):
 
     @staticmethod
     def around_release(contact: Int[Array, ""], time: Float[Array, ""], gaps: Float[Array, " contacts"]) -> "Bracket":
-        """Of the predicted release of a closed contact in a ``time`` [s], given the ``gaps`` now [m], which are taken
-        to grow evenly."""
+        """Bracket the predicted release of a closed contact in a ``time`` [s], given the ``gaps`` now [m], which are
+        taken to grow evenly."""
         gap = jnp.sum(jnp.where(jnp.arange(gaps.shape[0]) == contact, gaps, 0.0))
         return Bracket(
             guard=contact,
@@ -101,7 +101,7 @@ def refine(
     tolerance: Float[Array, ""] | float,
     shortfall: Float[Array, ""] | float,
 ) -> Refinement:
-    """How far the end of a step is from the event, and which length to try next.
+    """Say how far the end of a step is from the event, and which length to try next.
 
     Newton's method leads, with the guard's second derivative where it is known. It does not get far where the guard's
     rate is not how the guard changes with the step's length: the step's own error changes with that too. So after
@@ -116,7 +116,7 @@ def refine(
     z = guards.value[bracket.guard]
     rate = jnp.where(exact, guards.rate[bracket.guard], _parabola_rate(bracket, step, z))
     rising = (rate > 0.0) & jnp.isfinite(rate)
-    rate = jnp.where(rising, rate, 1.0)
+    rate = jnp.where(rising, rate, 1.0)  # no division by zero where it is of no use and the offset infinite
     offset = jnp.where(rising, _newton(z, rate, guards.acceleration[bracket.guard]), jnp.inf)
     below = z < 0.0
     low, low_value = jnp.where(below, step, bracket.low), jnp.where(below, z, bracket.low_value)
@@ -160,8 +160,10 @@ def _parabola_rate(bracket: Bracket, step: Array, value: Array) -> Float[Array, 
 
 
 def _newton(value: Array, rate: Array, acceleration: Array) -> Float[Array, ""]:
-    """Time to the zero of a guard [s]: of the parabola with its first and second derivative (Newton's method if the
-    second is zero)."""
+    """Return the time to a guard's zero [s] on the parabola with its first and second derivative, which is Newton's
+    method where the second is zero."""
     linear = -value / rate
+    # The quadratic's root with the square root in the denominator: it does not cancel where the parabola is nearly
+    # straight.
     bend = jnp.sqrt(jnp.maximum(1.0 + 2.0 * acceleration * linear / rate, 0.0))
     return linear * 2.0 / (1.0 + bend)

@@ -33,7 +33,7 @@ class Crossing(NamedTuple):
 
     @property
     def exists(self) -> Bool[Array, ""]:
-        """Whether there is one."""
+        """Return whether there is a crossing."""
         return self.guard >= 0
 
 
@@ -46,7 +46,7 @@ def first_crossing(
     ignored: Int[Array, ""],
     maxima: Bool[Array, " observables"],
 ) -> Crossing:
-    """The earliest event in a step; most steps hold none, and are not searched.
+    """Return the earliest event in a step; most steps hold none and are not searched.
 
     **Arguments:** guards ``before`` and ``after`` the ``step`` [s]; ``active``: which contacts are closed;
     ``least``: the value of each observable that a maximum must exceed to matter; ``ignored``: a guard left out (-1:
@@ -54,9 +54,11 @@ def first_crossing(
     """
     start, end = signed(before, active), signed(after, active)
     crossing = slice(0, before.gap.shape[0] + before.terminal.shape[0])
+    # A guard below zero at both ends may have been above it in between only if it turned.
     dipping = (start.rate > 0.0) & (end.rate < 0.0)
     possible = jnp.concatenate([((end.value > 0.0) | dipping)[crossing], _has_maximum(before, after)])
     none = Crossing(jnp.asarray(-1), step, step, jnp.zeros(()), jnp.asarray(False))
+    # Most steps hold no event: `cond` spares them the search, unless lanes are stepped together.
     search = lambda: _first_crossing(before, after, step, active, least, ignored, maxima)  # noqa: E731
     return lax.cond(jnp.any(possible), search, lambda: none)
 
@@ -80,7 +82,7 @@ def _first_crossing(
 
 
 def _roots(before: Guards, after: Guards, step: Array, active: Array) -> tuple[Array, Array]:
-    """Of the guards of contacts and of the run's end: the fraction of the step at which each rises through zero
+    """Return, for each guard of a contact or of the run's end, the fraction of the step at which it rises through zero
     (infinite if it does not), and a fraction at which it is above zero.
 
     Three cases take care. A guard left at zero or a little above it by the step that ended on its last event, and on
@@ -129,7 +131,7 @@ def _maxima(before: Guards, after: Guards, step: Array, least: Array) -> tuple[A
 
 
 def _has_maximum(before: Guards, after: Guards) -> Bool[Array, " observables"]:
-    """Whether each observable has a maximum in a step.
+    """Return whether each observable has a maximum in a step.
 
     It has one where it falls at the end and rises at the start or is higher at the end; and where it rises at both
     ends, as far as the rates are known, but is lower at the end.
@@ -145,7 +147,8 @@ def unlocated_maximum(
     logged: Float[Array, " observables"],
     extremes: Extremes,
 ) -> Bool[Array, " observables"]:
-    """Which observables are larger at a step's start than anywhere in the log so far, and fall from there to its end.
+    """Return which observables are larger at a step's start than anywhere in the log so far, and fall from there to its
+    end.
 
     Such a maximum was not located, because the observable jumps within a step, as a reaction does where friction
     reverses, or because the search for it was given up. The accepted steps' largest value then stands for it.
@@ -156,8 +159,9 @@ def unlocated_maximum(
 def _polynomial_root(
     before: SignedGuards, after: SignedGuards, step: Array, far: Array, quintic: Array
 ) -> Float[Array, " n"]:
-    """Root in (0, far] of the polynomials through both ends that are negative at 0 and positive at ``far``, by Newton's
-    method kept in its bracket: of degree five where second derivatives are known (``quintic``), else three."""
+    """Return the root in (0, far] of each polynomial through both ends that is negative at 0 and positive at ``far``.
+    The degree is five where second derivatives are known (``quintic``), else three; Newton's method is kept in its
+    bracket."""
     z0, m0, m1 = before.value, before.rate * step, after.rate * step
     jump = after.value - z0
     b0 = jnp.where(quintic, before.acceleration * step**2, 6.0 * jump - 4.0 * m0 - 2.0 * m1)
@@ -166,6 +170,7 @@ def _polynomial_root(
     c3, c4, c5 = 10.0 * j - 4.0 * k + n, -15.0 * j + 7.0 * k - 2.0 * n, 6.0 * j - 3.0 * k + n
     low, high = jnp.zeros_like(far), far
     x = jnp.clip(-z0 / jnp.where(jump == 0.0, 1.0, jump), 0.0, 1.0) * far
+    # So many iterations, whatever they reach: this is a first guess, from which `bracketing` goes on.
     for _ in range(7):
         z = z0 + x * (m0 + x * (c2 + x * (c3 + x * (c4 + x * c5))))
         slope = m0 + x * (2.0 * c2 + x * (3.0 * c3 + x * (4.0 * c4 + 5.0 * x * c5)))

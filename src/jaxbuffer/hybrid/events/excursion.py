@@ -82,7 +82,7 @@ def excursion_in_step(
 
 
 def _may_rise(start: SignedGuards, end: SignedGuards, step: Scalar, contacts: int) -> Bool[Array, " guards"]:
-    """Whether each guard, not above zero at the end of a step, may have been so within it.
+    """Return whether each guard, not above zero at the end of a step, may have been so within it.
 
     A polynomial lies below the largest of its Bernstein coefficients; of degree five where second derivatives are known
     (contacts), else three. How well it describes the guard is judged by what the parabola from the start misses at the

@@ -36,7 +36,7 @@ class Guards(NamedTuple):
     invariant_rounding: Float[Array, ""]
 
     def falling(self, located: Bool[Array, " observables"]) -> "Guards":
-        """With the rates of observables whose maximum has just been located here set to zero: the step that ends on a
+        """Set the rates of observables whose maximum has just been ``located`` here to zero: the step that ends on a
         maximum leaves a rate of either sign, and a small positive one would let the same maximum be found again."""
         return self._replace(value_rate=jnp.where(located, 0.0, self.value_rate))
 
@@ -53,20 +53,20 @@ class Extremes(NamedTuple):
 
     @staticmethod
     def none(observables: int) -> "Extremes":
-        """Those before anything has been seen."""
+        """Return the extremes of no value at all."""
         return Extremes(jnp.full(observables, -jnp.inf), jnp.full(observables, jnp.inf))
 
     @property
     def extent(self) -> Float[Array, " observables"]:
-        """What differences of an observable are compared with; zero before anything has been seen."""
+        """Return the size that differences of an observable are compared with; zero before the first value."""
         return jnp.maximum(jnp.minimum(self.largest - self.smallest, jnp.abs(self.largest)), 0.0)
 
     def below_largest(self, share: float) -> Float[Array, " observables"]:
-        """The values that lie a ``share`` of the extent below the largest ones; -∞ before anything has been seen."""
+        """Return the values that lie a ``share`` of the extent below the largest ones; -∞ before the first value."""
         return self.largest - share * self.extent
 
     def including(self, value: Float[Array, " observables"]) -> "Extremes":
-        """With one more value of each."""
+        """Return the extremes with one more value of each observable."""
         return Extremes(jnp.maximum(self.largest, value), jnp.minimum(self.smallest, value))
 
 
@@ -80,8 +80,9 @@ class SignedGuards(NamedTuple):
 
 
 def signed(guards: Guards, active: Float[Array, " contacts"]) -> SignedGuards:
-    """The guards of contacts, of the run's end and of maxima; an open contact closes where its gap falls through zero,
-    a closed one (``active``) opens where it rises through zero."""
+    """Return the guards of contacts, of the run's end and of maxima with their signs: an open contact closes where its
+    gap falls through zero, a closed one (``active``) opens where it rises through zero."""
+    # One guard serves both events of a contact: its sign says which one can come next.
     sign, none = jnp.where(active > 0.5, 1.0, -1.0), jnp.zeros_like(guards.value_rate)
     value = jnp.concatenate([sign * guards.gap, guards.terminal, -guards.value_rate])
     rate = jnp.concatenate([sign * guards.gap_rate, guards.terminal_rate, none])
@@ -92,9 +93,9 @@ def signed(guards: Guards, active: Float[Array, " contacts"]) -> SignedGuards:
 def near_largest(
     system: HybridSystem, state: Array, rate: Array, active: Array, before: Array, extremes: Extremes
 ) -> Bool[Array, ""]:
-    """Whether an observable of the state's rate is near its largest value so far at a step's end or was at its start
-    (its values there: ``before``), or may be so at any time. Its own rate takes the state's second derivative, which
-    costs two right-hand sides."""
+    """Return whether an observable of the state's rate is near its largest value so far at a step's end or was at its
+    start (its values there: ``before``), or may be so at any time. Its own rate takes the state's second derivative,
+    which costs two right-hand sides."""
     if system.sudden:
         return jnp.asarray(True)
     value, near = system.observables(state, rate, active), extremes.below_largest(NEAR_LARGEST)
@@ -105,9 +106,11 @@ def near_largest(
 
 
 def observe(system: HybridSystem, state: Array, rate: Array, second: Array, active: Array) -> Guards:
-    """Guards and observables with their rates, from the state and its first and ``second`` derivative. Where the second
-    one is not known (zeros: see `near_largest`), observables of the state's rate count as rising."""
+    """Return guards and observables with their rates, from the state and its first and ``second`` derivative.
+    Observables of the state's rate count as rising where the second derivative is not known (zeros: see
+    `near_largest`)."""
     look = lambda y, r: system.watched(y, r, active)  # noqa: E731
+    # One push-forward along the motion gives the rates of all that is watched.
     at, moves = jax.jvp(look, (state, rate), (rate, second))
     of_rate = jnp.asarray(system.rate_observables(), bool)
     value_rate = jnp.where(of_rate & ~jnp.any(second != 0.0), RISING, moves.value)

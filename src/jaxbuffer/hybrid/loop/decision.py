@@ -29,12 +29,12 @@ class Decision(NamedTuple):
 
     @property
     def accepted(self) -> Bool[Array, ""]:
-        """Whether the run goes on from the step's end at once."""
+        """Return whether the run goes on from the step's end at once."""
         return self.outcome == Outcome.ACCEPT
 
 
 def decide(task: Task, state: LoopState, trial: Trial) -> Decision:
-    """The outcome of a trial step.
+    """Decide what becomes of a trial step.
 
     A step that holds an event is taken again, shortened until it ends on the event, and the run goes on from there.
     Only where the event is a maximum and nothing else, the step itself stands: the run looks back at the maximum and
@@ -48,6 +48,7 @@ def decide(task: Task, state: LoopState, trial: Trial) -> Decision:
     options, bracket = task.options, state.bracket
     before = state.point.guards.falling(state.located)
     guards = signed(trial.guards, state.active)
+    # A maximum matters only if it may exceed the largest value so far; the cubic that shows it may miss by `NEARLY`.
     least = jnp.maximum(state.extremes.below_largest(NEARLY), task.system.negligible())
     maxima = trial.accurate & (bracket.tries < MAX_TRIES_MAXIMUM) & ~state.given_up
     crossing = first_crossing(before, trial.guards, trial.length, state.active, least, bracket.guard, maxima)
@@ -61,7 +62,8 @@ def decide(task: Task, state: LoopState, trial: Trial) -> Decision:
 def _without_excursion(
     task: Task, state: LoopState, trial: Trial, outcome: Int[Array, ""], before: Guards
 ) -> Float[Array, ""]:
-    """The length of the step [s], or of the shorter one to take instead, since an event may begin and end within it."""
+    """Return the length of the step [s], or of a shorter one to take instead where an event may begin and end within
+    it."""
     stands = (outcome == Outcome.ACCEPT) | (outcome == Outcome.LOOK_BACK) | (outcome == Outcome.RETAKE)
     point, step = state.point, trial.step
     fraction = excursion_in_step(
@@ -73,13 +75,14 @@ def _without_excursion(
         step=trial.length,
         active=state.active,
         located=state.bracket.guard,
+        # Shorter steps than events are located to resolve nothing more.
         when=stands & (trial.length > task.options.event_time),
     )
     return fraction * trial.length
 
 
 def _outcome(task: Task, state: LoopState, trial: Trial, crossing: Crossing, refinement: Refinement) -> Int[Array, ""]:
-    """The first outcome in the list whose condition holds."""
+    """Return the first outcome in the list whose condition holds."""
     locating, accurate, finite = state.locating, trial.accurate, trial.finite
     overshot = jnp.where(task.options.solver.is_implicit(trial.method), 1.0, OVERSHOT)
     from_step = ~locating & ~state.reevaluating & (trial.state_norm <= overshot)
@@ -100,16 +103,18 @@ def _outcome(task: Task, state: LoopState, trial: Trial, crossing: Crossing, ref
 
 
 def _first(*cases: tuple[Bool[Array, ""], Outcome], otherwise: Outcome) -> Int[Array, ""]:
-    """The outcome of the first condition that holds."""
+    """Return the outcome of the first condition that holds."""
     chosen = jnp.asarray(int(otherwise))
+    # From last to first, so that the first condition that holds has the last word.
     for condition, outcome in reversed(cases):
         chosen = jnp.where(condition, int(outcome), chosen)
     return chosen
 
 
 def _evaluated_once(outcome: Int[Array, ""], time: Float[Array, ""]) -> Int[Array, ""]:
-    """The outcome divided by one. XLA evaluates cheap operations anew wherever their result is used, here the whole
-    decision in most parts of the loop, but never a division by what it cannot know to be one (1 + 0 · ``time``)."""
+    """Return the outcome divided by one. XLA evaluates cheap operations anew wherever their result is used, here the
+    whole decision in most parts of the loop, but never a division by what it cannot know to be one (1 + 0 ·
+    ``time``)."""
     return (outcome.astype(float) / (1.0 + 0.0 * time)).astype(int)
 
 
@@ -120,16 +125,18 @@ def _next_bracket(
     refinement: Refinement,
     before: Guards,
 ) -> Bracket:
-    """The bracket to go on with: of the event that was found, of the one being located, or none."""
+    """Return the bracket to go on with: that of a new event, that of the one being located, or none."""
+    # Counted over all events from one start: events that take each other's place must come to an end too.
     tries = jnp.where(state.locating, state.bracket.tries + 1, 0)
     around = Bracket.around(crossing, signed(before, state.active).value, tries)
     located = where(outcome == Outcome.REFINE, refinement.bracket, Bracket.none())
     located = where((outcome == Outcome.LOCATE) | (outcome == Outcome.LOOK_BACK), around, located)
+    # Taken again with tangents, the step may end a little beside its event; that it has converged is remembered.
     again = state.bracket._replace(converged=refinement.converged)
     return where(outcome == Outcome.RETAKE, again, located)
 
 
 def _shortfall(task: Task, state: LoopState, trial: Trial) -> Float[Array, ""]:
-    """By how much the observable whose maximum is being located may fall short of it."""
+    """Return how far below its maximum an observable may be where a step onto that maximum ends."""
     mine, extremes = task.observable_of(state.bracket.guard), state.extremes.including(trial.guards.value)
     return task.options.shortfall * jnp.sum(jnp.where(mine, extremes.extent, 0.0))

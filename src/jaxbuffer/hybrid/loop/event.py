@@ -41,18 +41,18 @@ class Event(NamedTuple):
 
     @property
     def of_contact(self) -> Bool[Array, ""]:
-        """Whether a contact closes or opens."""
+        """Return whether a contact closes or opens."""
         return self.touchdown | self.release
 
     @property
     def kind(self) -> Int[Array, ""]:
-        """What the log calls it."""
+        """Return what the log calls the event."""
         kind = jnp.where(self.touchdown, Kind.TOUCHDOWN, jnp.where(self.release, Kind.RELEASE, Kind.NONE))
         return jnp.where(self.maximum, Kind.PEAK, jnp.where(self.terminal | self.timed_out, Kind.END, kind))
 
 
 def event_at_end(task: Task, state: LoopState, trial: Trial, decision: Decision) -> Event:
-    """The event at the end of a trial step; none unless the step is accepted and ends on one.
+    """Return the event at the end of a trial step; there is none unless the step is accepted and ends on one.
 
     The run goes on from the step's end, a little beside the event: state, tangents and rate fit each other there. The
     log keeps the state moved onto the event.
@@ -63,6 +63,7 @@ def event_at_end(task: Task, state: LoopState, trial: Trial, decision: Decision)
     of_contact = (guard >= 0) & (guard < contacts)
     terminal = (guard >= contacts) & (guard < task.rated)
     chosen = of_contact & (task.each_contact == guard)
+    # A contact's guard has one number, whether it closes or opens: its present state says which of the two this is.
     touchdown = of_contact & jnp.any(chosen & (state.active < 0.5))
     offset = jnp.where(state.locating, refinement.offset, 0.0)
     at_event = _moved(trial.step, offset, task.system.coordinates)
@@ -70,6 +71,7 @@ def event_at_end(task: Task, state: LoopState, trial: Trial, decision: Decision)
     def touch() -> tuple[Rows, Float[Array, ""]]:
         return _touchdown(task, trial, at_event, guard, chosen)
 
+    # The jump takes a push-forward of the whole assembly, and touchdowns are few: it is evaluated only there.
     jump, contact_step = lax.cond(touchdown, touch, lambda: (jnp.zeros_like(at_event), state.contact_step))
     time = state.point.time + trial.length
     return Event(
@@ -78,6 +80,7 @@ def event_at_end(task: Task, state: LoopState, trial: Trial, decision: Decision)
         release=of_contact & ~touchdown,
         terminal=terminal,
         maximum=guard >= task.rated,
+        # The last step's length is a difference of times, so its end may miss the duration by rounding.
         timed_out=decision.accepted & ~terminal & (time >= task.duration * (1.0 - 1e-15)),
         time=time,
         offset=offset,
@@ -91,7 +94,7 @@ def event_at_end(task: Task, state: LoopState, trial: Trial, decision: Decision)
 def _touchdown(
     task: Task, trial: Trial, at_event: Rows, contact: Int[Array, ""], chosen: Bool[Array, " contacts"]
 ) -> tuple[Rows, Float[Array, ""]]:
-    """How state and tangents jump where a contact closes, and how long the first step after that may be [s]."""
+    """Return how state and tangents jump where a contact closes, and how long the first step after that may be [s]."""
     approach_acceleration = -jnp.sum(jnp.where(chosen, trial.guards.gap_acceleration, 0.0))
     jumped = lambda p, y: task.build(p).touchdown(y, approach_acceleration, contact) - y  # noqa: E731
     jump = task.tangents.lift(jumped)(at_event)
@@ -118,6 +121,7 @@ def logged(
         mode_changes = event.touchdown & task.system.jumps | event.release & of_rate
         after = lambda: observables_after_event(task.system, event.time, event.rows_at_event[0], event.active)  # noqa: E731
         values = lax.cond(mode_changes, after, lambda: values)
+    # Guards are numbered through all kinds; the log counts each kind from zero.
     first = jnp.where(event.of_contact, 0, jnp.where(event.terminal, task.contacts, task.rated))
     when = decision.accepted & (event.kind != Kind.NONE)
     log = log.append(
@@ -169,7 +173,7 @@ def _with_start(
 
 
 def _moved(step: Step, offset: Float[Array, ""], n: int) -> Rows:
-    """The end of a step, moved by a small time [s] to second order in its n coordinates, whose accelerations are known,
+    """Move the end of a step by a small time [s]: to second order in its n coordinates, whose accelerations are known,
     to first order in all else."""
     acceleration = jnp.pad(step.rate[:, n : 2 * n], [(0, 0), (0, step.rate.shape[1] - n)])
     return step.end + offset * (step.rate + 0.5 * offset * acceleration)

@@ -62,17 +62,18 @@ class Log(eqx.Module):
 
     @property
     def room(self) -> int:
-        """How many events are stored in order; then come a slot for each observable, the end's and a spare one."""
+        """Return how many events are stored in order; then come a slot for each observable, the end's and a spare
+        one."""
         return self.kind.shape[-1] - self.values.shape[-1] - 2
 
     @property
     def overflown(self) -> Bool[Array, ""]:
-        """Whether there were more events than room."""
+        """Return whether there were more events than room."""
         return self.count > self.room
 
     @staticmethod
     def empty(slots: int, rows: Rows, contacts: int, observables: int) -> "Log":
-        """A log with room for ``slots`` events in order.
+        """Return an empty log with room for ``slots`` events in order.
 
         Unused slots hold the start: whatever is computed from them is thrown away, but it must stay finite, or
         reverse-mode derivatives turn it into NaN.
@@ -109,13 +110,14 @@ class Log(eqx.Module):
         rates: Rows,
         touching: Bool[Array, ""],
     ) -> "Log":
-        """The log with one more entry if ``when``; ``touching``: whether there was contact since the last event."""
+        """Append an entry if ``when``; ``touching``: whether there was contact since the last event."""
         end, spare = self.kind.shape[0] - 2, self.kind.shape[0] - 1
         missed = when & (self.count >= self.room)
         # Observables of contacts come first, so a touchdown's slot is that of its force.
         its_own = (jnp.arange(values.shape[0]) == which) & ((kind == Kind.PEAK) | (kind == Kind.TOUCHDOWN))
         none_yet = (self.kind[self.room : self.room + values.shape[0]] == Kind.NONE) & (kind == Kind.PEAK)
         higher = its_own & (none_yet | (values > self.missed_values))
+        # Of what finds no room, each observable's highest maximum has a slot of its own, and so has the end.
         beyond = jnp.where(kind == Kind.END, end, jnp.where(jnp.any(higher), self.room + which, spare))
         slot = jnp.where(missed, beyond, jnp.where(when, self.count, spare))
         entry = {
@@ -131,6 +133,7 @@ class Log(eqx.Module):
         touchdown = (jnp.arange(self.missed.shape[0]) == which) & (kind == Kind.TOUCHDOWN)
         return dataclasses.replace(
             _put(self, entry, slot),
+            # Once the log is full, any slot but the spare one may be in use: readers look at the kind of each.
             count=jnp.where(missed, self.kind.shape[0] - 1, self.count + when),
             latest=jnp.where(when, time, self.latest),
             missed=self.missed + (missed & touchdown),
@@ -149,7 +152,7 @@ class Steps(eqx.Module):
 
     @staticmethod
     def empty(slots: int, rows: Rows, contacts: int) -> "Steps":
-        """Room for ``slots`` steps; none at all for 0."""
+        """Return an empty history with room for ``slots`` steps; 0 stores none at all."""
         n = slots + 1 if slots else 0
         return Steps(jnp.zeros(n), jnp.zeros((n, contacts)), jnp.zeros((n, *rows.shape)), jnp.asarray(0))
 
@@ -160,7 +163,7 @@ class Steps(eqx.Module):
         active: Float[Array, " contacts"],
         rows: Rows,
     ) -> "Steps":
-        """One more step if ``when`` and there is room; ``count`` goes on counting."""
+        """Append a step if ``when`` and there is room; ``count`` goes on counting."""
         spare = self.time.shape[0] - 1
         if spare < 0:
             return dataclasses.replace(self, count=self.count + when)
@@ -170,7 +173,8 @@ class Steps(eqx.Module):
 
 
 def _put(buffers: B, entry: dict[str, Array], slot: Int[Array, ""]) -> B:
-    """The buffers that the entry names, with its items written into one slot."""
+    """Write the items of an entry into one slot of the buffers it names."""
+    # A slice update stays in place; a scatter would split the loop's kernel.
     put = lax.dynamic_update_index_in_dim
     new = {
         name: put(getattr(buffers, name), jnp.asarray(item, getattr(buffers, name).dtype), slot, 0)

@@ -73,7 +73,7 @@ def _running(state: LoopState) -> Bool[Array, ""]:
 
 
 def _iterate_where_running(task: Task[P], state: LoopState) -> LoopState:
-    """One iteration in each lane that has not ended, of those that are stepped together.
+    """Iterate once in each lane that has not ended, of those that are stepped together.
 
     A condition of each lane's own would make `vmap` copy all of the loop's state in each iteration. The log is by far
     the most of it, and keeps its lane's by itself, as an iteration without an accepted step writes nothing into it.
@@ -84,10 +84,12 @@ def _iterate_where_running(task: Task[P], state: LoopState) -> LoopState:
 
 
 def _iterate(task: Task[P], state: LoopState, running: Bool[Array, ""] | None = None) -> LoopState:
-    """One iteration of the loop; where it is not ``running``, no step is accepted."""
+    """Iterate once; a run that is not ``running`` accepts no step."""
     trial = take_trial(task, state)
     decision = decide(task, state, trial)
     if running is not None:
+        # A rejected step writes neither into the log nor into the history, so these need no copy for the lanes that
+        # ended.
         decision = decision._replace(outcome=jnp.where(running, decision.outcome, int(Outcome.REJECT)))
     event = event_at_end(task, state, trial, decision)
     log, in_log = logged(task, state, trial, decision, event)
@@ -105,7 +107,10 @@ def _iterate(task: Task[P], state: LoopState, running: Bool[Array, ""] | None = 
         located=located,
         given_up=given_up,
         step_sizes=step_sizes,
+        # Steps within an impact are far shorter than those of free motion, which go on afterwards with the length from
+        # before it.
         step_sizes_before_contact=where(event.touchdown, state.step_sizes, state.step_sizes_before_contact),
+        # The root of time counts from the event itself, not from the step's end, which lies a little beside it.
         last_touchdown=jnp.where(event.touchdown, event.time + event.offset, state.last_touchdown),
         contact_step=jnp.where(event.touchdown, event.contact_step, state.contact_step),
         status=next_status(task, state, trial, decision, event, step_sizes),
@@ -116,7 +121,8 @@ def _iterate(task: Task[P], state: LoopState, running: Bool[Array, ""] | None = 
 
 
 def _with_step(steps: Steps, decision: Decision, event: Event) -> Steps:
-    """The history with this step, if it is accepted. It ends on the event that ends the run, not beside it."""
+    """Append this step to the history if it is accepted. The history ends on the event that ends the run, not beside
+    it."""
     time = event.time + event.terminal * event.offset
     rows = jnp.where(event.terminal, event.rows_at_event, event.rows)
     return steps.append(decision.accepted, time, event.active, rows)

@@ -78,14 +78,15 @@ TRANSITIONS: dict[Phase, dict[Outcome, Phase]] = {
     Phase.RETAKE_LOOK_BACK: {**_OF_A_LOCATION, Outcome.REFINE: Phase.LOOK_BACK},
     Phase.REEVALUATE: {Outcome.ACCEPT: Phase.STEP, Outcome.REJECT: Phase.STEP},
 }
+# Pairs that cannot occur need a number too; which one is of no consequence.
 _TABLE = np.array([TRANSITIONS[phase].get(outcome, Phase.STEP) for phase in Phase for outcome in Outcome])
 
 
 def following(phase: Int[Array, ""], outcome: Int[Array, ""]) -> Int[Array, ""]:
-    """The next phase by the table of transitions."""
+    """Return the next phase by the table of transitions."""
     return jnp.asarray(_TABLE)[phase * len(Outcome) + outcome]
 
 
 def is_one_of(phase: Int[Array, ""], phases: tuple[Phase, ...]) -> Bool[Array, ""]:
-    """Whether the phase is one of several."""
+    """Return whether the phase is one of several."""
     return functools.reduce(operator.or_, [phase == one for one in phases])

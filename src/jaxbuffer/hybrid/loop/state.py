@@ -78,27 +78,28 @@ class LoopState(NamedTuple):
 
     @property
     def locating(self) -> Bool[Array, ""]:
-        """Whether the next trial step is to end on an event."""
+        """Return whether the next trial step is to end on an event."""
         return is_one_of(self.phase, LOCATING)
 
     @property
     def looking_back(self) -> Bool[Array, ""]:
-        """Whether that event is a maximum inside a step that stands."""
+        """Return whether that event is a maximum inside a step that stands."""
         return is_one_of(self.phase, LOOKING_BACK)
 
     @property
     def retaking(self) -> Bool[Array, ""]:
-        """Whether the next trial step is the last one again, with tangents."""
+        """Return whether the next trial step is the last one again, with tangents."""
         return is_one_of(self.phase, RETAKING)
 
     @property
     def reevaluating(self) -> Bool[Array, ""]:
-        """Whether only the derivative of the state is evaluated."""
+        """Return whether only the derivative of the state is evaluated."""
         return self.phase == Phase.REEVALUATE
 
 
 def initial_state(task: Task[P], allowed: Bool[Array, ""] | None = None) -> LoopState:
-    """The loop's first state; over at once unless ``allowed``. A run may start in contact: that is its first touchdown.
+    """Return the loop's first state; the run is over at once unless ``allowed``. A run may start in contact: that is
+    its first touchdown.
 
     Derivatives and guards are still unknown. The loop's first iteration finds them (`Phase.REEVALUATE`), which spares
     compiling the right-hand side a second time.
@@ -107,6 +108,7 @@ def initial_state(task: Task[P], allowed: Bool[Array, ""] | None = None) -> Loop
     start, active = task.tangents.start(lambda p: task.build(p).start()[0]), system.start()[1]
     zero, one = jnp.zeros(()), jnp.ones(())
     none, terminal, value = (jnp.zeros(n) for n in (contacts, task.terminals, task.observables))
+    # Placeholders: the first iteration evaluates them.
     guards = Guards(none, none, none, terminal, terminal, value, value, zero, zero)
     log = Log.empty(options.max_events, start, contacts, task.observables)
     values = observables_after_event(system, zero, start[0], active) if system.jumps else value
@@ -141,5 +143,5 @@ def initial_state(task: Task[P], allowed: Bool[Array, ""] | None = None) -> Loop
 def observables_after_event(
     system: HybridSystem, time: Array, state: Array, active: Array
 ) -> Float[Array, " observables"]:
-    """All observables of a state whose rate is not yet known."""
+    """Return all observables of a state whose rate is not yet known."""
     return system.observables(state, system.derivative(time, state, active), active)

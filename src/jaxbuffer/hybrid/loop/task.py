@@ -37,8 +37,9 @@ class Task(Generic[P]):
     def of(
         build: Callable[[P], HybridSystem], tangents: Tangents[P], duration: Float[Array, ""], options: Options
     ) -> "Task[P]":
-        """With the system built and its guards counted."""
+        """Build the system, and count its guards."""
         system = build(tangents.primal)
+        # Only the shapes are wanted, so nothing is computed.
         state, active = jax.eval_shape(system.start)
         terminal, value = jax.eval_shape(
             lambda y, open: (system.terminals(y), system.observables(y, y, open)), state, active
@@ -48,24 +49,25 @@ class Task(Generic[P]):
 
     @property
     def rated(self) -> int:
-        """How many guards have exact rates: those of contacts and of the end, which come before those of maxima."""
+        """Return how many guards have exact rates: those of contacts and of the end, which come before those of
+        maxima."""
         return self.contacts + self.terminals
 
     @property
     def each_contact(self) -> Int[Array, " contacts"]:
-        """Their numbers."""
+        """Return the contacts' numbers."""
         return jnp.arange(self.contacts)
 
     @property
     def each_observable(self) -> Int[Array, " observables"]:
-        """Their numbers."""
+        """Return the observables' numbers."""
         return jnp.arange(self.observables)
 
     def observable_of(self, guard: Int[Array, ""]) -> Bool[Array, " observables"]:
-        """Which observable's maxima a guard stands for, if any."""
+        """Return which observable's maxima a guard stands for, if any's."""
         return self.each_observable == guard - self.rated
 
     @property
     def of_rate(self) -> Bool[Array, " observables"]:
-        """Which observables depend on the state's rate."""
+        """Return which observables depend on the state's rate."""
         return jnp.asarray(self.system.rate_observables(), bool)

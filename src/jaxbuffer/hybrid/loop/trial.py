@@ -41,7 +41,7 @@ class Trial(NamedTuple):
 
     @property
     def accurate(self) -> Bool[Array, ""]:
-        """Whether the error is allowed."""
+        """Return whether the error is allowed."""
         return self.norm <= 1.0
 
 
@@ -65,9 +65,11 @@ def take_trial(task: Task[P], state: LoopState) -> Trial:
         return step_of(tangents, point.rows, point.rate)
 
     def state_alone() -> Step:
+        # Both branches of `cond` must have the same shape: zeros stand for the tangents.
         return step_of(Tangents(tangents.primal), point.rows[:1], point.rate[:1]).padded(tangents.count)
 
     with_tangents = state.retaking | ~state.locating & (length < jnp.minimum(touchdown, release))
+    # Without tangents there is one branch, and the right-hand side is compiled once.
     step = lax.cond(with_tangents, with_all, state_alone) if tangents.count else state_alone()
     norms = tolerance.norms(step.error, point.rows, step.end, system.scales())
     guards = observe(system, step.end[0], step.rate[0], step.second[0], state.active)
@@ -79,6 +81,7 @@ def take_trial(task: Task[P], state: LoopState) -> Trial:
     # Beside a touchdown or a release tangents change with a root of the gap, of which less and less is more than
     # rounding: in a step shorter than events are located, their error is not known, and the state decides alone.
     norm = jnp.where(length > task.options.event_time, jnp.maximum(state_norm, jnp.max(norms)), state_norm)
+    # The last norm too, since the invariant is in it and not in the others.
     finite = jnp.all(jnp.isfinite(norms)) & jnp.isfinite(norm) & jnp.all(jnp.isfinite(step.rate))
     return Trial(method, length, with_tangents, step, guards, state_norm, norm, finite)
 
@@ -90,7 +93,7 @@ def _method_and_length(
     touchdown: Float[Array, ""],
     release: Float[Array, ""],
 ) -> tuple[Int[Array, ""], Float[Array, ""]]:
-    """Which method takes the step, and its length [s].
+    """Choose the method that takes the step, and its length [s].
 
     A step goes no further than some way beyond the next predicted ``touchdown`` [s], since from a step that ends far
     beyond it the touchdown can only be guessed poorly; and it stays well before the next predicted ``release`` [s],
@@ -106,9 +109,10 @@ def _method_and_length(
 
 
 def _time_transform(task: Task[P], state: LoopState, method: Array, length: Array) -> TimeTransform:
-    """How time passes in the step: even in the root of the time from the last touchdown, or to the release that it is
-    to end on. Implicit steps are even in time: one matrix serves all their stages."""
+    """Return how time passes in the step. Explicit steps are even in the root of the time from the last touchdown, or
+    to the release they are to end on; implicit ones are even in time, since one matrix serves all their stages."""
     closed = jnp.any((task.each_contact == state.bracket.guard) & (state.active > 0.5))
+    # The step onto a touchdown may end a little before it.
     elapsed = jnp.maximum(state.point.time - state.last_touchdown, 0.0)
     onto_release, after = TimeTransform.onto_release(length), TimeTransform.after_touchdown(elapsed, length)
     transform = where(state.locating & closed, onto_release, after)
@@ -125,9 +129,10 @@ def _step(
     rows: Rows,
     rate: Rows,
 ) -> Step:
-    """The step from the present point, of the ``rows`` given and their ``rate``."""
+    """Step the given ``rows``, with their ``rate``, from the present point."""
     system, point, active = task.system, state.point, state.active
     second = None
+    # The rate of an observable that depends on the state's rate takes the state's second derivative.
     if system.observes_rate:
         before, extremes = point.guards.value, state.extremes
         near = lambda y, rate: near_largest(system, y, rate, active, before, extremes)  # noqa: E731
@@ -146,5 +151,7 @@ def _step(
         allowance,
         second,
     )
+    # Steps work on columns, since the compiler has vector instructions for the tangents of one number; the loop keeps
+    # rows.
     back = lambda columns: columns.T[: rows.shape[0]]  # noqa: E731
     return Step(back(step.end), back(step.rate), back(step.error), step.order, back(step.second))

@@ -47,6 +47,7 @@ def advance(task: Task[P], state: LoopState, trial: Trial, decision: Decision, e
     returns = event.maximum & state.looking_back
     extremes = state.extremes.including(trial.guards.value)
     begins = event.touchdown & (task.each_observable == event.guard)
+    # The guards of contacts without a force among the observables have the numbers of other observables.
     if (forces := task.system.contact_observables) is not None and forces < task.contacts:
         begins = begins & (event.guard < forces)
     extremes = Extremes(*(jnp.where(begins, 0.0, value) for value in extremes))
@@ -65,7 +66,7 @@ def advance(task: Task[P], state: LoopState, trial: Trial, decision: Decision, e
 
 
 def _after(task: Task[P], trial: Trial, event: Event) -> Guards:
-    """The guards at the step's end, with the invariant as it is once a contact has closed or opened there.
+    """Return the guards at the step's end, with the invariant as it is once a contact has closed or opened there.
 
     The step ends a little beside the event, so that the energy stored in the contact appears or vanishes at once. That
     is no error of the next step, which would be refused for it however short it is.
@@ -76,7 +77,7 @@ def _after(task: Task[P], trial: Trial, event: Event) -> Guards:
 
 
 def next_step_sizes(task: Task[P], state: LoopState, trial: Trial, decision: Decision, event: Event) -> StepSizes:
-    """The controller's next state.
+    """Return the controller's next state.
 
     It learns from steps whose length it chose itself: those that are accepted, refused or look back, not from those
     that end on an event. A location given up is a step refused, and since the longer step in which the event was found
@@ -87,6 +88,7 @@ def next_step_sizes(task: Task[P], state: LoopState, trial: Trial, decision: Dec
     chosen = ~state.locating & ~state.reevaluating
     looks_back, abandoned = outcome == Outcome.LOOK_BACK, outcome == Outcome.ABANDON
     learns = (outcome == Outcome.REJECT) | looks_back | abandoned | decision.accepted & chosen
+    # The controller cuts a step with an infinite norm to a tenth.
     norm = jnp.where(trial.finite, trial.norm, jnp.inf)
     stands = decision.accepted | looks_back
     adapted = task.options.controller.adapt(
@@ -97,6 +99,7 @@ def next_step_sizes(task: Task[P], state: LoopState, trial: Trial, decision: Dec
     sizes = sizes._replace(steps=jnp.where(abandoned, shorter, sizes.steps))
     cut = jnp.minimum(sizes.steps, decision.shorter)
     sizes = sizes._replace(steps=jnp.where(outcome == Outcome.SHORTEN, cut, sizes.steps))
+    # Last, since touchdowns and releases replace whatever the step has taught.
     sizes = where(event.touchdown, StepSizes.of(event.contact_step, len(task.options.solver.methods)), sizes)
     return where(event.release, state.step_sizes_before_contact, sizes)
 
@@ -124,11 +127,13 @@ def next_phase(
 def next_status(
     task: Task[P], state: LoopState, trial: Trial, decision: Decision, event: Event, step_sizes: StepSizes
 ) -> Int[Array, ""]:
-    """Whether and how the run ends here."""
+    """Return whether and how the run ends here."""
     refused = (decision.outcome == Outcome.REJECT) | (decision.outcome == Outcome.ABANDON)
+    # A step of length zero cannot be shortened.
     stuck = refused & (state.reevaluating | (jnp.min(step_sizes.steps) < SHORTEST))
     timeout = jnp.where(event.timed_out, Status.TIMEOUT, Status.RUNNING)
     status = jnp.where(event.terminal, event.guard - task.contacts, timeout)
+    # A step that ends the run ends it, whatever else is wrong with it: failures are looked at only while it goes on.
     for failed, code in (
         (state.attempts + 1 >= task.options.max_steps, Status.TOO_MANY_STEPS),
         (stuck & trial.finite, Status.STEP_TOO_SMALL),

@@ -21,12 +21,12 @@ class Tolerance(eqx.Module):
     atol: Scalar = 1e-7
 
     def norms(self, error: Rows, rows: Rows, end: Rows, scales: Float[Array, " state"]) -> Float[Array, " rows"]:
-        """Each row's root mean square of error over allowance; 1 is just allowed."""
+        """Return each row's root mean square of error over allowance; 1 is just allowed."""
         ratio = error / self.allowance(jnp.maximum(jnp.abs(rows), jnp.abs(end)), scales)
         return jnp.sqrt(jnp.mean(ratio * ratio, axis=-1))
 
     def first_step(self, sensitivities: int) -> Scalar:
-        """How long a first step after a touchdown may be, of what suits rtol 1e-6 without sensitivities.
+        """Return how long a first step after a touchdown may be, over what suits rtol 1e-6 without sensitivities.
 
         Its error, which no estimate sees, goes with the fifth power of its length; two and a half times as long at
         most. That of sensitivities is seen, and would be refused: it goes with the power 2.6, from 0.6 times the length
@@ -36,7 +36,7 @@ class Tolerance(eqx.Module):
         return jnp.clip(0.6 * looser**0.38, 0.0, 1.0) if sensitivities else jnp.clip(looser**0.2, 0.0, 2.5)
 
     def allowance(self, rows: Rows, scales: Float[Array, " state"]) -> Rows:
-        """The error allowed in each number of rows."""
+        """Return the error allowed in each number of rows."""
         return self.atol * scales[None] + self.rtol * jnp.abs(rows)
 
 
@@ -48,7 +48,7 @@ class StepSizes(NamedTuple):
 
     @staticmethod
     def of(step: Float[Array, ""], methods: int) -> "StepSizes":
-        """The same step [s] for each of so many methods."""
+        """Give each of so many methods the same step [s]."""
         return StepSizes(jnp.full(methods, step), jnp.ones(methods))
 
 
@@ -70,11 +70,12 @@ class Controller(eqx.Module):
     least: float = 0.5
 
     def factor(self, norm: Float[Array, ""], previous: Float[Array, ""], order: Float[Array, ""]) -> Float[Array, ""]:
-        """Ratio of the next step to this one. After a rejection (norm > 1) only the present error counts.
+        """Return the ratio of the next step to this one. Only the present error counts after a rejection (norm > 1).
 
         **Arguments:** ``norm`` of this step's error over what is allowed; ``previous``: that of the last accepted step;
         ``order`` of the estimate.
         """
+        # The error may be zero, as of uniform motion.
         norm = jnp.maximum(norm, 1e-10)
         steady = norm ** (-(self.integral + self.proportional) / order) * previous ** (self.proportional / order)
         factor = self.safety * jnp.where(norm > 1.0, norm ** (-1.0 / order), steady)
@@ -89,7 +90,7 @@ class Controller(eqx.Module):
         order: Float[Array, ""],
         accepted: Bool[Array, ""],
     ) -> StepSizes:
-        """The step sizes after a trial step.
+        """Return the step sizes after a trial step.
 
         **Arguments:** ``step_sizes`` before it; ``method`` that took it; its ``length`` [s]; ``norm`` of its error,
         NaN or infinite where there is none: the step is then cut to a tenth; ``order`` of the error estimate; whether
@@ -98,6 +99,8 @@ class Controller(eqx.Module):
         steps, norms = step_sizes
         finite = jnp.isfinite(norm)
         resized = length * jnp.where(finite, self.factor(norm, norms[method], order), 0.1)
+        # A method at rest grows back slowly and stays near the accepted step, so that it is tried again in time.
         resting = jnp.where(accepted, jnp.maximum(self.recovery * steps, self.least * length), steps)
         mine = jnp.arange(steps.shape[0]) == method
+        # The lower bound keeps one step of no error from shrinking the next (see `factor`).
         return StepSizes(jnp.where(mine, resized, resting), jnp.where(mine & accepted, jnp.maximum(norm, 1e-4), norms))

@@ -20,7 +20,8 @@ SOLVER_NAMES = (*SOLVERS, *(f"diffrax:{method}" for method in DIFFRAX_METHODS))
 
 
 def solver_named(solver: Any) -> Solver:
-    """The solver of a name in `SOLVER_NAMES`; a solver itself stays as it is. **Raises:** `InputError` for all else."""
+    """Return the solver of a name in `SOLVER_NAMES`; a solver itself stays as it is. **Raises:** `InputError` for all
+    else."""
     if isinstance(solver, Solver):
         return solver
     check_choice("solver", solver, SOLVER_NAMES)
@@ -30,7 +31,7 @@ def solver_named(solver: Any) -> Solver:
 
 
 def name_of(solver: Solver | None) -> str | None:
-    """The name by which another process makes a solver for itself: pickled, one of diffrax's is another one.
+    """Return the name by which another process makes a solver for itself: one of diffrax's, pickled, is another one.
 
     **Raises:** `InputError` for a solver that no name makes.
     """

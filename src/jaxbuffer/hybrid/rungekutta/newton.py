@@ -32,20 +32,21 @@ class NewtonMatrix(NamedTuple):
 
     @staticmethod
     def of(stiff: Linearisation, shift: Float[Array, ""]) -> "NewtonMatrix":
-        """With the one small inverse that it takes."""
+        """Prepare the matrix: one small inverse is taken."""
         mobility = _product(stiff.directions.T, stiff.response)
         response = stiff.damping + shift * stiff.stiffness
         inner = inverse(jnp.eye(len(mobility)) + shift * _product(mobility, response))
         return NewtonMatrix(stiff, shift, response, mobility, inner)
 
     def solve(self, right: Columns) -> Columns:
-        """The solution u of (I - shift J) u = ``right``, for each column."""
+        """Solve (I - shift J) u = ``right`` for each column."""
         stiff, shift, n = self.stiff, self.shift, self.stiff.coordinates
         velocities = len(stiff.directions)
         r_q, r_w, rest = right[:n], right[n : n + velocities], right[n + velocities :]
         spring = _product(stiff.stiffness, _product(stiff.directions[:n].T, r_q))
         z = _product(self.inner, _product(stiff.directions.T, r_w) - shift * _product(self.mobility, spring))
         w = r_w - shift * _product(stiff.response, spring + _product(self.response, z))
+        # What follows the velocities decays by itself, so its part of the matrix is diagonal.
         if stiff.decay is not None:
             rest = rest / (1.0 + shift * stiff.decay)[:, None]
         if stiff.followers is not None:
@@ -54,12 +55,12 @@ class NewtonMatrix(NamedTuple):
 
 
 def _product(a: Array, b: Array) -> Array:
-    """A matrix product written as a sum: a call into a library would split the loop's kernel."""
+    """Multiply two matrices by a sum, since a call into a library would split the loop's kernel."""
     return summed(jnp.swapaxes(a, 0, 1)[:, :, None] * b[:, None])
 
 
 def summed(terms: Float[Array, "terms *shape"]) -> Float[Array, "*shape"]:
-    """The sum over the first axis, in sums of `TERMS` terms at most: LLVM writes out one that is so short and evaluates
-    it in vector instructions, a longer one number by number (see `process`)."""
+    """Sum over the first axis, in sums of `TERMS` terms at most: LLVM writes out one that is so short and evaluates it
+    in vector instructions, a longer one number by number (see `process`)."""
     sums = [jnp.sum(terms[k : k + TERMS], axis=0) for k in range(0, max(len(terms), 1), TERMS)]
     return sum(sums[1:], sums[0])

@@ -59,6 +59,7 @@ class LowRankNewton(optx.AbstractRootFinder):
         change = -state.matrix.solve(columns).reshape(residual.shape)
         stage = _Stage(args)
         allowed = self.atol + self.rtol * jnp.abs(stage.state(y + change))
+        # The unknown is a slope: the tolerance is about the change of the state that it makes.
         size = self.norm(stage.gain * change / allowed) / CONVERGED
         return y + change, NewtonState(state.matrix, size, state.size, state.steps + 1), aux
 
@@ -85,15 +86,16 @@ class _Stage:
         self.gain = self.diagonal * (self.control if len(arguments) == 8 else 1.0)
 
     def state(self, unknown: Array) -> Array:
-        """The state of the stage, of the unknown that is solved for."""
+        """Return the state of the stage from the unknown that is solved for."""
         return self.known + self.gain * unknown
 
 
 def with_root_finder(
     method: diffrax.AbstractSolver, linearise: Callable[[Any, Array, Any], Linearisation]
 ) -> diffrax.AbstractSolver:
-    """An implicit method with `LowRankNewton`, at the tolerances of the step size controller, in place of diffrax's
-    default root finder; any other method as it is."""
+    """Give an implicit method `LowRankNewton`, at the tolerances of the step size controller, in place of diffrax's
+    default root finder; return any other method as it is."""
+    # A root finder that differs from the class's own was chosen by the user, and stays.
     if not isinstance(method, diffrax.AbstractImplicitSolver) or method.root_finder != type(method)().root_finder:
         return method
     finder = diffrax.with_stepsize_controller_tols(LowRankNewton)(linearise=linearise)

@@ -20,24 +20,24 @@ class Solver(eqx.Module):
 
     @property
     def methods(self) -> tuple[methods.Method, ...]:
-        """The methods to choose from."""
+        """Return the methods to choose from."""
         raise NotImplementedError
 
     @property
     def safety_factor(self) -> Scalar:
-        """How many times below the tolerance the estimated error of an implicit step must be."""
+        """Return how many times below the tolerance the estimated error of an implicit step must be."""
         return 1.0
 
     def choose(self, stiff: Linearisation, steps: Float[Array, " methods"]) -> tuple[Int[Array, ""], Float[Array, ""]]:
-        """Which method takes the next step and its length [s], where accuracy would allow ``steps``."""
+        """Choose the method of the next step and its length [s], where accuracy would allow ``steps``."""
         return jnp.asarray(0), steps[0]
 
     def is_implicit(self, which: Int[Array, ""]) -> Bool[Array, ""]:
-        """Whether a method is implicit; its steps are even in time, with one matrix for all stages."""
+        """Return whether a method is implicit; its steps are then even in time, with one matrix for all stages."""
         return jnp.asarray([method.gamma > 0.0 for method in self.methods])[which]
 
     def method_for(self, stiff: Linearisation, step: Float[Array, ""]) -> Int[Array, ""]:
-        """Which method takes a step of a given length [s]."""
+        """Return which method takes a step of a given length [s]."""
         return jnp.asarray(0)
 
     def step(
@@ -52,7 +52,7 @@ class Solver(eqx.Module):
         allowance: Columns,
         second: SecondDerivative | None = None,
     ) -> Step:
-        """One step of a method.
+        """Take one step by a method.
 
         **Arguments:** ``which`` method; the ``field`` (time [s], columns) → derivative; its ``stiff`` part at the
         start; ``time`` [s], ``columns`` and their ``rate`` there; ``transform``: the step's length and how time passes
@@ -122,7 +122,8 @@ class Automatic(Solver):
         return (*self.explicit.methods, *self.implicit.methods)
 
     def _longest(self, stiff: Linearisation) -> Float[Array, ""]:
-        """The longest explicit step [s]."""
+        """Return the longest explicit step [s]."""
+        # No stiff force may act at all: then there is no limit, but a finite number.
         return self.limit / jnp.maximum(stiff.fastest(), 1e-150)
 
     def choose(self, stiff, steps):
@@ -135,4 +136,5 @@ class Automatic(Solver):
     def method_for(self, stiff, step):
         if not stiff.rank:
             return super().method_for(stiff, step)
+        # A step that `choose` cut to just this length stays explicit in spite of rounding.
         return (step > self._longest(stiff) * (1.0 + 1e-9)).astype(int)

@@ -54,7 +54,7 @@ class Step(NamedTuple):
     second: Rows | Columns
 
     def padded(self, count: int) -> "Step":
-        """With ``count`` rows of zeros more."""
+        """Append ``count`` rows of zeros."""
         rows = lambda x: jnp.pad(x, [(0, count), (0, 0)])  # noqa: E731
         return Step(rows(self.end), rows(self.rate), rows(self.error), self.order, rows(self.second))
 
@@ -104,6 +104,7 @@ def take_step(
     stages = _Stages.of(method, field, stiff, time, columns, transform, allowance, second)
     last = stages.last
     room = len(method.nodes) + 2 * (second is not None)
+    # The first stage needs no evaluation: its slope is that of the last stage of the step before.
     slopes = jnp.zeros((room, *columns.shape)).at[0].set(stages.time_rates[0] * rate)
     first = jnp.where(transform.length > 0.0, 1, last)
     s = _StageState(
@@ -117,6 +118,7 @@ def take_step(
     )
     s = lax.while_loop(lambda s: s.stage < s.needed, stages.iterate, s)
     return Step(
+        # The weights of the last stage are those of the solution.
         end=s.known,
         error=stages.error(s),
         rate=lax.dynamic_index_in_dim(s.slopes, last, keepdims=False),
@@ -155,9 +157,10 @@ class _Stages:
         allowance: Columns,
         second: SecondDerivative | None,
     ) -> "_Stages":
-        """With the times of the stages and, for an implicit method, Newton's matrix."""
+        """Compute the times of the stages and, for an implicit method, Newton's matrix."""
         time_rates, times = transform.derivative(method.nodes), time + transform.elapsed(method.nodes)
         shift = method.gamma * transform.length
+        # The method is chosen at run time: `_only_if` spares an explicit step the inverse.
         newton = None
         if stiff is not None:
             newton = _only_if(jnp.asarray(method.gamma) > 0.0, lambda: NewtonMatrix.of(stiff, shift))
@@ -165,27 +168,27 @@ class _Stages:
 
     @property
     def count(self) -> Int[Array, ""]:
-        """Number of stages of the method in use."""
+        """Return the number of stages of the method in use."""
         return jnp.asarray(self.method.stages)
 
     @property
     def last(self) -> Int[Array, ""] | int:
-        """The stage at the step's end."""
+        """Return the stage at the step's end."""
         return self.method.stages - 1
 
     def time_of(self, stage: Int[Array, ""]) -> Float[Array, ""]:
-        """When a stage is [s]; beyond the last one those of the second derivative follow."""
+        """Return the time of a stage [s]; beyond the last one those of the second derivative follow."""
         if self.second is None:
             return self.times[stage]
         beside = self.second.spacing * (1 + 2 * (self.count - stage))
         return self.times[jnp.minimum(stage, self.last)] + jnp.where(stage > self.last, beside, 0.0)
 
     def known(self, stage: Int[Array, ""] | int, slopes: Array) -> Columns:
-        """The start plus the weighted sum of the slopes before a stage."""
+        """Return the start plus the weighted sum of the slopes before a stage."""
         return self.columns + _weighted(self.method.weights, self.method.first + stage, slopes)
 
     def _next_known(self, s: _StageState, done: Bool[Array, ""], slopes: Array) -> Columns:
-        """`known` of the next stage once this one is done.
+        """Return `known` of the next stage once this one is done.
 
         With tangents the slopes do not fit the fastest cache: in the first half of the stages only these are read.
         """
@@ -197,16 +200,18 @@ class _Stages:
         return lax.switch(which, [lambda: s.known, early, lambda: self.known(s.stage + 1, slopes)])
 
     def error(self, s: _StageState) -> Columns:
-        """The estimate of the local error: E₅² / √(E₅² + E₃²/100) where a coarser estimate steadies it (Hairer's
+        """Return the estimate of the local error: E₅² / √(E₅² + E₃²/100) where a coarser estimate steadies it (Hairer's
         DOP853), plus what an implicit stage that did not converge leaves open."""
         # the last stage's slope, unlike the others, is not yet times dt/dx
         last = jnp.arange(len(self.method.nodes)) == self.last
         weights = self.method.errors * jnp.where(last, self.time_rates[self.last], 1.0)[None]
+        # Two estimates of orders 5 and 3 together are of order 8; a method with one has zeros as the other.
         fine, coarse = (_weighted(weights, k, s.slopes) for k in range(2))
         return fine**2 / jnp.sqrt(fine**2 + 0.01 * coarse**2 + 1e-300) + s.unconverged * self.allowance
 
     def second_derivative(self, s: _StageState) -> Columns:
-        """That at the step's end, from the two slopes beside it; zeros where it is not wanted."""
+        """Return the second derivative at the step's end, from the two slopes beside it; zeros where it is not
+        wanted."""
         if self.second is None:
             return jnp.zeros_like(self.columns)
         after, before = (lax.dynamic_index_in_dim(s.slopes, self.count + k, keepdims=False) for k in range(2))
@@ -216,8 +221,10 @@ class _Stages:
         """Evaluate the field once: all of an explicit stage, one iteration of Newton's method in an implicit one."""
         slope = self.field(self.time_of(s.stage), s.known + s.increment)
         change, gain, size = self._newton_iteration(s, slope)
+        # Written so that NaN counts as converged: no iteration mends it, and the step is refused for it.
         converged = ~(size > CONVERGED)
         done = converged | (s.iterations >= MAX_ITERATIONS)
+        # The step is over at once: what is left open enters the error, which is then too large.
         failed = done & ~converged
         slopes = put(s.slopes, gain, s.stage, 0)
         increment, needed = self._next_increment(s, slope, gain)
@@ -232,8 +239,8 @@ class _Stages:
         )
 
     def _newton_iteration(self, s: _StageState, slope: Columns) -> tuple[Columns, Columns, Float[Array, ""]]:
-        """The change of an implicit stage's increment (zero in an explicit one), the slope times dt/dx that follows
-        from it, and the change's size over the allowed error."""
+        """Return the change of an implicit stage's increment (zero in an explicit one), the slope times dt/dx that
+        follows from it, and the change's size over the allowed error."""
         change, size = jnp.zeros_like(self.columns), jnp.zeros(())
         gain = jnp.where(s.stage < self.last, self.time_rates[s.stage], 1.0) * slope
         if self.newton is None:
@@ -247,20 +254,24 @@ class _Stages:
             return change, jnp.sqrt(jnp.max(squares))
 
         change, size = lax.cond(implicit, solved, lambda: (change, size))
+        # The slope from the increment, not from the field: stiff forces would amplify in it what the iteration leaves
+        # open.
         return change, jnp.where(implicit, (s.increment + change) * (1.0 / gamma), gain), size
 
     def _next_increment(self, s: _StageState, slope: Columns, gain: Columns) -> tuple[Columns, Int[Array, ""]]:
-        """The first guess of the next stage's increment, and the number of stages wanted, which the last one knows."""
+        """Return the first guess of the next stage's increment, and the number of stages wanted, which the last one
+        knows."""
         increment = jnp.where(s.stage < self.last - 1, self.method.gamma, 0.0) * gain
         if self.second is None:
             return increment, s.needed
+        # Beyond the end: first a little after it along the slope, then as far before it.
         beside = jnp.where(s.stage == self.last, self.second.spacing * slope, -s.increment)
         needed = (s.stage == self.last) & self.second.needed(s.known[:, 0], slope[:, 0])
         return jnp.where(s.stage < self.last, increment, beside), jnp.where(needed, self.count + 2, s.needed)
 
 
 def _weighted(weights: Array | np.ndarray, i: Int[Array, ""] | int, slopes: Array) -> Columns:
-    """The sum of all stages' slopes by row ``i`` of the weights."""
+    """Sum all stages' slopes by row ``i`` of the weights."""
     row = lax.dynamic_index_in_dim(jnp.asarray(weights), i, keepdims=False)
     # written out: one pass over all numbers, in vector instructions (a sum over an axis costs a gradient 12 %)
     total = row[0] * slopes[0]
@@ -270,6 +281,6 @@ def _weighted(weights: Array | np.ndarray, i: Int[Array, ""] | int, slopes: Arra
 
 
 def _only_if(condition: Array, make: Callable[[], T]) -> T:
-    """What ``make`` returns, or zeros without the work."""
+    """Return what ``make`` returns, or zeros without the work."""
     shapes = jax.eval_shape(make)
     return lax.cond(condition, make, lambda: jax.tree.map(lambda x: jnp.zeros(x.shape, x.dtype), shapes))

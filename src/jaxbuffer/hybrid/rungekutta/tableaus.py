@@ -29,7 +29,7 @@ class Method(NamedTuple):
 
 
 def explicit(method: diffrax.AbstractERK) -> Method:
-    """An explicit method of diffrax, such as ``DOP853()`` or ``diffrax.Tsit5()``."""
+    """Read an explicit method of diffrax, such as ``DOP853()`` or ``diffrax.Tsit5()``."""
     tableau = method.tableau
     assert isinstance(tableau, diffrax.ButcherTableau)
     weights, last = _square(tableau), np.asarray(tableau.b_sol)
@@ -41,9 +41,10 @@ def explicit(method: diffrax.AbstractERK) -> Method:
 
 
 def diagonally_implicit(method: diffrax.AbstractSolver) -> Method:
-    """A singly diagonally implicit method of diffrax with an explicit first stage, such as ``diffrax.Kvaerno5()``; of
-    an implicit-explicit one, such as ``diffrax.KenCarp5()``, the implicit half."""
+    """Read a singly diagonally implicit method of diffrax with an explicit first stage, such as ``diffrax.Kvaerno5()``;
+    of an implicit-explicit one, such as ``diffrax.KenCarp5()``, the implicit half."""
     tableau = method.tableau  # type: ignore[attr-defined]
+    # diffrax lists the explicit half first.
     tableau = getattr(tableau, "tableaus", [tableau])[-1]
     square = _square(tableau)
     nodes, gamma = np.append(square.sum(axis=1), 1.0), float(square[1, 1])
@@ -53,11 +54,11 @@ def diagonally_implicit(method: diffrax.AbstractSolver) -> Method:
 
 
 def one_of(methods: Sequence[Method], which: Int[Array, ""]) -> Method:
-    """A method picked at run time."""
+    """Pick a method at run time."""
     longest = max(len(method.nodes) for method in methods)
 
     def filled(values: Array | np.ndarray) -> np.ndarray:
-        """The last axes, as long as the stages, filled up."""
+        """Fill up the axes that are as long as the stages."""
         n = values.shape[-1]
         return np.pad(values, [(0, longest - n if size == n else 0) for size in values.shape])
 
@@ -82,5 +83,5 @@ def _square(tableau: diffrax.ButcherTableau) -> np.ndarray:
 
 
 def _with_end(weights: np.ndarray, last: np.ndarray) -> np.ndarray:
-    """One stage more, with the weights of the solution."""
+    """Append a stage with the weights of the solution."""
     return np.block([[weights, np.zeros((len(last), 1))], [last[None], np.zeros((1, 1))]])

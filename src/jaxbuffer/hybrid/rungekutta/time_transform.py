@@ -21,30 +21,31 @@ class TimeTransform(NamedTuple):
 
     @staticmethod
     def uniform(length: Float[Array, ""]) -> "TimeTransform":
-        """Of a step in which time passes evenly; ``length`` of the step [s]."""
+        """Let time pass evenly in a step of a ``length`` [s]."""
         return TimeTransform(length, jnp.zeros(()))
 
     @staticmethod
     def after_touchdown(elapsed: Float[Array, ""], length: Float[Array, ""]) -> "TimeTransform":
-        """Of a step that starts ``elapsed`` [s] after a touchdown: even in the square root of the time from there."""
+        """Let the step, which starts ``elapsed`` [s] after a touchdown, be even in the square root of the time from
+        there."""
         before, after = jnp.sqrt(elapsed), jnp.sqrt(elapsed + length)
         root = length / jnp.maximum(before + after, 1e-150)
         return TimeTransform(2.0 * before * root, 2.0 * root * root)
 
     @staticmethod
     def onto_release(length: Float[Array, ""]) -> "TimeTransform":
-        """Of a step that ends on a release: even in the square root of the time until there."""
+        """Let the step, which ends on a release, be even in the square root of the time until there."""
         return TimeTransform(2.0 * length, -2.0 * length)
 
     @property
     def length(self) -> Float[Array, ""]:
-        """The whole step [s]."""
+        """Return the length of the whole step [s]."""
         return self.start + 0.5 * self.growth
 
     def derivative(self, x: np.ndarray | Array) -> Float[Array, " nodes"]:
-        """dt/dx [s] at the fractions ``x`` of the step."""
+        """Return dt/dx [s] at the fractions ``x`` of the step."""
         return self.start + self.growth * x
 
     def elapsed(self, x: np.ndarray | Array) -> Float[Array, " nodes"]:
-        """Time since the step's start [s] at the fractions ``x`` of the step."""
+        """Return the time since the step's start [s] at the fractions ``x`` of the step."""
         return (self.start + 0.5 * self.growth * x) * x

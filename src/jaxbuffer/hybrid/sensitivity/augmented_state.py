@@ -35,12 +35,12 @@ class Tangents(eqx.Module, Generic[P]):
 
     @property
     def count(self) -> int:
-        """Number of tangents."""
+        """Return the number of tangents."""
         leaves = jax.tree.leaves(self.directions)
         return leaves[0].shape[0] if leaves else 0
 
     def start(self, function: Callable[[P], Float[Array, " state"]]) -> Rows:
-        """State and tangents of a function of the parameters alone."""
+        """Return state and tangents of a function of the parameters alone."""
         value = function(self.primal)[None]
         if not self.count:
             return value
@@ -53,13 +53,15 @@ class Tangents(eqx.Module, Generic[P]):
         def lifted(rows: Rows) -> Float[Array, "rows out"]:
             if not self.count:
                 return function(self.primal, rows[0])[None]
+            # Linearised once for all tangents, so that the function itself is evaluated once.
             value, push = jax.linearize(function, self.primal, rows[0])
             return jnp.concatenate([value[None], jax.vmap(push)(self.directions, rows[1:])])
 
         return lifted
 
     def field(self, function: Callable[[P, Array], Float[Array, " state"]]) -> Callable[[Columns], Columns]:
-        """`lift` on columns, its linear part by `on_columns`: most of the cost of a step with tangents."""
+        """Do as `lift` on columns, with the linear part by `on_columns`: it is most of the cost of a step with
+        tangents."""
         if not self.count:
             return lambda columns: function(self.primal, columns[:, 0])[:, None]
 
@@ -71,14 +73,16 @@ class Tangents(eqx.Module, Generic[P]):
             try:
                 moved = on_columns(push, self.primal, state)(directions, columns)
             except Unsupported:
+                # A mechanism of a user may hold any operation: it runs all the same, more slowly.
                 moved = jax.vmap(push, in_axes=-1, out_axes=-1)(directions, columns)
+            # The linear map has nothing to say about column 0, the state itself.
             return jnp.where(jnp.arange(columns.shape[1]) == 0, value[:, None], moved)
 
         return field
 
 
 def columns(rows: Rows) -> Columns:
-    """Rows transposed; if there are tangents, padded with columns of zeros to whole vector registers."""
+    """Transpose rows, and pad those with tangents to whole vector registers with columns of zeros."""
     count = rows.shape[0]
     whole = 1 if count == 1 else VECTOR // 2 if count <= VECTOR // 2 else VECTOR
     return jnp.pad(rows, [(0, -count % whole), (0, 0)]).T
@@ -100,6 +104,7 @@ def push_through_assembly(
     def numbers(values: list[Array]) -> list[Array]:
         return jax.tree.leaves(eqx.filter(assemble(values), eqx.is_inexact_array))
 
+    # By the traced operations rather than by values: a derivative may happen to be zero at these parameters alone.
     moving = [i for i, depends in enumerate(_depending(numbers, values)) if depends]
 
     def pick(values: list[Array]) -> list[Array]:
@@ -118,7 +123,7 @@ def push_through_assembly(
 
 
 def _depending(function: Callable[[list[Array]], list[Array]], values: list[Array]) -> list[bool]:
-    """Which outputs depend on the inputs at all, followed through the traced operations."""
+    """Return which outputs depend on the inputs at all, followed through the traced operations."""
     traced = jax.make_jaxpr(function)(values).jaxpr
     reached = set(traced.invars)
     for equation in traced.eqns:

@@ -21,7 +21,7 @@ USED_OFTEN = 2  # users from which on a vector is stored rather than evaluated a
 
 
 def on_columns(linear: Callable[..., Array], *examples: Any) -> Callable[..., Float[Array, "out columns"]]:
-    """The same linear map on several vectors at once.
+    """Apply a linear map to several vectors at once.
 
     **Arguments:** ``linear``: a linear function of trees of arrays to one array, such as `jax.linearize` gives;
     ``examples``: arguments of the right shapes. **Returns:** a function of trees of the same structure, each array with
@@ -52,7 +52,7 @@ def on_columns(linear: Callable[..., Array], *examples: Any) -> Callable[..., Fl
 
 
 def _needed(results: Iterable[Vertex]) -> list[Vertex]:
-    """The results and all that they are made from, sources first."""
+    """Return the results and all that they are made from, sources first."""
     needed, stack = set[Vertex](), list(results)
     while stack:
         vertex = stack.pop()

@@ -32,12 +32,12 @@ class Vertex:
 
 
 def _number(coefficient: Coefficient) -> Any:
-    """The coefficient as something to calculate with."""
+    """Return the coefficient as something to calculate with."""
     return jnp.where(coefficient.condition, 1.0, 0.0) if isinstance(coefficient, Mask) else coefficient
 
 
 def scaled(coefficient: Coefficient, vector: Array) -> Array:
-    """A vector times a coefficient."""
+    """Multiply a vector by a coefficient."""
     if isinstance(coefficient, Mask):
         return jnp.where(coefficient.condition, vector, 0.0)
     if isinstance(coefficient, float) and abs(coefficient) == 1.0:

@@ -17,7 +17,8 @@ class Unsupported(Exception):
 
 
 def read(linear: Callable[..., Array], *examples: Any) -> tuple[list[np.ndarray], np.ndarray]:
-    """The vertices of each array that goes in, and of the one that comes out (None for zeros there).
+    """Read a linear function, and return the vertices of each array that goes in and of the one that comes out (None
+    for zeros there).
 
     **Arguments:** ``linear``: a linear function of trees of arrays to one array, such as `jax.linearize` gives;
     ``examples``: arguments of the right shapes. **Raises:** `Unsupported`.
@@ -36,7 +37,7 @@ def _vertices(shape: tuple[int, ...]) -> np.ndarray:
 
 
 def _is_linear(value: Any) -> bool:
-    """Whether a value is one of vertices; None among them is a zero."""
+    """Return whether a value is an array of vertices; None among them is a zero."""
     return isinstance(value, np.ndarray) and value.dtype == object
 
 
@@ -47,6 +48,7 @@ def _traced(jaxpr: Any, consts: Sequence[Any], arguments: Sequence[Any]) -> list
         given, name = [value(x) for x in equation.invars], equation.primitive.name
         shape = equation.outvars[0].aval.shape
         inner = equation.params.get("jaxpr") or equation.params.get("call_jaxpr")
+        # What acts on coefficients alone stays an operation on whole arrays.
         if not any(map(_is_linear, given)):
             outputs = equation.primitive.bind(*given, **equation.params)
             outputs = outputs if equation.primitive.multiple_results else [outputs]
@@ -71,7 +73,8 @@ def _each(function: Callable[..., Vertex | None], shape: tuple[int, ...], *array
 
 
 def _elements(value: Any) -> np.ndarray:
-    """A coefficient array's numbers; those that are known when tracing stay Python numbers."""
+    """Return the numbers of a coefficient array; those known when tracing stay Python numbers."""
+    # Zeros and ones known when tracing drop out of the graph (see `_times` and `scaled`).
     known = isinstance(value, (np.ndarray, np.generic, float, int))
     elements = np.empty(np.shape(value), dtype=object)
     for index in np.ndindex(*elements.shape):
@@ -101,7 +104,7 @@ def _divided(given: Sequence[Any], shape: tuple[int, ...], _: Any) -> np.ndarray
 
 
 def _zeros_for(value: Any) -> np.ndarray:
-    """Lifted zeros: the only constant that a linear map can add."""
+    """Return the value, or lifted zeros for a constant: the only one that a linear map can add."""
     return value if _is_linear(value) else np.full(np.shape(value), None, dtype=object)
 
 
@@ -120,6 +123,7 @@ def _selected(given: Sequence[Any], shape: tuple[int, ...], _: Any) -> np.ndarra
     second = jnp.asarray(which, bool)
 
     def chosen(off: Vertex | None, on: Vertex | None, flag: Array) -> Vertex | None:
+        # A mask and not a factor of zero, which would not switch off an infinite coefficient.
         return _plus(_times(off, Mask(~flag)), _times(on, Mask(flag)))
 
     return _each(chosen, shape, *map(_zeros_for, cases), _elements(second))

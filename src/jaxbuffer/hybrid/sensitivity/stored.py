@@ -20,17 +20,17 @@ class Store(NamedTuple):
 
     @staticmethod
     def of(example: Float[Array, "..."]) -> "Store":
-        """With zeros made from any two numbers of an array, which must hold two or more."""
+        """Make the zeros from any two numbers of an array, which must hold two or more."""
         nothing = 0.0 * jnp.ravel(example)[:2]  # either zero, or NaN
         return Store(_bits(nothing / (1.0 + nothing)) & 1)  # a division, so that it is stored itself
 
     def __call__(self, vector: Float[Array, " n"]) -> Float[Array, " n"]:
-        """The same vector, stored."""
+        """Return the same vector, stored."""
         twice = _bits(vector)[None, :] | self.zeros[:, None]
         same = lax.reduce(twice, np.array(-1, twice.dtype), lax.bitwise_and, (0,))
         return lax.bitcast_convert_type(same, vector.dtype)
 
 
 def _bits(values: Float[Array, "..."]) -> Int[Array, "..."]:
-    """Numbers as whole numbers of the same bits."""
+    """Read numbers as whole numbers of the same bits."""
     return lax.bitcast_convert_type(values, f"int{8 * values.dtype.itemsize}")

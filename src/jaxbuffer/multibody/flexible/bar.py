@@ -33,34 +33,35 @@ class Bar(eqx.Module):
 
     @classmethod
     def rectangle(cls, length: Scalar, width: Scalar, depth: Scalar, density: Scalar, youngs_modulus: Scalar) -> "Bar":
-        """A rectangular section. ``width``: across the plane of motion [m]; ``depth``: in it [m]; others as fields."""
+        """Make a bar of rectangular section. ``width``: across the plane of motion [m]; ``depth``: in it [m]; others as
+        fields."""
         return cls(length, width * depth, width * depth**3 / 12.0, density, youngs_modulus)
 
     @classmethod
     def circle(cls, length: Scalar, diameter: Scalar, density: Scalar, youngs_modulus: Scalar) -> "Bar":
-        """A solid round section. ``diameter``: [m]; others as fields."""
+        """Make a bar of solid round section. ``diameter``: [m]; others as fields."""
         return cls(length, np.pi * diameter**2 / 4.0, np.pi * diameter**4 / 64.0, density, youngs_modulus)
 
     @classmethod
     def tube(cls, length: Scalar, diameter: Scalar, wall: Scalar, density: Scalar, youngs_modulus: Scalar) -> "Bar":
-        """A round tube. ``diameter``: outside [m]; ``wall``: its thickness [m]; others as fields."""
+        """Make a bar from a round tube. ``diameter``: outside [m]; ``wall``: its thickness [m]; others as fields."""
         inside = diameter - 2.0 * wall
         area, second_moment = diameter**2 - inside**2, diameter**4 - inside**4
         return cls(length, np.pi * area / 4.0, np.pi * second_moment / 64.0, density, youngs_modulus)
 
     @property
     def mass(self) -> Scalar:
-        """ρ A L [kg]."""
+        """Return ρ A L [kg]."""
         return self.density * self.area * self.length
 
     @property
     def bending_stiffness(self) -> Scalar:
-        """E I [N m²]."""
+        """Return E I [N m²]."""
         return self.youngs_modulus * self.second_moment
 
     @property
     def axial_stiffness(self) -> Scalar:
-        """E A [N]."""
+        """Return E A [N]."""
         return self.youngs_modulus * self.area
 
 
@@ -80,31 +81,31 @@ class FlexibleBar(eqx.Module):
 
     @property
     def lateral(self) -> int:
-        """Number of lateral modes; the others are along the bar."""
+        """Return the number of lateral modes; the others are along the bar."""
         return self.shapes.lateral(np.zeros(1), 0).shape[1]
 
     def marker(self, station: float) -> Marker:
-        """The material point on the bar's axis at ``station``: ξ = 0 at the start, 1 at the end."""
+        """Return the material point on the bar's axis at ``station``: ξ = 0 at the start, 1 at the end."""
         return marker_on(self.bar, self.shapes, self.centre, station)
 
     @property
     def start(self) -> Marker:
-        """The marker at ξ = 0."""
+        """Return the marker at ξ = 0."""
         return self.marker(0.0)
 
     @property
     def middle(self) -> Marker:
-        """The marker at ξ = ½."""
+        """Return the marker at ξ = ½."""
         return self.marker(0.5)
 
     @property
     def end(self) -> Marker:
-        """The marker at ξ = 1."""
+        """Return the marker at ξ = 1."""
         return self.marker(1.0)
 
 
 def marker_on(bar: Bar, shapes: BarShapes, centre: Scalar, station: float) -> Marker:
-    """The marker at a station of a bar whose frame has its origin at the station ``centre``; ξ = 0…1."""
+    """Return the marker at a station of a bar whose frame has its origin at the station ``centre``; ξ = 0…1."""
     if not 0.0 <= station <= 1.0:
         raise ValueError(f"station: {station} is not between 0 and 1")
     place = np.array([station])

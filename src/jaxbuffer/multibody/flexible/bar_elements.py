@@ -15,7 +15,7 @@ _QUADRATIC = np.array([[1, -3, 2], [0, 4, -4], [0, -1, 2]], float)
 
 
 def quadrature(cells: int, points: int = 4) -> tuple[Stations, np.ndarray]:
-    """Stations and weights of Gauss's rule in each of equal cells: exact to the degree 2 points - 1 there.
+    """Return stations and weights of Gauss's rule in each of equal cells: exact to the degree 2 points - 1 there.
 
     **Arguments:** ``cells``: number of equal parts of the bar; ``points``: stations in each of them.
     """
@@ -25,7 +25,8 @@ def quadrature(cells: int, points: int = 4) -> tuple[Stations, np.ndarray]:
 
 
 def bending_shapes(elements: int, stations: Stations, derivative: int = 0) -> np.ndarray:
-    """(stations, 2 (elements + 1)) Hermite's cubic shapes of (w, dw/dξ) at each node, or a derivative of them to ξ.
+    """Return the (stations, 2 (elements + 1)) Hermite's cubic shapes of (w, dw/dξ) at each node, or a derivative of
+    them to ξ.
 
     **Arguments:** ``elements``: number of equal elements; ``stations``: (stations,) ξ; ``derivative``: its order.
     """
@@ -35,7 +36,8 @@ def bending_shapes(elements: int, stations: Stations, derivative: int = 0) -> np
 
 
 def axial_shapes(elements: int, stations: Stations, derivative: int = 0) -> np.ndarray:
-    """(stations, 2 elements + 1) quadratic shapes of the nodes at ends and middles, or a derivative of them to ξ.
+    """Return the (stations, 2 elements + 1) quadratic shapes of the nodes at ends and middles, or a derivative of them
+    to ξ.
 
     **Arguments:** as `bending_shapes` has them.
     """
@@ -44,26 +46,26 @@ def axial_shapes(elements: int, stations: Stations, derivative: int = 0) -> np.n
 
 
 def gram(left: np.ndarray, right: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """(m, n) integrals of the products of two sets of functions: (stations, m) and (stations, n) values."""
+    """Return the (m, n) integrals of the products of two sets of functions: (stations, m) and (stations, n) values."""
     return left.T @ (weights[:, None] * right)
 
 
 def bending_matrices(elements: int) -> tuple[np.ndarray, np.ndarray]:
-    """Consistent mass ∫ w v dξ and stiffness ∫ w″ v″ dξ of all nodes' (w, dw/dξ) (M116)."""
+    """Return the consistent mass ∫ w v dξ and stiffness ∫ w″ v″ dξ of all nodes' (w, dw/dξ) (M116)."""
     stations, weights = quadrature(elements)
     shapes, curvatures = (bending_shapes(elements, stations, order) for order in (0, 2))
     return gram(shapes, shapes, weights), gram(curvatures, curvatures, weights)
 
 
 def axial_matrices(elements: int) -> tuple[np.ndarray, np.ndarray]:
-    """Consistent mass ∫ u v dξ and stiffness ∫ u′ v′ dξ of all nodes' u (M116)."""
+    """Return the consistent mass ∫ u v dξ and stiffness ∫ u′ v′ dξ of all nodes' u (M116)."""
     stations, weights = quadrature(elements)
     shapes, strains = (axial_shapes(elements, stations, order) for order in (0, 1))
     return gram(shapes, shapes, weights), gram(strains, strains, weights)
 
 
 def geometric_matrix(elements: int, tension) -> np.ndarray:
-    """Geometric stiffness ∫ N w′ v′ dξ of all nodes' (w, dw/dξ) under the tension N(ξ) (M114).
+    """Return the geometric stiffness ∫ N w′ v′ dξ of all nodes' (w, dw/dξ) under the tension N(ξ) (M114).
 
     **Arguments:** ``tension``: function of (stations,) ξ; integrated exactly up to the third degree.
     """
@@ -73,7 +75,8 @@ def geometric_matrix(elements: int, tension) -> np.ndarray:
 
 
 def _polynomials(table: np.ndarray, elements: int, stations: Stations, derivative: int):
-    """Which element each station lies in, and (stations, shapes) of that element's polynomials or a derivative."""
+    """Return which element each station lies in, and (stations, shapes) of that element's polynomials or a
+    derivative."""
     stations = np.asarray(stations, float)
     first = np.clip((stations * elements).astype(int), 0, elements - 1)
     local = stations * elements - first
@@ -82,7 +85,7 @@ def _polynomials(table: np.ndarray, elements: int, stations: Stations, derivativ
 
 
 def _scattered(first: np.ndarray, values: np.ndarray, size: int) -> np.ndarray:
-    """(stations, size): each row's values, from its column ``first`` on."""
+    """Put each row's values at its column ``first`` and after, in an array (stations, size)."""
     full = np.zeros((values.shape[0], size))
     np.put_along_axis(full, first[:, None] + np.arange(values.shape[1])[None, :], values, axis=1)
     return full

@@ -15,7 +15,7 @@ from .modes import ComponentModes, Marker, ModalMatrix
 
 
 def component_modes(bar: Bar, shapes: BarShapes, centre: Scalar) -> ComponentModes:
-    """A bar in the given shapes, without damping (M112, M116).
+    """Return a bar's modes in the given shapes, without damping (M112, M116).
 
     **Arguments:** ``bar``: length, section, material; ``shapes``: lateral and axial ones; ``centre``: station of the
     frame's origin, ξ [-].
@@ -39,13 +39,14 @@ def component_modes(bar: Bar, shapes: BarShapes, centre: Scalar) -> ComponentMod
         translation=jnp.asarray(mass * mean),
         rotation=jnp.concatenate([jnp.asarray(mass * length * moment), no_axial]),
         radial=jnp.concatenate([none, jnp.asarray(mass * length * axial_moment)]) if axial else None,
+        # Only a bar that stretches has shapes along two axes.
         gyroscopic=jnp.asarray(mass * (coupling - coupling.T)) if axial else None,
         orthogonal=shapes.orthogonal_axial or not axial,
     )
 
 
 def with_tip(modes: ComponentModes, tip: Marker, mass: Scalar, inertia: Scalar) -> ComponentModes:
-    """The modes of a bar with a small body on it, about the same origin.
+    """Add a small body to the modes of a bar, about the same origin.
 
     **Arguments:** ``tip``: the marker, on the x axis, that carries it; ``mass``: [kg]; ``inertia``: about the marker
     [kg m²].
@@ -68,22 +69,25 @@ def with_tip(modes: ComponentModes, tip: Marker, mass: Scalar, inertia: Scalar) 
 
 
 def with_geometric(modes: ComponentModes, added: Float[Array, "some some"]) -> ComponentModes:
-    """With an addition to the geometric stiffness of the first modes, or of all. ``added``: [kg] (M114)."""
+    """Add to the geometric stiffness of the first modes, or of all. ``added``: [kg] (M114)."""
     others = modes.size - added.shape[0]
     matrix = _blocks(added, np.zeros((others, others)))
     matrix = matrix if modes.geometric is None else modes.geometric + matrix
+    # Without `is_leaf` a field that is None is no leaf, and could not be replaced.
     return eqx.tree_at(lambda m: m.geometric, modes, matrix, is_leaf=lambda leaf: leaf is None)
 
 
 def with_mean_axes(modes: ComponentModes) -> ComponentModes:
-    """Without the couplings that are zero for modes of neither momentum nor angular momentum (M115)."""
+    """Drop the couplings that are zero for modes of neither momentum nor angular momentum (M115)."""
     return eqx.tree_at(lambda m: (m.translation, m.rotation), modes, (None, None))
 
 
 def with_damping_ratio(modes: ComponentModes, ratio: Scalar) -> ComponentModes:
-    """Undamped modes with the damping ratio ζ each [-] (M117)."""
+    """Give undamped modes the damping ratio ζ each [-] (M117)."""
+    # Python's 0 alone: a traced ratio may become positive, so its matrix must be there.
     if isinstance(ratio, float | int) and ratio == 0:
         return modes
+    # Modes that are coupled, by a tip's mass say: the ratio is that of the natural ones.
     if not modes.orthogonal:
         return modes.with_damping(modal_damping(modes.mass_matrix, modes.stiffness, ratio))
     mass, stiffness = jnp.diag(modes.mass_matrix), jnp.diag(modes.stiffness)
@@ -91,13 +95,13 @@ def with_damping_ratio(modes: ComponentModes, ratio: Scalar) -> ComponentModes:
 
 
 def _inertia(bar: Bar, centre: Scalar) -> Scalar:
-    """Of the rigid bar about the station ``centre`` [kg m²]."""
+    """Return the moment of inertia of the rigid bar about the station ``centre`` [kg m²]."""
     inertia = bar.mass * bar.length**2 * (1.0 / 12.0 + (0.5 - centre) ** 2)
     return inertia + bar.density * bar.second_moment * bar.length if bar.rotary_inertia else inertia
 
 
 def _blocks(lateral, axial) -> ModalMatrix:
-    """Two square matrices on the diagonal of one."""
+    """Put two square matrices on the diagonal of one."""
     rows, columns = lateral.shape[0], axial.shape[0]
     upper = jnp.concatenate([jnp.asarray(lateral, float), jnp.zeros((rows, columns))], axis=1)
     lower = jnp.concatenate([jnp.zeros((columns, rows)), jnp.asarray(axial, float)], axis=1)

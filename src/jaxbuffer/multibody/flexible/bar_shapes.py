@@ -63,7 +63,7 @@ class BarShapes:
 
     @cached_property
     def integrals(self) -> ShapeIntegrals:
-        """All integrals, by Gauss's rule in each cell."""
+        """Return all integrals, by Gauss's rule in each cell."""
         xi, weights = quadrature(self.cells, self.points)
         lateral, slopes, curvatures = (self.lateral(xi, order) for order in range(3))
         axial, strains = (self.axial(xi, order) for order in range(2))
@@ -83,18 +83,19 @@ class BarShapes:
 
 
 def _diagonal(left: np.ndarray, right: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """`gram` of orthogonal functions: what is zero but for rounding is zero."""
+    """Return `gram` of orthogonal functions: what is zero but for rounding is zero."""
     return np.diag(weights @ (left * right))
 
 
 def no_shapes(xi: Stations, derivative: int) -> np.ndarray:
-    """The shapes of a bar that does not stretch: none."""
+    """Return no shapes at all: those of a bar that does not stretch."""
     return np.zeros((len(xi), 0))
 
 
+# Cached, because shapes are equal only if they are the same object: with new ones a program would be compiled anew.
 @cache
 def free_shapes(interior: int, axial_interior: int | None) -> BarShapes:
-    """Mean-axis modes of a free bar, by Craig and Bampton with both end nodes kept (M115).
+    """Return the mean-axis modes of a free bar, by Craig and Bampton with both end nodes kept (M115).
 
     **Arguments:** ``interior``: number of fixed-interface modes in bending; there are interior + 2 modes in all.
     ``axial_interior``: the same along the bar, where there are axial_interior + 1 modes. None: it does not stretch.
@@ -116,7 +117,7 @@ def free_shapes(interior: int, axial_interior: int | None) -> BarShapes:
 
 @cache
 def cantilever_shapes(interior: int, axial_interior: int | None) -> BarShapes:
-    """Modes of a bar that is clamped at ξ = 0, by Craig and Bampton with the node at ξ = 1 kept (M115).
+    """Return the modes of a bar that is clamped at ξ = 0, by Craig and Bampton with the node at ξ = 1 kept (M115).
 
     **Arguments:** as `free_shapes` has them; there are interior + 2 modes in bending, axial_interior + 1 along the bar.
     """
@@ -130,7 +131,8 @@ def cantilever_shapes(interior: int, axial_interior: int | None) -> BarShapes:
 
 @cache
 def sine_shapes(modes: int, axial_nodes: bool) -> BarShapes:
-    """Shapes sin(kπξ), k = 1…modes, and along the bar the quadratic shapes of nodes at ξ = ½ and 1, held at ξ = 0."""
+    """Return the shapes sin(kπξ), k = 1…modes, and along the bar the quadratic shapes of nodes at ξ = ½ and 1, held at
+    ξ = 0."""
     waves = np.pi * np.arange(1, modes + 1)
 
     def axial(xi: Stations, derivative: int) -> np.ndarray:
@@ -141,26 +143,27 @@ def sine_shapes(modes: int, axial_nodes: bool) -> BarShapes:
 
 @cache
 def supported_shapes(modes: tuple[int, ...]) -> BarShapes:
-    """Modes √2 sin(iπξ) of a bar on two simple supports. ``modes``: which i."""
+    """Return the modes √2 sin(iπξ) of a bar on two simple supports. ``modes``: which i."""
     return BarShapes(_sines(np.pi * np.array(modes), np.sqrt(2.0)), no_shapes, 2 * max(modes) + 2, 8)
 
 
 @cache
 def clamped_shapes(modes: tuple[int, ...]) -> BarShapes:
-    """Modes of a bar that is clamped at both ends, ∫ φ² dξ = 1. ``modes``: which, from 1."""
+    """Return the modes of a bar that is clamped at both ends, ∫ φ² dξ = 1. ``modes``: which, from 1."""
     return BarShapes(_clamped(clamped_wave_numbers(max(modes))[np.array(modes) - 1]), no_shapes, 2 * max(modes) + 4, 8)
 
 
 def clamped_wave_numbers(count: int) -> np.ndarray:
-    """(count,) β of cos β cosh β = 1, by Newton's method: a clamped or a free bar's."""
+    """Return the (count,) roots β of cos β cosh β = 1, by Newton's method: those of a clamped or a free bar."""
     beta = np.pi * (np.arange(1, count + 1) + 0.5)
     for _ in range(20):
+        # Written as cos β = 1/cosh β, which does not overflow for high modes.
         beta = beta - (np.cos(beta) - 1.0 / np.cosh(beta)) / (-np.sin(beta) + np.tanh(beta) / np.cosh(beta))
     return beta
 
 
 def _clamped(beta: np.ndarray) -> Shapes:
-    """cosh βξ - cos βξ - σ (sinh βξ - sin βξ), written with decaying exponentials, so that no digits cancel."""
+    """Return cosh βξ - cos βξ - σ (sinh βξ - sin βξ), written with decaying exponentials, so that no digits cancel."""
     scale = 1.0 - np.exp(-2.0 * beta) - 2.0 * np.exp(-beta) * np.sin(beta)
     sigma = (1.0 + np.exp(-2.0 * beta) - 2.0 * np.exp(-beta) * np.cos(beta)) / scale
     rising = (np.cos(beta) - np.sin(beta) - np.exp(-beta)) / scale
@@ -188,7 +191,8 @@ def _elements(interior: int) -> int:
 
 
 def _reduced(mass: np.ndarray, stiffness: np.ndarray, fixed: int, interface: list[int], interior: int) -> np.ndarray:
-    """(unknowns, modes) modes of elements whose first ``fixed`` unknowns are fixed; ``interface`` counts the others."""
+    """Return the (unknowns, modes) modes of elements whose first ``fixed`` unknowns are fixed; ``interface`` counts the
+    others."""
     from .craig_bampton import craig_bampton, uncoupled  # with SciPy, see above
 
     reduction = craig_bampton(mass[fixed:, fixed:], stiffness[fixed:, fixed:], interface, interior)
@@ -197,7 +201,7 @@ def _reduced(mass: np.ndarray, stiffness: np.ndarray, fixed: int, interface: lis
 
 
 def _of_elements(elements: int, lateral: np.ndarray, axial: np.ndarray | None) -> BarShapes:
-    """Shapes of nodal displacements."""
+    """Return the shapes of nodal displacements."""
 
     def bending(xi: Stations, derivative: int) -> np.ndarray:
         return bending_shapes(elements, xi, derivative) @ lateral

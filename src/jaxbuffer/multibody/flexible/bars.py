@@ -21,7 +21,7 @@ def free_bar(
     damping_ratio: Scalar = 0.0,
     geometric: bool = False,
 ) -> FlexibleBar:
-    """A free bar in mean axes, after Craig and Bampton with both end nodes kept (M115): a rod between two joints.
+    """Make a free bar in mean axes, after Craig and Bampton with both end nodes kept (M115): a rod between two joints.
 
     Without traces of rigid-body motion its modes couple to the frame by radial and gyroscopic terms only, and by these
     only if it stretches, too.
@@ -59,7 +59,8 @@ def cantilever_bar(
     damping_ratio: Scalar = 0.0,
     geometric: bool = False,
 ) -> FlexibleBar:
-    """A bar clamped to its frame at its start, after Craig and Bampton with the end node kept (M115): a boom, a blade.
+    """Make a bar clamped to its frame at its start, after Craig and Bampton with the end node kept (M115): a boom, a
+    blade.
 
     The start neither moves nor turns in the body's axes: what is welded or hinged there carries the frame.
 
@@ -78,6 +79,7 @@ def cantilever_bar(
     """
     shapes = cantilever_shapes(interior, axial_interior)
     tip = 0.0 if tip_mass is None else tip_mass
+    # With the origin in the centre of mass, static moments vanish.
     centre = (0.5 * bar.mass + tip) / (bar.mass + tip)
     modes, end = component_modes(bar, shapes, centre), marker_on(bar, shapes, centre, 1.0)
     if tip_mass is not None or tip_inertia is not None:
@@ -86,12 +88,14 @@ def cantilever_bar(
     if geometric:
         modes = with_geometric(modes, _tension_of_a_spin(bar, shapes, tip, hub_radius))
     if tip_inertia is not None:
+        # Cancels what the mass matrix has of that inertia in K + ω² (G - M).
         modes = with_geometric(modes, tip_inertia * jnp.outer(end.rotation, end.rotation))
     return FlexibleBar(bar, modes, centre, shapes)
 
 
 def _tension_of_a_spin(bar: Bar, shapes: BarShapes, tip: Scalar, hub_radius: Scalar) -> ModalMatrix:
-    """Geometric stiffness [kg] of a cantilever that spins about an axis ``hub_radius`` [m] before its start (M114).
+    """Return the geometric stiffness [kg] of a cantilever that spins about an axis ``hub_radius`` [m] before its start
+    (M114).
 
     The tension is N(ξ) = ω² L (m (½ (1 - ξ²) + h (1 - ξ)) + m_tip (1 + h)), h the hub's radius over L; ``tip``: [kg].
     """
@@ -102,7 +106,8 @@ def _tension_of_a_spin(bar: Bar, shapes: BarShapes, tip: Scalar, hub_radius: Sca
 
 
 def pinned_bar(bar: Bar, modes: int = 2, axial_nodes: bool = False, *, damping_ratio: Scalar = 0.0) -> FlexibleBar:
-    """A bar whose frame goes through both ends: sine modes, and two nodes of a quadratic shape along the bar.
+    """Make a bar whose frame goes through both ends: it has sine modes, and two nodes of a quadratic shape along the
+    bar.
 
     **Arguments:**
 

@@ -56,6 +56,7 @@ def craig_bampton(mass: Any, stiffness: Any, interface: Any, modes: int) -> Redu
     coupled = stiffness[inner][:, outer]
     inside = stiffness[inner][:, inner]
     if outer.size and inner.size:
+        # Constraint modes: the inside follows a unit displacement of the interface at rest.
         basis[inner, : outer.size] = -_solve(inside, coupled if isinstance(coupled, np.ndarray) else coupled.toarray())
     if modes:
         basis[inner, outer.size :] = _lowest(mass[inner][:, inner], inside, modes)
@@ -63,7 +64,7 @@ def craig_bampton(mass: Any, stiffness: Any, interface: Any, modes: int) -> Redu
 
 
 def uncoupled(reduction: Reduction, momenta: np.ndarray | None = None) -> Modes:
-    """Modes of a reduced model that carry none of the given momenta, uncoupled in mass and stiffness (M115).
+    """Return the modes of a reduced model that carry none of the given momenta, uncoupled in mass and stiffness (M115).
 
     **Arguments:**
 
@@ -72,20 +73,23 @@ def uncoupled(reduction: Reduction, momenta: np.ndarray | None = None) -> Modes:
     """
     basis, mass, stiffness = reduction
     if momenta is not None:
+        # The first columns of Q span the momenta, so all others have none.
         complete, _ = qr(basis.T @ momenta)
         rest = complete[:, momenta.shape[1] :]
         basis, mass, stiffness = basis @ rest, _symmetric(rest.T @ mass @ rest), _symmetric(rest.T @ stiffness @ rest)
     eigenvalues, shapes = eigh(stiffness, mass)
     physical = basis @ shapes
+    # An eigenvector's sign is arbitrary: it is fixed here, so that modes do not depend on the library.
     large = np.abs(physical) >= 0.4 * np.abs(physical).max(axis=0, keepdims=True)
     signs = np.sign(physical[np.argmax(large, axis=0), np.arange(physical.shape[1])])  # of the first large displacement
     return Modes(eigenvalues, physical * signs[None, :])
 
 
 def _lowest(mass: Any, stiffness: Any, modes: int) -> np.ndarray:
-    """(unknowns, modes) shapes of the lowest modes of a model that is held."""
+    """Return the (unknowns, modes) shapes of the lowest modes of a model that is held."""
     if isinstance(mass, np.ndarray):
         return eigh(mass, stiffness)[1][:, ::-1][:, :modes]  # as the largest of the inverse: small ones stay precise
+    # A fixed start, since a random one would give other digits each time.
     return eigsh(stiffness, modes, mass, sigma=0.0, v0=np.ones(mass.shape[0]))[1]
 
 
@@ -96,7 +100,7 @@ def _solve(matrix: Any, right: np.ndarray) -> np.ndarray:
 
 
 def _as_treated(matrix: Any) -> Any:
-    """Small matrices as dense ones, large ones as SciPy's sparse rows."""
+    """Return small matrices as dense ones, large ones as SciPy's sparse rows."""
     if matrix.shape[0] <= DENSE:
         return np.asarray(matrix) if isinstance(matrix, np.ndarray) else matrix.toarray()
     return csr_array(matrix)

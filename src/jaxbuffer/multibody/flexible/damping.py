@@ -7,7 +7,7 @@ from .modes import Modal, ModalMatrix
 
 
 def rayleigh_damping(mass_matrix: ModalMatrix, stiffness: ModalMatrix, alpha: Scalar, beta: Scalar) -> ModalMatrix:
-    """(modes, modes) C = α M + β K [N s/m] (M117).
+    """Return the (modes, modes) matrix C = α M + β K [N s/m] (M117).
 
     **Arguments:** ``mass_matrix``, ``stiffness``: (modes, modes) M [kg] and K [N/m]; ``alpha``: [1/s]; ``beta``: [s].
 
@@ -21,7 +21,7 @@ def rayleigh_damping(mass_matrix: ModalMatrix, stiffness: ModalMatrix, alpha: Sc
 
 
 def modal_damping(mass_matrix: ModalMatrix, stiffness: ModalMatrix, ratio: Scalar | Modal) -> ModalMatrix:
-    """(modes, modes) C with which each natural mode of M and K has its ratio of critical damping [N s/m] (M117).
+    """Return the (modes, modes) C that gives each natural mode of M and K its ratio of critical damping [N s/m] (M117).
 
     LAPACK solves the eigenproblem: not for use inside a run.
 
@@ -32,6 +32,7 @@ def modal_damping(mass_matrix: ModalMatrix, stiffness: ModalMatrix, ratio: Scala
     >>> round(float(modal_damping(jnp.array([[2.0]]), jnp.array([[200.0]]), 0.01)[0, 0]), 12)  # 2 ζ √(k m)
     0.4
     """
+    # By the Cholesky factor the general eigenproblem becomes a symmetric one.
     lower = jnp.linalg.cholesky(mass_matrix)
     half = jnp.linalg.solve(lower, stiffness)
     values, vectors = jnp.linalg.eigh(jnp.linalg.solve(lower, half.T))
@@ -40,7 +41,7 @@ def modal_damping(mass_matrix: ModalMatrix, stiffness: ModalMatrix, ratio: Scala
 
 
 def uncoupled_damping(mass: Modal, stiffness: Modal, ratio: Scalar | Modal) -> ModalMatrix:
-    """(modes, modes) the same where M and K are diagonal, without an eigenproblem (M117).
+    """Return the (modes, modes) matrix of `modal_damping` for diagonal M and K, without an eigenproblem (M117).
 
     **Arguments:** ``mass``, ``stiffness``: (modes,) the diagonals [kg], [N/m]; ``ratio``: ζ, one or (modes,) [-].
     """

@@ -32,21 +32,23 @@ class Marker(eqx.Module):
 
     @staticmethod
     def on_frame(x: Scalar, y: Scalar, modes: int) -> "Marker":
-        """A point that is fixed to the frame of a body with so many ``modes``: what does not deform with it."""
+        """Make a point that is fixed to the frame of a body with so many ``modes`` and does not deform with it."""
         still = jnp.zeros(modes)
         return Marker(x, y, still, still, still)
 
     def displacement(self, q: Modal) -> Vector:
-        """Φ q in the body's axes [m]. ``q``: (modes,) modal coordinates; with their rates it is a velocity [m/s]."""
+        """Return Φ q in the body's axes [m]. ``q``: (modes,) modal coordinates; with their rates it is a velocity
+        [m/s]."""
         return Vector(jnp.sum(self.displacement_x * q), jnp.sum(self.displacement_y * q))
 
     def place(self, q: Modal) -> Vector:
-        """Where the point is in the body's axes [m]. ``q``: (modes,) modal coordinates."""
+        """Return the point's place in the body's axes [m]. ``q``: (modes,) modal coordinates."""
         moved = self.displacement(q)
         return Vector(self.x + moved.x, self.y + moved.y)
 
     def turn(self, q: Modal) -> Scalar:
-        """By how much the material is turned against the body's axes there [rad]. ``q``: (modes,) modal coordinates."""
+        """Return by how much the material there is turned against the body's axes [rad]. ``q``: (modes,) modal
+        coordinates."""
         return jnp.sum(self.rotation * q)
 
 
@@ -89,15 +91,16 @@ class ComponentModes(eqx.Module):
 
     @property
     def size(self) -> int:
-        """Number of modes n."""
+        """Return the number of modes n."""
         return self.mass_matrix.shape[0]
 
     def with_damping(self, damping: ModalMatrix) -> "ComponentModes":
-        """The same body with other damping. ``damping``: (modes, modes) C, of `modal_damping` or `rayleigh_damping`."""
+        """Return the same body with other damping. ``damping``: (modes, modes) C, of `modal_damping` or
+        `rayleigh_damping`."""
         return eqx.tree_at(lambda modes: modes.damping, self, damping)
 
     def frequencies(self, spin: Scalar = 0.0) -> Modal:
-        """(modes,) natural frequencies [Hz] with the body's frame held, in ascending order.
+        """Return the (modes,) natural frequencies [Hz] with the body's frame held, in ascending order.
 
         With a spin they are those of a steadily spinning frame without its gyroscopic terms; an unstable mode has the
         frequency nan. LAPACK solves the eigenproblem: not for use inside a run.
@@ -107,6 +110,7 @@ class ComponentModes(eqx.Module):
         stiffness = self.stiffness - spin**2 * self.mass_matrix
         if self.geometric is not None:
             stiffness = stiffness + spin**2 * self.geometric
+        # By the Cholesky factor the general eigenproblem becomes a symmetric one.
         lower = jnp.linalg.cholesky(self.mass_matrix)
         half = jnp.linalg.solve(lower, stiffness)
         values = jnp.linalg.eigvalsh(jnp.linalg.solve(lower, half.T))

@@ -79,7 +79,7 @@ class PlanarModes(NamedTuple):
         *,
         damping_ratio: Scalar = 0.0,
     ) -> tuple[ComponentModes, tuple[Marker, ...]]:
-        """The body's modes, and a marker for each attachment.
+        """Return the body's modes, and a marker for each attachment.
 
         **Arguments:** ``thickness``: [m]; ``density``: [kg/m³]; ``youngs_modulus``: [Pa]; ``size``: the mesh's unit of
         length [m]; ``damping_ratio``: ζ of every mode [-].
@@ -105,7 +105,7 @@ class PlanarModes(NamedTuple):
 
 
 def planar_modes(mesh: Any, attachments: Sequence[Attachment], interior: int, poissons_ratio: float) -> PlanarModes:
-    """Mean-axis modes of a planar shape in plane stress (M115, M116).
+    """Reduce a planar shape in plane stress to its mean-axis modes (M115, M116).
 
     Elements are quadratic: `MeshTri` and `MeshQuad` alike. There are 3 (attachments - 1) + interior modes.
 
@@ -120,6 +120,7 @@ def planar_modes(mesh: Any, attachments: Sequence[Attachment], interior: int, po
         raise ValueError("attachments: give at least one")
     basis = Basis(mesh, ElementVector(ElementTriP2() if isinstance(mesh, MeshTri) else ElementQuad2()))
     mass, stiffness, places, order = _elasticity(basis, poissons_ratio)
+    # Rigid translations, unknown by unknown: with the mass matrix they give area and centre.
     ones, other = np.tile([1.0, 0.0], places.shape[1]), np.tile([0.0, 1.0], places.shape[1])
     area = float(ones @ mass @ ones)
     centre = np.array([ones @ mass @ places.T.ravel(), other @ mass @ places.T.ravel()]) / area
@@ -128,6 +129,7 @@ def planar_modes(mesh: Any, attachments: Sequence[Attachment], interior: int, po
     tie, points = _tied(places, centre, attachments)
     reduction = craig_bampton(tie.T @ mass @ tie, tie.T @ stiffness @ tie, range(3 * len(attachments)), interior)
     modes = uncoupled(reduction, tie.T @ (mass @ rigid))
+    # From shapes of unit modal mass to shapes without dimension, of which ∫ φ·φ dA is the area.
     motions = np.sqrt(area) * modes.shapes[: 3 * len(attachments)].reshape(len(attachments), 3, -1)
     shapes = np.sqrt(area) * (tie @ modes.shapes)
     return PlanarModes(
@@ -146,7 +148,7 @@ def planar_modes(mesh: Any, attachments: Sequence[Attachment], interior: int, po
 
 
 def boundary(mesh: Any, name: str) -> Attachment:
-    """What is tied to the middle of a named boundary of a mesh: all nodes of the boundary, as of a pin's bush."""
+    """Tie all nodes of a named boundary of a mesh to its middle, as of a pin's bush."""
     facets = np.asarray(mesh.boundaries[name])
     vertices = mesh.facets[:, facets]
     first, last = mesh.p[:, vertices[0]], mesh.p[:, vertices[1]]
@@ -162,8 +164,8 @@ def boundary(mesh: Any, name: str) -> Attachment:
 
 
 def _stress(basis: Basis, shapes: np.ndarray, poissons_ratio: float) -> np.ndarray:
-    """(vertices, modes) σ_x of unit modulus at the mesh's vertices, of (unknowns, modes) displacements in the order of
-    the basis: projected onto linear elements."""
+    """Return the (vertices, modes) σ_x of unit modulus at the mesh's vertices, of (unknowns, modes) displacements in
+    the order of the basis: projected onto linear elements."""
     corners = basis.with_element(ElementTriP1() if isinstance(basis.mesh, MeshTri) else ElementQuad1())
     columns = []
     for shape in shapes.T:
@@ -174,8 +176,8 @@ def _stress(basis: Basis, shapes: np.ndarray, poissons_ratio: float) -> np.ndarr
 
 
 def _elasticity(basis: Basis, poissons_ratio: float) -> tuple[Any, Any, np.ndarray, np.ndarray]:
-    """Mass and stiffness of unit density, thickness and modulus, (2, nodes) places, and where each unknown is in the
-    basis; unknowns (u_x, u_y) by node: vertices, then those on facets and inside."""
+    """Return mass and stiffness of unit density, thickness and modulus, (2, nodes) places, and where each unknown is in
+    the basis; unknowns (u_x, u_y) by node: vertices, then those on facets and inside."""
     mass = BilinearForm(lambda u, v, w: dot(u, v)).assemble(basis)
     stiffness = linear_elasticity(*plane_stress(1.0, poissons_ratio)).assemble(basis)
     order = np.concatenate([dofs.T.ravel() for dofs in (basis.nodal_dofs, basis.facet_dofs, basis.interior_dofs)])
@@ -183,14 +185,15 @@ def _elasticity(basis: Basis, poissons_ratio: float) -> tuple[Any, Any, np.ndarr
 
 
 def _turned(vectors: np.ndarray) -> np.ndarray:
-    """Vectors (x, y), node by node along the first axis, turned by +90°: (-y, x)."""
+    """Turn vectors (x, y), node by node along the first axis, by +90° to (-y, x)."""
     turned = np.empty_like(vectors)
     turned[0::2], turned[1::2] = -vectors[1::2], vectors[0::2]
     return turned
 
 
 def _tied(places: np.ndarray, centre: np.ndarray, attachments: Sequence[Attachment]) -> tuple[Any, np.ndarray]:
-    """All unknowns from the attachments' (u_x, u_y, rotation) and then those of free nodes; points from the centre."""
+    """Return the matrix that gives all unknowns from the attachments' (u_x, u_y, rotation) and those of free nodes, and
+    the attachments' points from the centre."""
     count = places.shape[1]
     owner = np.full(count, -1)
     for which, attachment in enumerate(attachments):

@@ -18,7 +18,7 @@ SHAPES = {"supported": supported_shapes, "clamped": clamped_shapes}
 def plate_strip(
     bar: Bar, modes: int | tuple[int, ...] = 8, *, support: str = "supported", damping_ratio: Scalar = 0.0
 ) -> FlexibleBar:
-    """A strip in bending between two supports, in its analytic modes of ∫ φ² dξ = 1 (M119).
+    """Make a strip in bending between two supports, in its analytic modes of ∫ φ² dξ = 1 (M119).
 
     Simple supports: φ_i = √2 sin(iπx/L), which is √(2/ρAL) sin(iπx/L) for a modal mass of 1.
 
@@ -62,22 +62,24 @@ class RectangularPlate(eqx.Module):
 
     @property
     def rigidity(self) -> Scalar:
-        """D = E h³/(12 (1 - ν²)) [N m]."""
+        """Return D = E h³/(12 (1 - ν²)) [N m]."""
         return self.youngs_modulus * self.thickness**3 / (12.0 * (1.0 - self.poissons_ratio**2))
 
     @property
     def mobility(self) -> Scalar:
-        """Speed per force of a point of the infinite plate, 1/(8 √(D ρ h)) [m/(N s)]; until waves come back."""
+        """Return the speed per force of a point of the infinite plate, 1/(8 √(D ρ h)) [m/(N s)]; until waves come
+        back."""
         return 1.0 / (8.0 * jnp.sqrt(self.rigidity * self.density * self.thickness))
 
     def frequencies(self, waves: tuple[int, ...]) -> Float[Array, "waves waves"]:
-        """(waves, waves) natural frequencies [Hz] of i half waves along and j across. ``waves``: which i and j."""
+        """Return the (waves, waves) natural frequencies [Hz] of i half waves along and j across. ``waves``: which i and
+        j."""
         half = jnp.asarray(waves, float) * jnp.pi
         squared = ((half / self.length) ** 2)[:, None] + ((half / self.width) ** 2)[None, :]
         return squared * jnp.sqrt(self.rigidity / (self.density * self.thickness)) / (2.0 * jnp.pi)
 
     def shapes(self, x: Scalar, y: Scalar, waves: tuple[int, ...]) -> Float[Array, "waves waves"]:
-        """(waves, waves) mass-normalised shapes 2/√(ρ h L W) sin(iπx/L) sin(jπy/W) at a point [1/√kg].
+        """Return the (waves, waves) mass-normalised shapes 2/√(ρ h L W) sin(iπx/L) sin(jπy/W) at a point [1/√kg].
 
         **Arguments:** ``x``, ``y``: from a corner [m]; ``waves``: which i and j.
         """

@@ -19,7 +19,7 @@ AtStations = Float[Array, " stations"]
 
 
 def deflection(body: FlexibleBar, q: Modal, stations: Stations) -> Float[Array, "stations 2"]:
-    """(stations, 2) displacement Φ q along and across the bar, in the body's axes [m].
+    """Return the (stations, 2) displacement Φ q along and across the bar, in the body's axes [m].
 
     **Arguments:** ``body``: the bar; ``q``: (modes,) modal coordinates [m]; ``stations``: ξ = 0…1.
     """
@@ -29,13 +29,14 @@ def deflection(body: FlexibleBar, q: Modal, stations: Stations) -> Float[Array, 
 
 
 def axial_force(body: FlexibleBar, q: Modal, stations: Stations) -> AtStations:
-    """(stations,) N = E A u′, positive in tension [N]. **Arguments:** as `deflection` has them."""
+    """Return the (stations,) axial force N = E A u′, positive in tension [N]. **Arguments:** as `deflection` has
+    them."""
     strain = _combined(body.shapes.axial(np.array(stations), 1), q[body.lateral :]) / body.bar.length
     return body.bar.axial_stiffness * strain
 
 
 def bending_moment(body: FlexibleBar, q: Modal, stations: Stations) -> AtStations:
-    """(stations,) M = E I w″, positive where the side of negative y is stretched [N m].
+    """Return the (stations,) bending moment M = E I w″, positive where the side of negative y is stretched [N m].
 
     **Arguments:** as `deflection` has them.
     """
@@ -44,7 +45,7 @@ def bending_moment(body: FlexibleBar, q: Modal, stations: Stations) -> AtStation
 
 
 def stress(body: FlexibleBar, q: Modal, stations: Stations, y: Scalar) -> AtStations:
-    """(stations,) σ = N/A - M y/I along the bar, positive in tension [Pa].
+    """Return the (stations,) stress σ = N/A - M y/I along the bar, positive in tension [Pa].
 
     **Arguments:** as `deflection` has them; ``y``: place in the section, across the bar's axis [m].
     """
@@ -53,5 +54,5 @@ def stress(body: FlexibleBar, q: Modal, stations: Stations, y: Scalar) -> AtStat
 
 
 def _combined(shapes: np.ndarray, q: Modal) -> AtStations:
-    """Sums of (stations, modes) shapes times (modes,) coordinates."""
+    """Sum (stations, modes) shapes times (modes,) coordinates."""
     return jnp.sum(jnp.asarray(shapes) * q[None, :], axis=1)

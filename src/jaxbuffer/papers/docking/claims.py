@@ -119,11 +119,12 @@ def _success(name: str) -> Callable[[Rows], Verdict]:
 
 
 def _times(row: str, rising: bool) -> Callable[[Rows], Verdict]:
-    """Both readings of the paper's "contact duration": time in contact, and time from first contact to capture; of the
-    captures that succeed."""
+    """Return both readings of the paper's "contact duration": time in contact, and time from first contact to capture;
+    of the captures that succeed."""
 
     def judge(rows: Rows) -> Verdict:
         sign = 1.0 if rising else -1.0
+        # How long a capture takes says nothing where there is none.
         made = [one for one in rows[row] if one["outcome"] == "captured"]
         contact, capture = _of(made, "contact_time"), _of(made, "capture_time")
         said = (
@@ -154,6 +155,7 @@ def _less(name: str, unit: str, scale: float) -> Callable[[Rows], Verdict]:
 def _faster(rows: Rows) -> Verdict:
     names = [("tip", "tip")] + [(name, f"{name}_free") for name in ("speed", "rate", "misalignment")]
     pairs = [tuple(rows["tip"])] + [pair for a, b in names[1:] for pair in zip(rows[a], rows[b], strict=True)]
+    # A pair counts only where both tips are captured.
     both = [pair for pair in pairs if all(row["outcome"] == "captured" for row in pair)]
     quicker = [float(free["capture_time"]) < LESS * float(welded["capture_time"]) for welded, free in both]
     welded, free = (float(row["capture_time"]) for row in rows["tip"])

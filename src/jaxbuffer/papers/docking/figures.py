@@ -19,7 +19,7 @@ BEYOND = 1.2  # of the latest capture's time; time axes of longer runs end there
 
 
 def figure(studied: Studied) -> Figure:
-    """The study's figure."""
+    """Draw the study's figure."""
     with drawing():
         drawn, grid = panels(9.0, 6.5, 2, 2)
         axes = grid.ravel()
@@ -36,9 +36,10 @@ def _series(studied: Studied) -> list[tuple[str, History, Any]]:
 
 
 def _until(studied: Studied) -> float:
-    """Where time axes end [s]: at the longest run's end, or soon after the latest capture."""
+    """Return where time axes end [s]: at the longest run's end, or soon after the latest capture."""
     ends = [float(capture.end_time) for capture in studied.captures]
     captured = [end for end, row in zip(ends, studied.rows, strict=True) if row["outcome"] == "captured"]
+    # A run that is not captured goes on until its time is up, which would press the others together.
     return min(BEYOND * max(captured, default=max(ends)), max(ends))
 
 
@@ -54,17 +55,18 @@ def _force(history: History) -> np.ndarray:
 
 
 def _within(history: History, until: float) -> float:
-    """The distance sensor's largest value up to a time [mm]."""
+    """Return the distance sensor's largest value up to a time [mm]."""
     return float(np.max(1e3 * np.asarray(history.throat_distance)[np.asarray(history.time) <= until]))
 
 
 def _captured(studied: Studied, axes: Any) -> None:
-    """Distance sensor, forces of the first impact and of all, and the times over the varied number."""
+    """Draw the distance sensor, the forces of the first impact and of all, and the times over the varied number."""
     longest = max(float(row["first_contact"]) for row in studied.rows)
     for (label, history, curve), capture in zip(_series(studied), studied.captures, strict=True):
         time, force = np.asarray(history.time), _force(history)
         thin = {**curve, "linewidth": 0.8}
         axes[0].plot(time, 1e3 * np.asarray(history.throat_distance), **curve, label=label)
+        # Evenly and densely: a history has some ten steps an impact.
         early = np.linspace(0.0, FIRST * longest, DENSE)
         axes[1].plot(1e3 * early, _force(at_times(capture, early)), **curve, label=label)
         axes[2].plot(time, force, **thin)
@@ -90,7 +92,7 @@ def _captured(studied: Studied, axes: Any) -> None:
 
 
 def _rigid(studied: Studied, axes: Any) -> None:
-    """First impacts together and apart, whole captures, distance."""
+    """Draw first impacts together and apart, whole captures and the distance."""
     for (label, history, curve), capture in zip(_series(studied), studied.captures, strict=True):
         time, force = np.asarray(history.time), _force(history)
         thin = {**curve, "linewidth": 0.8}
@@ -106,7 +108,7 @@ def _rigid(studied: Studied, axes: Any) -> None:
 
 
 def _motion(studied: Studied, axes: Any) -> None:
-    """Velocities of both vehicles, and both buffers."""
+    """Draw the velocities of both vehicles, and both buffers."""
     ((_, history, _),) = _series(studied)
     time, velocity = np.asarray(history.time), np.asarray(history.velocity)
     for body, name in ((0, "active"), (3, "passive")):

@@ -10,7 +10,7 @@ SUFFIX = "_published"
 
 
 def as_published(part: Part) -> Part:
-    """The same studies and claims with the paper's equations."""
+    """Return the same studies and claims with the paper's equations."""
     return part._replace(studies=tuple(map(_study, part.studies)), claims=tuple(map(_claim, part.claims)))
 
 
@@ -24,4 +24,5 @@ def _claim(claim: Claim) -> Claim:
 
 
 def _of_published(judge: Callable[[Rows], Verdict]) -> Callable[[Rows], Verdict]:
+    # The same judges read these rows under the names of the others.
     return lambda rows: judge({n.removesuffix(SUFFIX): made for n, made in rows.items() if n.endswith(SUFFIX)})

@@ -49,7 +49,7 @@ class Reading(NamedTuple):
 
     @property
     def changes(self) -> Mapping[str, Any]:
-        """Of Table 2's design; the tip is a solid ball of its radius."""
+        """Return the reading's changes of Table 2's design; the tip is a solid ball of its radius."""
         return {
             **(EQUATIONS if self.published else {}),
             **({"probe.bending_stiffness": BENDING} if self.bends else {}),
@@ -62,7 +62,8 @@ class Reading(NamedTuple):
 
 
 def readings() -> Iterator[Reading]:
-    """All combinations of equations, radius, mass and restitution; with one restitution slip speeds and bending."""
+    """Return all combinations of equations, radius, mass and restitution; with one restitution slip speeds and
+    bending."""
     yield from itertools.starmap(Reading, itertools.product((False, True), RADII, RODS, RESTITUTIONS))
     for radius, rod in itertools.product(RADII, RODS):
         yield Reading(False, radius, rod, bends=True)
@@ -88,13 +89,14 @@ STUDY = Study(
 
 
 def table(studied: Studied) -> list[Row]:
-    """One row a reading: what a free tip changes, what is left of the stroke, what 0.05 m/s ends as."""
+    """Return one row a reading: what a free tip changes, what is left of the stroke, what 0.05 m/s ends as."""
     return [
         {"reading": str(reading), **_compared(studied.rows[4 * k : 4 * k + 4])} for k, reading in enumerate(READINGS)
     ]
 
 
 def _compared(rows: Sequence[Row]) -> Row:
+    # In the order of `_cases`.
     welded, welded_slow, free, free_slow = rows
     first, whole = (float(free[name]) / float(welded[name]) - 1.0 for name in ("first_peak", "peak_force"))
     left = [abs(float(row["end_stroke"])) / float(row["stroke"]) for row in (welded, free)]
@@ -135,6 +137,7 @@ def _any(*tests: str) -> Callable[[Rows], Verdict]:
         if holding:
             said += f", such as: {holding[0]}"
         elif len(tests) > 1:
+            # Where no reading bears all of it out, how far the best pair gets is told.
             best = max(itertools.combinations(tests, 2), key=lambda pair: len(_holding(rows, pair)))
             two = _holding(rows, best)
             said += f"; «{best[0]}» and «{best[1]}» in {len(two)}" + (f", such as: {two[0]}" if two else "")
@@ -152,7 +155,7 @@ CLAIMS = (
 
 
 def figure(studied: Studied) -> Figure:
-    """What the probe's mass changes, for both radii, with our equations and e = 0.9."""
+    """Draw what the probe's mass changes, for both radii, with our equations and e = 0.9."""
     compared = dict(zip(READINGS, table(studied), strict=True))
     with drawing():
         drawn, grid = panels(9.0, 6.5, 2, 2)

@@ -41,7 +41,7 @@ SHOWN = ("outcome", "peak_force", "first_peak", "contact_time", "capture_time", 
 
 
 def row(case: Case, capture: Capture) -> Row:
-    """The numbers of one capture, with a history."""
+    """Return the numbers of one capture, with a history."""
     history, impacts = capture.history, capture.impacts
     assert history is not None
     return {
@@ -62,9 +62,11 @@ def row(case: Case, capture: Capture) -> Row:
 
 
 def _buffer(capture: Capture, history: History) -> Row:
-    """Both buffers when contact ends; ``returns_at``: when the stroke is back at zero after its largest value."""
+    """Return both buffers when contact ends; ``returns_at``: when the stroke is back at zero after its largest
+    value."""
     time, stroke = np.asarray(history.time), np.asarray(history.stroke)
     releases = np.asarray(capture.impacts.release_time)[: int(capture.impact_count)]
+    # Of a contact that is still closed at the end there is no release.
     last = np.max(releases[~np.isnan(releases)], initial=0.0)
     top = int(np.argmax(stroke))
     back = np.flatnonzero(stroke[top:] <= 0.0)
@@ -78,7 +80,8 @@ def _buffer(capture: Capture, history: History) -> Row:
 
 
 def _friction(capture: Capture, history: History) -> Row:
-    """``rolling_share``: of the time in contact, in which the tip slips by less than the slip speed."""
+    """Return the numbers of friction. ``rolling_share``: of the time in contact, in which the tip slips by less than
+    the slip speed."""
     time, friction = np.asarray(history.time), np.abs(np.asarray(history.friction_force))
     touching = np.asarray(history.contact_force) > 0.0
     rolling = touching & (np.abs(np.asarray(history.slip)) < float(capture.design.contact.slip_speed))
@@ -91,16 +94,18 @@ def _friction(capture: Capture, history: History) -> Row:
 
 
 def _first_impacts(capture: Capture, history: History) -> Row:
-    """Effective mass of each of the first impacts: impulse over the change of the normal speed. ``parting``: of the
-    first, separation over approach speed; ``bounce``: gap that follows it."""
+    """Return the effective mass of each of the first impacts: impulse over the change of the normal speed. ``parting``:
+    of the first, separation over approach speed; ``bounce``: gap that follows it."""
     time, impacts = np.asarray(history.time), capture.impacts
     masses, parting, bounce = [math.nan] * FIRST, math.nan, 0.0
     for k in range(min(FIRST, int(capture.impact_count))):
         start, end, side = float(impacts.time[k]), float(impacts.release_time[k]), int(impacts.contact[k])
+        # An impact that the run's end cuts off has no impulse to compare.
         if math.isnan(end):
             break
         inside = (time >= start) & (time <= end)
         apart = -float(np.asarray(history.approach_speed)[inside, side][-1])
+        # A history may hold an instant twice, which a spline does not take.
         instants, first = np.unique(time[inside], return_index=True)
         forces = np.asarray(history.contact_force)[inside, side][first]
         impulse = float(CubicSpline(instants, forces).integrate(start, end))  # some ten steps an impact
@@ -114,8 +119,8 @@ def _first_impacts(capture: Capture, history: History) -> Row:
 
 
 def _alignment(capture: Capture, history: History) -> Row:
-    """Offset of the tip's centre from the cone's axis, angle of the active vehicle against the passive one, at the
-    start and at the end; angle of the probe against the cone where it is captured."""
+    """Return the offset of the tip's centre from the cone's axis, angle of the active vehicle against the passive one,
+    at the start and at the end; angle of the probe against the cone where it is captured."""
     cone, angle = capture.design.cone, np.asarray(history.position)[:, :, 2]
     active, passive = angle[:, 0], angle[:, 3]
     half, radius = float(cone.half_angle), float(capture.design.probe.tip_radius)

@@ -45,7 +45,8 @@ STUDIES = (
 
 
 def row(case: Case, run: Any) -> Row:
-    """What there is, what the algorithm's instants meet, and what backward differences at fixed steps compute."""
+    """Return what there is, what the algorithm's instants meet, and what backward differences at fixed steps
+    compute."""
     whole, at_instants = _components(run), _components(run, INSTANTS)
     printed = _components(run, printed=True)[DAMPER]
     forces = float(run.peak_force), *(float(x.max()) for pair in zip(whole, at_instants, strict=True) for x in pair)
@@ -60,15 +61,16 @@ def row(case: Case, run: Any) -> Row:
     }
 
 
+# For the row and for the figure.
 @cache
 def _peaks(damping: float, step: str) -> Any:
-    """`peaks` of the study's case with a damping [N s/mm]."""
+    """Return `peaks` of the study's case with a damping [N s/mm]."""
     (case,) = (case for case in STUDIES[0].cases if case.value == damping)
     return peaks(case.design, case.scenario, STEPS[step])
 
 
 def _components(run: Any, at: Any = None, printed: bool = False) -> tuple[Any, Any]:
-    """F₁ and F₂ of a run [N], at the steps of its history or at other times [s]."""
+    """Return F₁ and F₂ of a run [N], at the steps of its history or at other times [s]."""
     history = run.history
     time, depth = np.asarray(history.time), -np.asarray(history.gap)[:, 0]
     at = time if at is None else at
@@ -77,7 +79,7 @@ def _components(run: Any, at: Any = None, printed: bool = False) -> tuple[Any, A
 
 
 def figure(studied: Studied) -> Figure:
-    """The components over depth and over time, and the largest forces of fixed steps."""
+    """Draw the components over depth and over time, and the largest forces of fixed steps."""
     with drawing():
         drawn, grid = panels(10.0, 14.0, 5, 2)
         _over_depth(grid, studied.study.cases[0].design)
@@ -96,7 +98,7 @@ def figure(studied: Studied) -> Figure:
 
 
 def _over_depth(grid: Any, design: BarDrop) -> None:
-    """Figures 3 to 6."""
+    """Draw figures 3 to 6."""
     depth = np.linspace(-0.01, 0.03, 801)  # mm
     for printed, name, colour in ((False, "c STEP, 0 at the touch", BLUE), (True, "as printed, a = c", ORANGE)):
         _, damper = components(design, 1e-3 * depth, 1.0, printed)
@@ -112,7 +114,7 @@ def _over_depth(grid: Any, design: BarDrop) -> None:
 
 
 def _over_time(axes: Any, run: Any, which: int, title: str) -> None:
-    """One component over 0.6 s, its first contact larger, and the algorithm's instants as dots."""
+    """Draw one component over 0.6 s, its first contact larger, and the algorithm's instants as dots."""
     time, first = np.asarray(run.history.time), float(run.impacts.time[0])
     closer = axes.inset_axes((0.5, 0.38, 0.45, 0.55))
     closer.set_xlabel("time from the first contact [ms]", fontsize=7)

@@ -46,7 +46,7 @@ def _viscous(rows: Rows) -> Verdict:
 
 
 def _force_of(printed: tuple[float, ...], case: int) -> Callable[[Rows], Verdict]:
-    """Whether any of our models gives the printed forces [N], and what steps of the paper's length would see."""
+    """Judge whether any of our models gives the printed forces [N], and what steps of the paper's length would see."""
 
     def judge(rows: Rows) -> Verdict:
         names = {"drop": "rigid", "speed": "rigid at 1.325 m/s", "plate": "bending plate", "bodies": "both bend"}
@@ -110,7 +110,7 @@ def _rough(rows: Rows) -> Verdict:
 
 
 def _heights(rows: Rows) -> tuple[list[float], str]:
-    """Of the bar's end after the first impact [mm], from no friction to the largest, if both bend; in words."""
+    """Say the heights of the bar's end after the first impact [mm], from no friction to the largest, if both bend."""
     pairs = [[1e3 * number(row, "height_after") for row in rows[name]] for name in ("friction", "friction_rigid")]
     shown = ["{:.3g}, {:.3g}, {:.3g}, {:.3g} mm".format(*heights) for heights in pairs]
     return pairs[0], f"for μ = 0, 0.3, 1, 10 {shown[0]} if both bend, {shown[1]} if rigid and lossless"
@@ -119,6 +119,7 @@ def _heights(rows: Rows) -> tuple[list[float], str]:
 def _bounce(rows: Rows) -> Verdict:
     heights, said = _heights(rows)
     start, length = 194.0, 240.0  # mm
+    # The printed height is above what energy allows; this is what it may have been taken for.
     path = 2.0 * length * math.sin(0.5 * math.asin(start / length))
     said += f"; energy allows {start:.0f} mm. The end's way from its start to the plate is a chord of {path:.1f} mm"
     return Verdict(said, verdict([near(max(heights), 230.16)]))
@@ -149,6 +150,7 @@ def _falls(rows: Rows) -> Verdict:
 
 def _stiffness(rows: Rows) -> Verdict:
     bar = BarDrop()
+    # From N/m^1.5 to the paper's N/mm^1.5.
     hertz = float(bar.hertz_stiffness) * 1e-3**HERTZ_EXPONENT
     radius = float(bar.bar.ball_radius) * 1e3 * (PRINTED_STIFFNESS / hertz) ** 2
     said = (

@@ -15,7 +15,7 @@ OFFSETS = "share of the offsets of the grid of times [-]"
 
 
 def figure(studied: Studied) -> Figure:
-    """The study's figure."""
+    """Draw the study's figure."""
     with drawing():
         drawn, grid = panels(10.0, 12.0, 4, 2)
         for number, (case, run) in enumerate(zip(studied.study.cases, studied.captures, strict=True)):
@@ -44,7 +44,7 @@ def figure(studied: Studied) -> Figure:
 
 
 def _named(case: str) -> str:
-    """A case with the unit of its damping."""
+    """Name a case with the unit of its damping."""
     return f"{case} N s/mm" if case.startswith("c = ") else case
 
 
@@ -68,7 +68,7 @@ def _whole(grid: Any, name: str, curve: dict[str, Any], run: Any) -> None:
 
 
 def _steps(axes: Any, studied: Studied) -> None:
-    """The largest force that fixed steps see, over the share of the grid's offsets that see less."""
+    """Draw the largest force that fixed steps see, over the share of the grid's offsets that see less."""
     for number, (case, run) in enumerate(zip(studied.study.cases, studied.captures, strict=True)):
         time, force = np.asarray(run.history.time), np.asarray(run.history.contact_force)[:, 0]
         for step, dashes in zip(STEPS, (":", "-"), strict=True):

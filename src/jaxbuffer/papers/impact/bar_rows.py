@@ -53,7 +53,8 @@ SHOWN = (
 
 
 def row(case: Case, run: BarDropRun) -> Row:
-    """The numbers of one drop, with a history. What a step sees is the median over grids that begin anywhere in it."""
+    """Return the numbers of one drop, with a history. What a step sees is the median over grids that begin anywhere in
+    it."""
     history, hits, design = run.history, run.impacts, run.design
     assert history is not None
     impact, deepest = design.impact, float(run.maxima["penetration"])
@@ -64,9 +65,11 @@ def row(case: Case, run: BarDropRun) -> Row:
     medians = {
         f"seen_at_{step:.0e}".replace("e-0", "e-"): float(np.median(sampled_at(step, time, force))) for step in STEPS
     }
+    # Without a release in the run the bar is still on the plate.
     stays = bool(np.isnan(hits.release_time[0]))
     since, gap = time - float(hits.time[0]), np.asarray(history.gap)[:, 0]
     touching, above = (since >= 0.0) & (gap <= 0.0), (since >= 0.0) & (gap > APART)
+    # The paper's impact is all touches until the bar has left the plate, not the first of them.
     left = since[above][0] if np.any(above) else np.inf
     return {
         "outcome": run.outcome.name,
@@ -95,7 +98,7 @@ def row(case: Case, run: BarDropRun) -> Row:
 
 
 def damper_peak(run: BarDropRun) -> float:
-    """The largest of c STEP(δ) δ̇ [N]."""
+    """Return the largest of c STEP(δ) δ̇ [N]."""
     history = run.history
     assert history is not None
     _, damper = components(run.design, np.asarray(history.penetration), np.asarray(history.approach_speed)[:, 0])
@@ -103,13 +106,14 @@ def damper_peak(run: BarDropRun) -> float:
 
 
 def sampled_at(step: float, time: np.ndarray, force: np.ndarray) -> np.ndarray:
-    """The largest force [N] that samples a fixed ``step`` [s] apart meet, for many beginnings of the samples."""
+    """Return the largest force [N] that samples a fixed ``step`` [s] apart meet, for many beginnings of the samples."""
     grids = (np.arange(first * step, time[-1], step) for first in np.linspace(0.0, 1.0, BEGINNINGS, endpoint=False))
     return np.array([np.interp(grid, time, force).max() for grid in grids])
 
 
 def harmonics(since: np.ndarray, force: np.ndarray) -> int:
-    """How many maxima the force has in the paper's detailed view. ``since``: the time from the first contact [s]."""
+    """Count the force's maxima in the paper's detailed view. ``since``: the time from the first contact [s]."""
     inside = (since >= 0.0) & (since < WINDOW)
+    # With zeros on both sides a maximum at an end of the view counts too.
     padded = np.concatenate([[0.0], force[inside], [0.0]])
     return len(find_peaks(padded, prominence=COUNTED * force.max())[0])

@@ -16,7 +16,7 @@ def _list(values: Sequence[float], form: str = ".4g") -> str:
 
 
 def _swing(row: Row) -> float:
-    """Largest size of the torque after the start [N m]."""
+    """Return the largest size of the torque after the start [N m]."""
     return max(abs(number(row, name)) for name in ("least_torque", "largest_torque"))
 
 
@@ -39,7 +39,7 @@ def _inertia(rows: Rows) -> Verdict:
 
 
 def _torque_of(printed: tuple[float, ...], case: int) -> Callable[[Rows], Verdict]:
-    """Whether the least or the largest torque after the start is a printed one [N m], of either sign."""
+    """Judge whether the least or the largest torque after the start is a printed one [N m], of either sign."""
 
     def judge(rows: Rows) -> Verdict:
         row = rows["crank"][case]
@@ -57,7 +57,7 @@ def _order(rows: Rows) -> Verdict:
 
 
 def _forces(printed: tuple[float, float], case: int) -> Callable[[Rows], Verdict]:
-    """Whether the largest components are the printed ones [N]."""
+    """Judge whether the largest components are the printed ones [N]."""
 
     def judge(rows: Rows) -> Verdict:
         forces = [number(rows["crank"][case], name) for name in ("across", "along")]
@@ -68,7 +68,7 @@ def _forces(printed: tuple[float, float], case: int) -> Callable[[Rows], Verdict
 
 
 def _exponent(first: int, second: int) -> Callable[[Rows], Verdict]:
-    """Whether both components are larger in the second case."""
+    """Judge whether both components are larger in the second case."""
 
     def judge(rows: Rows) -> Verdict:
         pairs = [_numbers([rows["crank"][k] for k in (first, second)], name) for name in ("across", "along")]
@@ -131,7 +131,7 @@ def _periodic(rows: Rows) -> Verdict:
 
 
 def _lower(name: str) -> Callable[[Rows], Verdict]:
-    """Whether a rod that bends lowers torque and both components, in every number of modes."""
+    """Judge whether a rod that bends lowers torque and both components, in every number of modes."""
 
     def judge(rows: Rows) -> Verdict:
         forces = [_numbers(rows[name], one) for one in ("across", "along")]

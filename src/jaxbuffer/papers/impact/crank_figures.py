@@ -16,7 +16,7 @@ TIME = "time [s]"
 
 
 def figure(studied: Studied) -> Figure:
-    """The study's figure."""
+    """Draw the study's figure."""
     bends = any(run.design.rod.modes for run in studied.captures)
     with drawing():
         drawn, grid = panels(10.0, 15.0, 5, 2) if bends else panels(10.0, 9.0, 3, 2)
@@ -47,7 +47,7 @@ def figure(studied: Studied) -> Figure:
 
 
 def _end_panels(grid: Any) -> tuple[tuple[Any, str, str, str], ...]:
-    """Axes, title and labels of what the paper shows of the end of a rod that bends, and of its crank."""
+    """Return the axes, title and labels of what the paper shows of the end of a rod that bends, and of its crank."""
     return (
         (grid[3, 0], "Speed of the crank (fig. 36)", TIME, "speed [rad/s]"),
         (grid[3, 1], "Rod's end off the line of its mean rotation (fig. 37)", TIME, "across the rod [µm]"),

@@ -40,13 +40,14 @@ SHOWN = tuple(name for name in COLUMNS if name not in ("outcome", "touching_shar
 
 
 def row(case: Case, run: Run) -> Row:
-    """The numbers of one run with a history. The least and the largest torque are those after the first 10 ms;
+    """Return the numbers of one run with a history. The least and the largest torque are those after the first 10 ms;
     ``start_takes``: until the torque is a tenth of that at the start."""
     history = run.history
     assert history is not None
     time, torque = np.asarray(history.time), torque_of(run)
     along, across = components(run)
     turns = turn_times(time, np.asarray(history.position)[:, 0, 2])
+    # The torque is largest at rest, by its formula: what contacts do to it shows only after the start.
     later, begun = time > turns[0], torque[time >= STARTED]
     low = np.flatnonzero(np.abs(torque) < TENTH * abs(torque[0]))
     return {
@@ -74,13 +75,13 @@ def row(case: Case, run: Run) -> Row:
 
 
 def frequencies(rod: Rod) -> Row:
-    """Lowest and highest natural frequency of the free rod's modes [Hz], 0 for a rigid one."""
+    """Return the lowest and highest natural frequency of the free rod's modes [Hz], 0 for a rigid one."""
     modes = free_bar(rod.bar, rod.modes - 2).modes.frequencies() if rod.modes else (0.0,)
     return {"lowest_mode": float(modes[0]), "highest_mode": float(modes[-1])}
 
 
 def torque_of(run: Run) -> Float[np.ndarray, " steps"]:
-    """M_0 (1 - ω/ω_0) at every step [N m]."""
+    """Return M_0 (1 - ω/ω_0) at every step [N m]."""
     drive, history = run.design.drive, run.history
     assert history is not None
     speed = np.asarray(history.velocity)[:, 0, 2]
@@ -88,7 +89,8 @@ def torque_of(run: Run) -> Float[np.ndarray, " steps"]:
 
 
 def components(run: Run) -> tuple[Float[np.ndarray, " steps"], Float[np.ndarray, " steps"]]:
-    """Size of the contact force along the slider's line and across it [N]: two sides each, of which one touches."""
+    """Return the size of the contact force along the slider's line and across it [N]: two sides each, of which one
+    touches."""
     history = run.history
     assert history is not None
     right, left, above, below = np.asarray(history.contact_force).T
@@ -96,8 +98,8 @@ def components(run: Run) -> tuple[Float[np.ndarray, " steps"], Float[np.ndarray,
 
 
 def end_off(run: Run) -> Float[np.ndarray, " steps"]:
-    """How far the end of a rod that bends, at the piston pin, is across its mean rotation [m], which modes of a free
-    bar have as their axis."""
+    """Return how far the end of a rod that bends, at the piston pin, is across its mean rotation [m], which modes of a
+    free bar have as their axis."""
     history = run.history
     assert history is not None
     place, angle = np.asarray(history.position), np.asarray(history.position)[:, 1, 2]
@@ -107,10 +109,11 @@ def end_off(run: Run) -> Float[np.ndarray, " steps"]:
 
 
 def turn_times(time: Float[np.ndarray, " steps"], angle: Float[np.ndarray, " steps"]) -> tuple[float, float]:
-    """When the crank has turned once and twice [s], NaN where it has not. ``angle``: from its start [rad]."""
+    """Return when the crank has turned once and twice [s], NaN where it has not. ``angle``: from its start [rad]."""
     times = []
     for turns in (1, 2):
         past = np.flatnonzero(angle >= 2.0 * math.pi * turns)
+        # Between two steps: without one before there is nothing to interpolate.
         if len(past) == 0 or past[0] == 0:
             times.append(math.nan)
             continue

@@ -29,7 +29,7 @@ FIRST, LONGER = {"duration": 0.1, **LIMITS}, {"duration": 0.5, **LIMITS}
 
 
 def published(exponent: float, stiffness: float, torque: float) -> SliderCrank:
-    """A printed set. ``exponent``: e [-]; ``stiffness``: k [N/mm^e]; ``torque``: M_0 [N mm]."""
+    """Return a printed set. ``exponent``: e [-]; ``stiffness``: k [N/mm^e]; ``torque``: M_0 [N mm]."""
     return replace(published_slider_crank(exponent, stiffness), {"drive.torque": 1e-3 * torque})
 
 
@@ -41,8 +41,10 @@ def rods(
     onset: float = 1e-8,
     ratio: float = 0.01,
 ) -> tuple[Case, ...]:
-    """A rigid rod, and the same bar with modes of a damping ``ratio``; the spring comes in over ``onset`` [m]."""
+    """Return a rigid rod, and the same bar with modes of a damping ``ratio``; the spring comes in over ``onset``
+    [m]."""
     design = replace(published(exponent, stiffness, torque), {"piston_pin.onset_depth": onset})
+    # The same mass and inertia, so that bending is all that differs.
     rigid = {"rod.mass": BAR.body.mass, "rod.inertia": BAR.body.inertia}
     bends = {"rod.depth": BAR.depth, "rod.damping_ratio": ratio}
     return tuple(

@@ -65,12 +65,12 @@ STUDIES = (
 
 
 def solve(case: Case) -> Any:
-    """The run of a case, of elements or of the mechanism."""
+    """Run a case, of elements or of the mechanism."""
     return follow(case.design, case.scenario) if isinstance(case.design, Meshed) else simulated(case)
 
 
 def row(case: Case, run: Any) -> Row:
-    """The numbers of one run, of elements or of the mechanism."""
+    """Return the numbers of one run, of elements or of the mechanism."""
     curves = _curves(run)
     time, normal = curves["time"], curves["normal"]
     meshed, touching = isinstance(run, MeshedRun), normal > 0.0
@@ -90,7 +90,7 @@ def row(case: Case, run: Any) -> Row:
 
 
 def pressure(drop: BarDrop, force: float) -> float:
-    """Hertz's largest pressure of the ball on the plate under a force [N], in [Pa]: (6 F E*²/π³R²)^(1/3)."""
+    """Return Hertz's largest pressure of the ball on the plate under a force [N], in [Pa]: (6 F E*²/π³R²)^(1/3)."""
     impact = drop.impact
     modulus = float(contact_modulus(*(impact.young_modulus, impact.poisson_ratio) * 2))
     return float((6.0 * force * modulus**2 / (math.pi**3 * float(drop.bar.ball_radius) ** 2)) ** (1.0 / 3.0))
@@ -103,6 +103,7 @@ def _curves(run: Any) -> dict[str, Any]:
     history = run.history
     time, still = np.asarray(history.time) - float(run.impacts.time[0]), np.zeros(len(history.time))
     slip = np.asarray(history.slip)[:, 0]
+    # A history has the slip's speed: the way is its integral.
     way = np.concatenate([[0.0], np.cumsum(0.5 * (slip[1:] + slip[:-1]) * np.diff(time))])
     curves = {
         "time": time,
@@ -116,17 +117,18 @@ def _curves(run: Any) -> dict[str, Any]:
 
 
 def _rise(run: BarDropRun) -> float:
-    """How high the mean rotation of the bar at the end would carry its end [m], as `MeshedRun.rise`."""
+    """Return how high the mean rotation of the bar at the end would carry its end [m], as `MeshedRun.rise`."""
     history, bar = run.history, run.design.bar
     assert history is not None
     (x, y, _), (along, up, spin) = (np.asarray(part)[-1, 0] for part in (history.position, history.velocity))
     length = float(bar.length)
+    # The angular momentum about the hinge over the bar's moment of inertia about it.
     turning = 3.0 / length**2 * (x * up - y * along + length**2 / 12.0 * spin)
     return float(length * y / x + np.sign(turning) * (length * turning) ** 2 / (3.0 * float(DROP.gravity)))
 
 
 def figure(studied: Studied) -> Figure:
-    """Motion, forces, deflection and stress of all cases."""
+    """Draw motion, forces, deflection and stress of all cases."""
     with drawing():
         drawn, grid = panels(10.0, 10.5, 3, 2)
         for number, (case, run) in enumerate(zip(studied.study.cases, studied.captures, strict=True)):
@@ -156,7 +158,7 @@ FREE, COULOMB, STUCK, FINER, MODAL, MODAL_ROUGH, RIGID = range(7)
 
 
 def _list(rows: Rows, name: str, *cases: int, factor: float = 1.0) -> tuple[list[float], str]:
-    """Numbers of some cases, and the same in words."""
+    """Return the numbers of some cases, and the same in words."""
     numbers = [factor * float(rows["elements"][case][name]) for case in cases]
     return numbers, ", ".join(f"{number:.3g}" for number in numbers)
 

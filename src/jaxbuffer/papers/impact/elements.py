@@ -54,7 +54,7 @@ class MeshedRun(NamedTuple):
 
 
 def follow(design: Meshed, scenario: BarDropScenario) -> MeshedRun:
-    """Six milliseconds from the touch on."""
+    """Follow six milliseconds from the touch on."""
     numbers = jax.tree.map(float, (design.drop, scenario))
     records, rise, share = (np.asarray(x) for x in _followed(*numbers, design.along))
     *histories, energy = records
@@ -67,7 +67,8 @@ def follow(design: Meshed, scenario: BarDropScenario) -> MeshedRun:
 
 @partial(jax.jit, static_argnames="along")
 def _followed(drop: BarDrop, scenario: BarDropScenario, along: int) -> tuple[Array, Array, Array]:
-    """Histories (numbers, records), the rise [m], and the step's share of the critical one. One compiled program."""
+    """Return histories (numbers, records), the rise [m], and the step's share of the critical one, by one compiled
+    program."""
     system, start, corner, under = _assembled(drop, scenario, along)
     step = DURATION / (RECORDS * STEPS_OF_ELEMENT * along)
 
@@ -78,6 +79,8 @@ def _followed(drop: BarDrop, scenario: BarDropScenario, along: int) -> tuple[Arr
             state, normal, friction, stress, _ = carry
             state, instant = advance(system, state, step, near)
             force = instant.contacts[0].nodes[corner]
+            # Each material has its part's width in its modulus, because the two differ: stresses are divided by it
+            # again.
             worst = jnp.max(mises(instant.resistances[1].stress)) / drop.plate.width
             energy = sum(instant.energies, jnp.zeros(()))
             largest = (normal, force[1]), (friction, jnp.abs(force[0])), (stress, worst)
@@ -91,19 +94,21 @@ def _followed(drop: BarDrop, scenario: BarDropScenario, along: int) -> tuple[Arr
 
     last, records = jax.lax.scan(record, start, length=RECORDS)
     rise = _rise(system, last, scenario.gravity, drop.bar.length, 3 * (along + 1))
+    # The step's share is computed in the program, so it is judged outside of it.
     return records.T, rise, step / system.stable_step()
 
 
 def _rise(system: System, last: State, gravity: Scalar, length: Scalar, count: int) -> Array:
-    """How high the mean rotation of the bar, its first ``count`` nodes, would carry its end [m]: v² = 3 g h."""
+    """Return how high the mean rotation of the bar, its first ``count`` nodes, would carry its end [m]: v² = 3 g h."""
     mass, at, v = (x[:count] for x in (system.mass[:, 0], system.positions + last.displacement, last.velocity))
+    # The hinge is the origin: angular momentum over moment of inertia is the mean rotation's speed.
     spin = jnp.sum(mass * (at[:, 0] * v[:, 1] - at[:, 1] * v[:, 0])) / jnp.sum(mass * jnp.sum(at**2, axis=1))
     sine = jnp.sum(mass * at[:, 1]) / jnp.sum(mass * at[:, 0])
     return length * sine + jnp.sign(spin) * (length * spin) ** 2 / (3.0 * gravity)
 
 
 def _assembled(drop: BarDrop, scenario: BarDropScenario, along: int) -> tuple[System, State, int, int]:
-    """The system, its start, the bar's lower corner and the plate's node under it."""
+    """Return the system, its start, the bar's lower corner and the plate's node under it."""
     bar, plate = drop.bar, drop.plate
     deep = bar.diameter * math.sqrt(12.0) / 4.0  # of the rectangle with the circle's area and second moment
     wide = math.pi / 4.0 * bar.diameter**2 / deep
@@ -135,8 +140,8 @@ def _assembled(drop: BarDrop, scenario: BarDropScenario, along: int) -> tuple[Sy
 
 
 def block(along: int) -> tuple[np.ndarray, np.ndarray]:
-    """A square from (0, -½) to (1, ½) of ``along`` by two elements: places, column by column from below, and corners
-    counter-clockwise."""
+    """Mesh a square from (0, -½) to (1, ½) by ``along`` times two elements: places, column by column from below, and
+    corners counter-clockwise."""
     square = np.meshgrid(np.linspace(0.0, 1.0, along + 1), np.linspace(-0.5, 0.5, 3), indexing="ij")
     node = np.arange(3 * (along + 1)).reshape(along + 1, 3)
     corners = [node[:-1, :-1], node[1:, :-1], node[1:, 1:], node[:-1, 1:]]

@@ -16,7 +16,7 @@ ACROSS = 1e-3  # rad to either side of the angle without contact, where the next
 
 
 def peaks(design: BarDrop, scenario: BarDropScenario, step: float) -> Float[np.ndarray, " beginnings"]:
-    """The largest force [N] that each grid of times a ``step`` [s] apart computes.
+    """Return the largest force [N] that each grid of times a ``step`` [s] apart computes.
 
     With α, ω and φ of the new instant, ω = (3φ - 4φ₁ + φ₂)/2h and α = (3ω - 4ω₁ + ω₂)/2h solve
     m l²/3 α + m g l/2 cos φ = F l cos φ with F = max(0, k δ^e + c STEP(δ) δ̇) and δ = -l sin φ.
@@ -33,7 +33,9 @@ def peaks(design: BarDrop, scenario: BarDropScenario, step: float) -> Float[np.n
 
     touch.terminal = True  # type: ignore[attr-defined]
     start = [math.asin(float(scenario.height) / length), 0.0]
+    # The grids begin on the exact fall, so that only the contact is wrong in them.
     fall = solve_ivp(fallen, (0.0, 2.0), start, events=touch, rtol=1e-11, atol=1e-14, dense_output=True)
+    # Where the instants of a grid lie about the touch is chance, so many beginnings are tried.
     begin = fall.t[-1] - step * (1.0 + np.linspace(0.0, 1.0, BEGINNINGS, endpoint=False))
     (last, spin), (before, spin_before) = fall.sol(begin), fall.sol(begin - step)
     largest = np.zeros(BEGINNINGS)
@@ -52,6 +54,7 @@ def peaks(design: BarDrop, scenario: BarDropScenario, step: float) -> Float[np.n
     for _ in range(2 + max(10, math.ceil(FOLLOWED / step))):
         free = (4.0 * spin - spin_before - 2.0 * step * weight) / 3.0  # without contact
         ahead = (4.0 * last - before + 2.0 * step * free) / 3.0
+        # Without contact the new angle would be `ahead`; contact moves it towards zero, where the force ends.
         bracket = ahead - ACROSS, np.maximum(ahead, 0.0) + ACROSS
         angle = find_root(residual, bracket, args=(last, before, spin, spin_before)).x
         turning = rate(angle, last, before)
@@ -61,14 +64,14 @@ def peaks(design: BarDrop, scenario: BarDropScenario, step: float) -> Float[np.n
 
 
 def force_of(design: BarDrop, depth: Any, closing: Any) -> Any:
-    """IMPACT [N] of the depth [m] and its rate [m/s]."""
+    """Return IMPACT [N] of the depth [m] and its rate [m/s]."""
     spring, damper = components(design, depth, closing)
     return np.maximum(0.0, spring + damper)
 
 
 def components(design: BarDrop, depth: Any, closing: Any, printed: bool = False) -> tuple[Any, Any]:
-    """F₁ = k δ^e and F₂ = c STEP(δ) δ̇ [N]. ``printed``: with the printed a = c in place of a = -c, so that the damping
-    is 2 c at the touch and falls to c."""
+    """Return F₁ = k δ^e and F₂ = c STEP(δ) δ̇ [N]. ``printed``: with the printed a = c in place of a = -c, so that the
+    damping is 2 c at the touch and falls to c."""
     impact, deep = design.impact, np.maximum(depth, 0.0)
     share = np.clip(deep / float(impact.ramp_depth), 0.0, 1.0)
     risen = share**2 * (3.0 - 2.0 * share)

@@ -19,7 +19,7 @@ def _listed(values: list[float], digits: str = ".4f") -> str:
 
 
 def _ordered(case: int, column: str) -> Callable[[Rows], Verdict]:
-    """Whether the peaks of a case are in the order of the energies, in each mechanism."""
+    """Judge whether the peaks of a case are in the order of the energies, in each mechanism."""
 
     def judge(rows: Rows) -> Verdict:
         ranks, speeds = _values(rows, case, column), _values(rows, case, "rank_speed")

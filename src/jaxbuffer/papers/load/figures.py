@@ -8,7 +8,7 @@ from ..study import Studied
 
 
 def figure(studied: Studied) -> Figure:
-    """The study's figure, with logarithmic axes; the line is the power law through the first impacts."""
+    """Draw the study's figure, with logarithmic axes; the line is the power law through the first impacts."""
     with drawing():
         drawn, grid = panels(12.0, 4.5, 1, len(studied.captures))
         for axes, capture, row in zip(np.ravel(grid), studied.captures, studied.rows, strict=True):

@@ -68,7 +68,7 @@ DAMPER = ("damping", ((0.0, 0.0), (1000.0, 1000.0), (10.0, 6000.0)))  # N s/m
 
 
 def _study(name: str, title: str, law: str, of: tuple[Any, Any], ranges: Ranges, duration: float, part: str) -> Study:
-    """A case for each of `CONTACTS`, whose numbers are drawn as well, after all others."""
+    """Make a case for each of `CONTACTS`, whose numbers are drawn as well, after all others."""
     lost, losses = DAMPER if part == "impact" else RESTITUTION
     cases = (
         Case(
@@ -92,17 +92,18 @@ SHOWN = tuple(COLUMNS)[1:]
 
 
 def draw(ranges: Ranges) -> list[dict[str, float]]:
-    """The numbers of each run, by address; the same ones whenever the ranges are the same."""
+    """Draw the numbers of each run, by address: the same ones whenever the ranges are the same."""
     runs = np.random.default_rng(SEED).uniform(size=(len(ranges), RUNS))  # a row each: later ones change no earlier one
     drawn = {}
     for (name, (low, high)), share in zip(ranges.items(), runs, strict=True):
+        # A range that reaches zero has no logarithm.
         even = low <= 0.0 or low == high
         drawn[name] = low + share * (high - low) if even else low * (high / low) ** share
     return [{name: float(values[k]) for name, values in drawn.items()} for k in range(RUNS)]
 
 
 def solve(case: Case) -> Impacts:
-    """The impacts of a case's runs."""
+    """Run a case, and return the impacts of its runs."""
     rows, cut, failed = [], 0, 0
     for numbers in draw(case.options["ranges"]):
         run = simulate(*with_values(case.design, case.scenario, numbers), case.options["duration"])
@@ -113,6 +114,7 @@ def solve(case: Case) -> Impacts:
         begin, release, peak, speed = (
             np.asarray(x)[:count] for x in (hits.time, hits.release_time, hits.peak_force, hits.approach_speed)
         )
+        # Without a release, an impact counts if it has lasted so long that its peak is past.
         whole = np.isfinite(release) | (float(run.end_time) - begin > LONGEST)
         energy = run.loads("effective_energy")
         rows.append(np.array([energy, peak, speed, np.arange(count) == 0])[:, whole])
@@ -122,9 +124,10 @@ def solve(case: Case) -> Impacts:
 
 
 def row(case: Case, impacts: Impacts) -> Row:
-    """How well the effective energy orders the peaks: rank correlations, of first impacts and of all; the approach
-    speed's for comparison; a power law F ∝ T_c^a through the first ones, and the rms of ln F about it."""
+    """Return how well the effective energy orders the peaks: rank correlations, of first impacts and of all; the
+    approach speed's for comparison; a power law F ∝ T_c^a through the first ones, and the rms of ln F about it."""
     first, pressed = impacts.first > 0.0, impacts.peak > 0.0
+    # A power law is a straight line in logarithms.
     energy, peak = np.log(impacts.energy[first]), np.log(impacts.peak[first])
     exponent, intercept = np.polyfit(energy, peak, 1)
     return {

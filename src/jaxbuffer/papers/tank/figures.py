@@ -13,7 +13,7 @@ from ..study import Studied
 
 
 def figure(studied: Studied) -> Figure:
-    """The study's figure."""
+    """Draw the study's figure."""
     with drawing():
         draw = _fields if studied.study.name == "drop" else _curves
         drawn = draw(studied)
@@ -23,8 +23,8 @@ def figure(studied: Studied) -> Figure:
 
 
 def _fields(studied: Studied) -> Figure:
-    """Before, displacements across and along the impact at the largest force, and the test point over time: a row
-    for each case."""
+    """Draw, a row for each case, the tank before, displacements across and along the impact at the largest force, and
+    the test point over time."""
     drawn, grid = panels(16.0, 3.6 * len(studied.captures), len(studied.captures), 4)
     for axes, case, run in zip(grid, studied.study.cases, studied.captures, strict=True):
         before, after = displaced(run)
@@ -57,7 +57,7 @@ def _test_point(axes: Axes, run: Any) -> None:
 
 
 def _curves(studied: Studied) -> Figure:
-    """Force, deflection, speed and penetration over time, a curve for each case."""
+    """Draw force, deflection, speed and penetration over time, a curve for each case."""
     drawn, grid = panels(10.0, 7.0, 2, 2)
     for number, (case, run) in enumerate(zip(studied.study.cases, studied.captures, strict=True)):
         rows, curve = slice(rows_of(run)), {**line(number), "label": case.label}

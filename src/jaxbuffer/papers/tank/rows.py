@@ -38,7 +38,7 @@ SHOWN = (
 
 
 def row(case: Case, run: TankRun) -> Row:
-    """The numbers of one drop, with a history."""
+    """Return the numbers of one drop, with a history."""
     names = [name for name in COLUMNS if hasattr(run, name) and name != "outcome"]
     moved = np.asarray(run.history.others["displacement"])[: rows_of(run)] if run.history is not None else None
     assert moved is not None
@@ -54,9 +54,11 @@ def row(case: Case, run: TankRun) -> Row:
 
 
 def spring_force(run: TankRun) -> float:
-    """The largest force [N] of the slider on the cushion alone, as a mass on a spring: mg + √((mg)² + 2 m g h k)."""
+    """Return the largest force [N] of the slider on the cushion alone, as a mass on a spring: mg + √((mg)² + 2 m g h
+    k)."""
     design, scenario = run.design, run.scenario
     weight = float(design.slider.mass) * float(scenario.gravity)
+    # The cushion lies on the flat part of the top.
     area = (float(design.tank.width) - 2.0 * float(design.tank.corner_radius)) * float(design.tank.length)
     stiffness = float(design.cushion.stiffness) * area
     return weight + math.sqrt(weight**2 + 2.0 * weight * float(scenario.height) * stiffness)

@@ -65,7 +65,7 @@ def contact_forces(
     near: Any = None,
     before: Float[Array, " pairs"] | None = None,
 ) -> ContactForces:
-    """The forces of one contact.
+    """Return the forces of one contact.
 
     **Arguments:** ``positions`` [m]; ``velocity``: half a step before [m/s]; ``residual``: all other forces [N];
     ``inverse_mass``: of each direction, 0 where a node is held [1/kg]; ``step`` [s]; ``near``: of segments the
@@ -87,7 +87,9 @@ def contact_forces(
             normal = 0.5 * (before + over_step)
     along = jnp.stack([-pairs.normal[:, 1], pairs.normal[:, 0]], axis=1)
     force = normal[:, None] * pairs.normal
+    # Python's 0 alone: a traced coefficient may be positive.
     if not (isinstance(contact.friction, float) and contact.friction == 0.0):
+        # What would stop the sliding within this step; Coulomb's law allows less, and never drives it backwards.
         stop = -pairs.along(contact.slaves, free, along) / (step * yielding)
         most = contact.friction * normal
         force = force + jnp.clip(stop, -most, most)[:, None] * along
@@ -95,8 +97,8 @@ def contact_forces(
 
 
 def _distribution(contact: Contact, pairs: Pairs, inverse_mass: Array) -> Float[Array, "pairs 2"]:
-    """How a force is handed to the surface's nodes: by φ (M141), or as published, by φ m/(φ̄ M) with φ̄ = Σφ² and
-    M = Σφ m/φ̄ (M142)."""
+    """Return how a force is handed to the surface's nodes: by φ (M141), or as published, by φ m/(φ̄ M) with φ̄ = Σφ²
+    and M = Σφ m/φ̄ (M142)."""
     if not contact.published:
         return pairs.weights
     inverse = _along(inverse_mass[pairs.nodes], pairs.normal[:, None])
@@ -106,19 +108,19 @@ def _distribution(contact: Contact, pairs: Pairs, inverse_mass: Array) -> Float[
 
 
 def _along(vectors: Array, normal: Array) -> Array:
-    """The diagonal matrix along a normal: nᵀ M⁻¹ n."""
+    """Return the diagonal matrix along a normal, nᵀ M⁻¹ n."""
     return jnp.sum(vectors * normal * normal, axis=-1)
 
 
 def _yielding(slaves: np.ndarray, pairs: Pairs, weights: Array, inverse_mass: Array) -> Float[Array, " pairs"]:
-    """(pairs,) relative acceleration of node and foot for a force of one [1/kg]."""
+    """Return the (pairs,) relative acceleration of node and foot for a force of one [1/kg]."""
     own = _along(inverse_mass[slaves], pairs.normal)
     foot = jnp.sum(pairs.weights * weights * _along(inverse_mass[pairs.nodes], pairs.normal[:, None]), axis=1)
     return own + foot
 
 
 def _coupling(slaves: np.ndarray, pairs: Pairs, inverse_mass: Array) -> Float[Array, "pairs pairs"]:
-    """W = G M⁻¹ Gᵀ (M143): the relative acceleration of each pair for a force of one in each [1/kg]."""
+    """Return W = G M⁻¹ Gᵀ (M143): the relative acceleration of each pair for a force of one in each [1/kg]."""
     nodes = jnp.concatenate([jnp.asarray(slaves)[:, None], pairs.nodes], axis=1)
     factors = jnp.concatenate([jnp.ones((len(slaves), 1)), -pairs.weights], axis=1)
     rows = factors[..., None] * pairs.normal[:, None]  # (pairs, 3, 2)
@@ -129,20 +131,22 @@ def _coupling(slaves: np.ndarray, pairs: Pairs, inverse_mass: Array) -> Float[Ar
 def _closing_forces(
     matrix: Float[Array, "pairs pairs"] | None, yielding: Array, target: Float[Array, " pairs"], present: Array
 ) -> Float[Array, " pairs"]:
-    """The forces f ≥ 0 with W f ≥ ``target`` [m/s²] and f (W f - wanted) = 0, where W is the ``matrix``, or diagonal,
-    ``yielding``, where each pair is served for itself.
+    """Return the forces f ≥ 0 with W f ≥ ``target`` [m/s²] and f (W f - wanted) = 0, where W is the ``matrix``, or
+    diagonal, ``yielding``, where each pair is served for itself.
 
     With a matrix the set of closed pairs is settled first (a primal-dual active set); the equations of that set are
     then solved once, with derivatives.
     """
     if matrix is None:
         return jnp.where(present, jnp.maximum(target, 0.0) / yielding, 0.0)
+    # The set is a choice without a derivative; with it settled, the forces have theirs from the equations alone.
     closed = _closed(jax.lax.stop_gradient(matrix), jax.lax.stop_gradient(target), present)
     return jnp.maximum(_holding_forces(matrix, target, closed), 0.0)
 
 
 def _holding_forces(matrix: Array, target: Array, closed: Array) -> Float[Array, " pairs"]:
-    """The forces that give the ``closed`` pairs what is ``target``, zero on the others."""
+    """Return the forces that give the ``closed`` pairs their ``target``, zero on the others."""
+    # Open pairs keep a one on the diagonal, so that the system has one size whichever pairs press.
     both = closed[:, None] & closed[None]
     return jnp.linalg.solve(
         jnp.where(both, matrix, 0.0) + jnp.diag(jnp.where(closed, 0.0, 1.0)), jnp.where(closed, target, 0.0)
@@ -150,7 +154,7 @@ def _holding_forces(matrix: Array, target: Array, closed: Array) -> Float[Array,
 
 
 def _closed(matrix: Array, target: Array, present: Array) -> Bool[Array, " pairs"]:
-    """Which pairs press."""
+    """Return which pairs press."""
 
     def settle(state: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
         closed, _, rounds = state

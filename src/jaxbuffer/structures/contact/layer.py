@@ -33,21 +33,22 @@ class Layer(eqx.Module):
     solid: Scalar
 
     def compression(self, positions: Float[Array, "nodes 2"]) -> Float[Array, " pressed"]:
-        """(nodes,) by how much it is pressed together at each of its nodes, negative where it is not met [m]."""
+        """Return by how much it is pressed together at each of its nodes (nodes,), negative where it is not met [m]."""
         return self.thickness - self.plane.pairs(self.slaves, positions, None).gap
 
     def forces(self, positions: Float[Array, "nodes 2"], velocity: Float[Array, "nodes 2"]) -> ContactForces:
-        """What it adds in one step. ``positions`` [m]; ``velocity``: half a step before [m/s]."""
+        """Return the forces that it adds in one step. ``positions`` [m]; ``velocity``: half a step before [m/s]."""
         pairs = self.plane.pairs(self.slaves, positions, None)
         depth = self.thickness - pairs.gap
         pressed = jnp.maximum(depth, 0.0)
         beyond = jnp.maximum(depth - SOLID * self.thickness, 0.0)
         rate = -pairs.along(self.slaves, velocity, pairs.normal)
+        # The damper has no part before the layer is met.
         pressure = self.stiffness * pressed + self.solid * beyond + self.damping * rate * (depth > 0.0)
         normal = self.width * jnp.maximum(pressure, 0.0) * (depth > 0.0)
         force = normal[:, None] * pairs.normal
         return ContactForces(self.plane.on_nodes(self.slaves, force, len(positions)), normal, normal)
 
     def fastest(self, inverse_mass: Float[Array, "nodes 2"]) -> Float[Array, ""]:
-        """The highest natural frequency of a node on the solid layer [rad/s]."""
+        """Return the highest natural frequency of a node on the solid layer [rad/s]."""
         return jnp.sqrt(jnp.max((self.stiffness + self.solid) * self.width * inverse_mass[self.slaves, 1]))

@@ -9,8 +9,8 @@ Candidates = Int[Array, "pairs some"]
 
 
 def candidates(slaves: np.ndarray, ends: np.ndarray, positions: Float[Array, "nodes 2"], some: int = 4) -> Candidates:
-    """The ``some`` segments whose middles are nearest to each slave: nothing further away can hold its foot as long as
-    it moves by less than a segment's length.
+    """Return the ``some`` segments whose middles are nearest to each slave: nothing further away can hold its foot as
+    long as it moves by less than a segment's length.
 
     All pairs are looked at. Of 200 nodes and 200 segments that takes as long as two steps of their elements, and it is
     done once in many steps; sorted buckets would win from some 1000 on.

@@ -31,7 +31,7 @@ class Pairs(NamedTuple):
     present: Bool[Array, " pairs"]
 
     def along(self, slaves: np.ndarray, vectors: Float[Array, "nodes 2"], direction: Float[Array, "pairs 2"]) -> Array:
-        """(pairs,) by how much the nodes' ``vectors`` part node and foot along a ``direction``."""
+        """Return by how much the nodes' ``vectors`` part node and foot of each pair (pairs,) along a ``direction``."""
         foot = jnp.sum(self.weights[..., None] * vectors[self.nodes], axis=1)
         return jnp.sum((vectors[slaves] - foot) * direction, axis=1)
 
@@ -47,7 +47,7 @@ class RigidPlane(eqx.Module):
     normal: tuple[Scalar, Scalar]
 
     def pairs(self, slaves: np.ndarray, positions: Float[Array, "nodes 2"], near: Any = None) -> Pairs:
-        """The pairs of all ``slaves`` with their feet."""
+        """Pair all ``slaves`` with their feet."""
         count = len(slaves)
         normal = jnp.broadcast_to(jnp.asarray([self.normal]), (count, 2))
         gap = jnp.sum((positions[slaves] - positions[self.node][None]) * normal, axis=1)
@@ -55,7 +55,8 @@ class RigidPlane(eqx.Module):
         return Pairs(gap, normal, nodes, weights, jnp.ones(count, bool))
 
     def on_nodes(self, slaves: np.ndarray, force: Float[Array, "pairs 2"], nodes: int) -> Float[Array, "nodes 2"]:
-        """(nodes, 2) forces on the slaves and, against them, on the plane's node."""
+        """Return the (nodes, 2) forces on the slaves and, against them, on the plane's node."""
+        # By a mask, since XLA writes a scatter as a loop over its numbers (see `Incidence`).
         against = jnp.where(jnp.arange(nodes)[:, None] == self.node, jnp.sum(force, axis=0)[None], 0.0)
         return added_at(slaves, force, nodes) - against
 
@@ -69,7 +70,7 @@ class Segments(eqx.Module):
     ends: np.ndarray
 
     def pairs(self, slaves: np.ndarray, positions: Float[Array, "nodes 2"], near: Any) -> Pairs:
-        """Each slave with its foot on the nearest of the segments ``near`` it (pairs, some): see `candidates`."""
+        """Pair each slave with its foot on the nearest of the segments ``near`` it (pairs, some): see `candidates`."""
         ends = jnp.asarray(self.ends)[near]
         start, along = positions[ends[..., 0]], positions[ends[..., 1]] - positions[ends[..., 0]]
         squared = jnp.sum(along * along, axis=-1)
@@ -80,6 +81,7 @@ class Segments(eqx.Module):
         normal = jnp.stack([along[..., 1], -along[..., 0]], axis=-1) / length[..., None]
         gap = jnp.sum(off * normal, axis=-1)
         beside = (share - on) * length
+        # A foot a little beyond an end still counts, so that none is lost between two segments.
         fits = (jnp.abs(share - on) <= TERRITORY) & (gap > -DEEPEST * length)
         distance = jnp.where(fits, jnp.hypot(jnp.where(fits, gap, 1.0), beside), jnp.inf)
         best = jnp.argmin(distance, axis=1)
