@@ -19,15 +19,17 @@ from pathlib import Path
 import numpy as np
 
 import jaxbuffer as jb
+from jaxbuffer.block_store import Head
 from jaxbuffer.cluster.connect import connected
 from jaxbuffer.cluster.spread import spread
 from jaxbuffer.cluster.workers import Workers
 from jaxbuffer.sweeps import chunk, distributed
 from jaxbuffer.sweeps.chunk import Settings
+from jaxbuffer.sweeps.columns import column_types
 from jaxbuffer.sweeps.cut import Block, GridSweep, Template
 from jaxbuffer.sweeps.distributed import Job, Report
 from jaxbuffer.sweeps.grid import grid
-from jaxbuffer.sweeps.store import Store, begun, existing
+from jaxbuffer.sweeps.store import SweepStore, begun, identity
 
 from .memory import status
 
@@ -117,11 +119,11 @@ def storing(folder: Path) -> tuple[float, float, int]:
     return seconds[0] - 100 * number, number, len(store.types) + 1
 
 
-def _stored(store: Store, block: Block) -> float:
+def _stored(store: SweepStore, block: Block) -> float:
     chance, count = np.random.default_rng(block.number), int(np.prod(block.shape))
     numbers = [chance.random(count) if kind == "<f8" else np.zeros(count, int) for kind in store.types.values()]
     begin = time.perf_counter()
-    store.write(block, numbers)
+    store.write_columns(block, numbers)
     return time.perf_counter() - begin
 
 
@@ -135,7 +137,9 @@ def scheduling(tasks: int) -> tuple[float, list[float]]:
     process's memory [MiB] along the way."""
     sweep = sweep_of(100 * tasks, 100)
     settings = Settings(np.asarray(TOLERANCE), np.asarray(20.0), None)
-    job = Job(existing(Path("nowhere"), sweep), True, sweep.template, settings)
+    head = Head(identity(settings, sweep), "")
+    store = SweepStore(head, Path("nowhere"), column_types(sweep.mechanism), sweep.cut)
+    job = Job(store, True, sweep.template, settings)
     times, memory = [], []
     with connected("processes", 2) as client:
         workers = Workers(client)

@@ -12,7 +12,7 @@ import pytest
 
 import jaxbuffer
 from jaxbuffer import InputError, save_design, table2
-from jaxbuffer.files import Lock, write, write_beside
+from jaxbuffer.files import Lock, sealed, unsealed, whole_folder, write, write_all, write_beside
 
 SOURCE = str(Path(jaxbuffer.__file__).resolve().parents[1])
 BIG = b"x" * 10**6
@@ -64,6 +64,43 @@ def test_without_links_a_taken_name_is_left_alone_too(tmp_path, monkeypatch):
     assert write_beside(tmp_path / "a.csv", "mine") == tmp_path / "a.csv"
     assert write_beside(tmp_path / "a.csv", "new") == tmp_path / "a-1.csv"
     assert {file.read_text() for file in tmp_path.iterdir()} == {"mine", "new"}
+
+
+def test_of_several_files_none_is_written_before_there_is_room_for_all(tmp_path):
+    (tmp_path / "a").write_bytes(b"old")
+    files = {tmp_path / "a": b"new", tmp_path / "sub" / "b": BIG}
+    with room_for(10**5), pytest.raises(OSError, match="File too large"):
+        write_all(files)
+    assert [path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()] == [b"old"]
+    write_all(files)
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == files
+
+
+@pytest.mark.parametrize("before", [None, "old"])
+def test_a_folder_is_whole_or_as_it_was(tmp_path, before):
+    folder = tmp_path / "store"
+    if before is not None:
+        folder.mkdir()
+        (folder / "a").write_text(before)
+    (tmp_path / ".store.draft").mkdir()  # of a process that was killed
+    with pytest.raises(KeyboardInterrupt), whole_folder(folder) as draft:
+        (draft / "a").write_text("half")
+        raise KeyboardInterrupt
+    assert [path.read_text() for path in tmp_path.rglob("a")] == ([] if before is None else [before])
+    with whole_folder(folder) as draft:
+        (draft / "b").write_text("new")
+    assert [path for path in tmp_path.rglob("*") if path.is_file()] == [folder / "b"]
+    assert [path.name for path in tmp_path.iterdir()] == ["store"]
+
+
+@pytest.mark.parametrize("content", [b"", b"numbers", b"\njaxbuffer checksum " * 2])
+def test_a_sealed_content_is_what_it_was_or_refused(content):
+    whole = sealed(content)
+    assert unsealed(whole) == content
+    assert unsealed(b"of another program") is None
+    for k in range(len(whole)):
+        with contextlib.suppress(ValueError):
+            assert unsealed(whole[:k] + bytes([whole[k] ^ 1]) + whole[k + 1 :]) is None, "the mark is damaged"
 
 
 def test_one_run_at_a_time(tmp_path):

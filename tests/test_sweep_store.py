@@ -188,8 +188,8 @@ def test_a_full_disk_is_named_and_what_fits_is_kept(solved, tmp_path, monkeypatc
 
 def test_blocks_are_written_once_a_second_not_once_a_chunk(solved, tmp_path, monkeypatch):
     monkeypatch.setattr(stored, "PERIOD", 3600.0)
-    counted, write = [], stored.Store.write
-    monkeypatch.setattr(stored.Store, "write", lambda *arguments: (counted.append(1), write(*arguments)))
+    counted, write = [], stored.SweepStore.write
+    monkeypatch.setattr(stored.SweepStore, "write", lambda *arguments: (counted.append(1), write(*arguments)))
     swept(tmp_path)
     assert len(counted) == -(-COUNT // BLOCK)
 

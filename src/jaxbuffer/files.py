@@ -1,18 +1,21 @@
-"""Files that are whole or not there, and folders that one run at a time may use."""
+"""Files that are whole or not there, their checksums, and folders that one run at a time may use."""
 
 import contextlib
 import errno
 import fcntl
+import hashlib
 import os
 import platform
 import pwd
-from collections.abc import Iterator
+import shutil
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import ClassVar
+from typing import ClassVar, Self
 
 from .errors import InputError
 
 LOCK, DRAFT = ".lock", ".part"
+SEAL = b"\njaxbuffer checksum "
 
 
 def home() -> Path | None:
@@ -66,14 +69,11 @@ def write(path: Path, content: str | bytes, overwrite: bool = True) -> None:
     **Arguments:** ``content``: text is written as UTF-8; ``overwrite``: whether to replace a file that is there.
     **Raises:** `FileExistsError` without ``overwrite``; any other `OSError` too names the file.
     """
-    draft = path.with_name(f".{path.name}.{os.getpid()}{DRAFT}")
+    draft = _draft(path)
     try:
         with naming(path):
-            with draft.open("wb") as file:
-                # A path's bytes that are no UTF-8 are surrogates in Python, which UTF-8 has not: written as \udc80.
-                file.write(content.encode(errors="backslashreplace") if isinstance(content, str) else content)
-                file.flush()
-                os.fsync(file.fileno())
+            # A path's bytes that are no UTF-8 are surrogates in Python, which UTF-8 has not: written as \udc80.
+            _fill(draft, content.encode(errors="backslashreplace") if isinstance(content, str) else content)
             if overwrite:
                 draft.replace(path)
             else:
@@ -82,6 +82,75 @@ def write(path: Path, content: str | bytes, overwrite: bool = True) -> None:
     finally:
         with contextlib.suppress(OSError):
             draft.unlink(missing_ok=True)
+
+
+def write_all(contents: Mapping[Path, bytes]) -> None:
+    """Write files in this order, each whole or not at all, and none before there is room for all of them.
+
+    They are left to the system to put on disk, because that takes longer than all the rest: a power failure may leave
+    them empty, so that whoever reads them needs a checksum.
+    """
+    drafts = {path: _draft(path) for path in contents}
+    try:
+        for path, draft in drafts.items():
+            try:
+                _fill(draft, contents[path], sync=False)
+            except FileNotFoundError:  # the first file of its folder
+                path.parent.mkdir(parents=True, exist_ok=True)
+                _fill(draft, contents[path], sync=False)
+        for path, draft in drafts.items():
+            draft.replace(path)
+    except BaseException:
+        for draft in drafts.values():
+            draft.unlink(missing_ok=True)
+        raise
+
+
+@contextlib.contextmanager
+def whole_folder(path: Path) -> Iterator[Path]:
+    """Give an empty folder that takes the place of what is at ``path`` once the block has ended without an error.
+
+    What was there is renamed, then deleted, so that an interrupt never leaves a half-deleted one under that name.
+    """
+    draft, former = (path.with_name(f".{path.name}.{word}") for word in ("draft", "old"))
+    with naming(path):
+        for left in (draft, former):  # by a process that was killed
+            if left.exists():
+                shutil.rmtree(left)
+        draft.mkdir()
+        try:
+            yield draft
+        except BaseException:
+            shutil.rmtree(draft, ignore_errors=True)
+            raise
+        if path.exists():
+            path.rename(former)
+        draft.rename(path)
+        if former.exists():
+            shutil.rmtree(former)
+
+
+def checksum(content: bytes) -> str:
+    """Return what is another text for a content that has been damaged."""
+    return hashlib.blake2b(content, digest_size=16).hexdigest()
+
+
+def sealed(content: bytes) -> bytes:
+    """Return a content with its checksum behind it, where formats that know their own end do not look."""
+    return content + SEAL + checksum(content).encode()
+
+
+def unsealed(content: bytes) -> bytes | None:
+    """Return what `sealed` was given, or None where there is no checksum.
+
+    **Raises:** `ValueError` where the content is not what it was.
+    """
+    original, mark, stored = content.rpartition(SEAL)
+    if not mark:
+        return None
+    if stored != checksum(original).encode():
+        raise ValueError("its checksum is another one")
+    return original
 
 
 def write_beside(path: Path, content: str | bytes) -> Path:
@@ -95,6 +164,20 @@ def write_beside(path: Path, content: str | bytes) -> Path:
             free = path.with_name(f"{path.stem}-{number}{path.suffix}")
         else:
             return free
+
+
+def _draft(path: Path) -> Path:
+    """Return the name of a file's draft, which no other thread, process or machine uses, and `_remove_drafts` knows."""
+    return path.with_name(f".{path.name}.{os.urandom(4).hex()}.{os.getpid()}{DRAFT}")
+
+
+def _fill(draft: Path, content: bytes, sync: bool = True) -> None:
+    """Write a draft; with ``sync`` it is on disk afterwards."""
+    with draft.open("wb") as file:
+        file.write(content)
+        if sync:
+            file.flush()
+            os.fsync(file.fileno())
 
 
 def _link(draft: Path, path: Path) -> None:
@@ -124,6 +207,12 @@ def _remove_drafts(folder: Path) -> None:
     for draft in folder.glob(f".*{DRAFT}"):
         if not _is_alive(draft.name.removesuffix(DRAFT).rpartition(".")[2]):
             draft.unlink(missing_ok=True)
+
+
+def remove_all_drafts(folder: Path) -> None:
+    """Remove all drafts in a folder and those below, also of other machines; nobody else may be at work there."""
+    for draft in folder.rglob(f".*{DRAFT}"):
+        draft.unlink(missing_ok=True)
 
 
 def _is_alive(process: str) -> bool:
@@ -159,6 +248,12 @@ class Lock:
             while not self._acquired(folder):
                 pass
         _remove_drafts(folder)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.release()
 
     def _acquired(self, folder: Path) -> bool:
         """Lock the file; False if its former owner removed it meanwhile, and it is to be made anew."""

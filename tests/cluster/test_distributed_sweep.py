@@ -289,10 +289,10 @@ def test_a_worker_left_over_writes_nothing_into_another_sweeps_store(client, tmp
     """As of a driver that was killed, while another one begins anew there."""
     stored = swept(tmp_path, client)
     block, present = Block(0, (slice(0, BLOCK), slice(0, 1)), {}), existing(tmp_path / STORE, stored.asked)
-    late = dataclasses.replace(present, token="that of before")
+    late = dataclasses.replace(present, head=present.head._replace(token="that of before"))
     with pytest.raises(InputError, match="has become another sweep's meanwhile"):
-        late.write(block, [np.zeros(BLOCK, int if name in WHOLE else float) for name in COLUMNS])
-    assert present.read(block) is not None and late.read(block) is None
+        late.write_columns(block, [np.zeros(BLOCK, int if name in WHOLE else float) for name in COLUMNS])
+    assert present.read_columns(block) is not None and late.read_columns(block) is None
 
 
 def test_a_full_disk_is_named_and_what_is_stored_is_kept(client, tmp_path, solved, monkeypatch):

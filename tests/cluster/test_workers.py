@@ -7,6 +7,7 @@ import psutil
 import pytest
 
 from jaxbuffer import InputError
+from jaxbuffer.block_store import differing
 from jaxbuffer.cluster import spread as module
 from jaxbuffer.cluster.connect import LOOPBACK, connected
 from jaxbuffer.cluster.pool import ClusterPool
@@ -15,7 +16,7 @@ from jaxbuffer.cluster.workers import Workers
 from jaxbuffer.hybrid import SOLVER_NAMES, name_of, solver_named
 from jaxbuffer.hybrid.rungekutta.solvers import Automatic
 from jaxbuffer.programs import process
-from jaxbuffer.programs.process import HOST, differing, kind
+from jaxbuffer.programs.process import HOST, kind
 
 
 def squared(_, task):

@@ -11,16 +11,17 @@ from made_up import made_up_capture, made_up_tuning
 from test_saved import problem, sampled, swept
 
 import jaxbuffer as jb
+from jaxbuffer.block_store import Head, short_hash
 from jaxbuffer.cli.entry import run
 from jaxbuffer.output.formats import write_all
 from jaxbuffer.sweeps import store
 from jaxbuffer.sweeps.cut import Cut
 from jaxbuffer.sweeps.result import Sweep
 from jaxbuffer.sweeps.stored import StoredSweep
-from jaxbuffer.tuning.pareto import BEGUN, OF_A_POINT, Front, _begin, _identity, begun_identity
+from jaxbuffer.tuning import pareto, tune
+from jaxbuffer.tuning.pareto import BEGUN, OF_A_POINT, Front, _begin, begun_identity
 from jaxbuffer.tuning.problem import Settings
-from jaxbuffer.tuning.store import Store, identity_of
-from jaxbuffer.tuning.tune import _fingerprint
+from jaxbuffer.tuning.store import TuningStore
 
 RUN = ("capture.json", "capture.txt", "capture.nc")
 HISTORY = ("history.csv", "force.json", "motion.json", "capture.png", "capture.svg", "motion.png", "motion.svg")
@@ -116,11 +117,11 @@ def words(folder):
 
 
 def test_a_tuning_that_was_begun_beside_a_finished_one_is_said(tmp_path, no_figures):
-    own, other = (_fingerprint(problem(), Settings(seed=seed), None, None) for seed in (0, 1))
-    tuned = dataclasses.replace(made_up_tuning(problem()), identity=identity_of(own))
+    own, other = (tune._identity(problem(), Settings(seed=seed), None, None) for seed in (0, 1))
+    tuned = dataclasses.replace(made_up_tuning(problem()), identity=short_hash(own))
     tuned.save(tmp_path, figures=False)
-    for fingerprint, said in ((own, []), (other, ["holds two tunings: tuned.json is of one, and another was begun"])):
-        with Store(tmp_path, fingerprint, resume=False):
+    for identity, said in ((own, []), (other, ["holds two tunings: tuned.json is of one, and another was begun"])):
+        with TuningStore(tmp_path, identity, resume=False):
             pass
         found = words(tmp_path)
         assert len(found) == len(said) and all(text in it for text, it in zip(said, found, strict=True))
@@ -128,7 +129,7 @@ def test_a_tuning_that_was_begun_beside_a_finished_one_is_said(tmp_path, no_figu
 
 def test_a_front_that_was_begun_beside_a_finished_one_is_said(tmp_path, no_figures):
     names = ("peak_force", "stroke")
-    one, two = (_identity(problem(), names, points, None, {}) for points in (2, 3))
+    one, two = (pareto._identity(problem(), names, points, None, {}) for points in (2, 3))
     points = tuple(made_up_tuning(problem()) for _ in range(2))
     Front(problem(), names, np.full((2, 1), np.inf), points, one).save(tmp_path, figures=False)
     _begin(tmp_path, one, resume=False)
@@ -165,12 +166,12 @@ def test_a_block_with_some_of_its_runs_is_not_a_finished_one(tmp_path, monkeypat
     types = json.loads((path / ".zmetadata").read_text())["metadata"]
     columns = {name.split("/")[0]: it["dtype"] for name, it in types.items() if name.endswith("/.zarray")}
     columns = {name: kind for name, kind in columns.items() if name in Sweep.empty(MECHANISM, 1).columns}
-    made = store.Store(path, attributes["token"], columns, cut)
+    made = store.SweepStore(Head.of(attributes), path, columns, cut)
     for number in range(len(cut)):
         region = cut.region(number)
         block = store.Block(number, region, {})
         values = [np.array(codes[region[0]]) if name == "code" else np.zeros(block.shape) for name in columns]
-        made.write(block, values)
+        made.write_columns(block, values)
     assert store.is_unfinished(path) is unfinished
 
 

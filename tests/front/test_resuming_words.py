@@ -10,17 +10,17 @@ import jaxbuffer as jb
 from jaxbuffer.contact.laws import Hertz, _all
 from jaxbuffer.mechanisms import registry
 from jaxbuffer.tuning.problem import Settings
-from jaxbuffer.tuning.store import Store
-from jaxbuffer.tuning.tune import _fingerprint, best_so_far
+from jaxbuffer.tuning.store import TuningStore
+from jaxbuffer.tuning.tune import _identity, best_so_far
 
 PAGE = Path(__file__).parents[2] / "docs" / "mechanisms.md"
 
 REPEAT = "repeat the study and the options of the first run, or choose another --output"
 
 
-def fingerprint(high=2000.0, **settings):
+def identity(high=2000.0, **settings):
     problem = jb.Problem(jb.table2(), [jb.Scenario()], [jb.Variable("buffer.k_A", 100.0, high)])
-    return f"{problem.fingerprint()}-{Settings(**settings)}"
+    return _identity(problem, Settings(**settings), None, None)
 
 
 @pytest.mark.parametrize(
@@ -35,10 +35,10 @@ def fingerprint(high=2000.0, **settings):
     ],
 )
 def test_another_tuning(tmp_path, asked, parts):
-    with Store(tmp_path, fingerprint(), resume=False):
+    with TuningStore(tmp_path, identity(), resume=False):
         pass
     with pytest.raises(jb.InputError) as caught:
-        Store(tmp_path, fingerprint(**asked), resume=True)
+        TuningStore(tmp_path, identity(**asked), resume=True)
     message = str(caught.value)
     assert message.endswith(REPEAT) and "Settings(" not in message
     assert all(part in message for part in parts)
@@ -98,7 +98,7 @@ def test_a_tuning_of_a_mechanism_whose_code_has_changed_is_another_one(tmp_path,
         design, release = pendulum(gravity)
         return jb.Problem(design, [release()], [jb.Variable("rod.mass", 0.1, 0.3)])
 
-    with Store(tmp_path, _fingerprint(stated("9.81"), Settings(), None, None), resume=False):
+    with TuningStore(tmp_path, _identity(stated("9.81"), Settings(), None, None), resume=False):
         pass
     assert best_so_far(stated("9.81"), tmp_path) is None
     with pytest.raises(jb.InputError, match=": the code of its mechanism, laws or solver has changed; repeat"):
@@ -141,6 +141,6 @@ def test_what_is_the_packages_own_has_no_code_in_its_identity(tmp_path, monkeypa
 
 def test_nothing_to_go_on_with(tmp_path):
     with pytest.raises(jb.InputError, match=r"log\.jsonl is missing; leave out --resume"):
-        Store(tmp_path, fingerprint(), resume=True)
+        TuningStore(tmp_path, identity(), resume=True)
     with pytest.raises(jb.InputError, match=r"sweep\.zarr is missing; leave out --resume"):
         swept([0.1, 0.2], tmp_path, resume=True)

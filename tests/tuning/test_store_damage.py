@@ -125,7 +125,7 @@ def test_an_interrupt_before_the_first_step_leaves_a_run_to_resume(whole, tmp_pa
 
 
 def test_a_state_of_another_release_is_refused(folder, monkeypatch):
-    monkeypatch.setattr("jaxbuffer.tuning.store.version", lambda: "9.9")
+    monkeypatch.setattr("jaxbuffer.tuning.tune.version", lambda: "9.9")
     before = contents(folder)
     with pytest.raises(InputError, match=r"holds a run of jaxbuffer .*, which cannot be resumed by 9\.9"):
         finished(folder, resume=True)

@@ -29,7 +29,8 @@ def checked(expected: str, packed: bytes, task: bytes) -> Any:
     **Arguments:** ``expected``: kind and folder of compiled programs, as JSON; ``packed``: the work, a function, and
     its first argument; ``task``: its second one.
     """
-    from ..programs.process import differing, prepared  # imports JAX, which a scheduler is spared
+    from ..block_store import differing  # imports NumPy
+    from ..programs.process import prepared  # imports JAX, which a scheduler is spared
 
     kind, cache = json.loads(expected)
     address = get_worker().address

@@ -7,8 +7,9 @@ from typing import Any
 
 from distributed import Client
 
+from ..block_store import differing
 from ..errors import InputError
-from ..programs.process import HOST, Kind, differing, kind
+from ..programs.process import HOST, Kind, kind
 from ..programs.store import folder
 from .connect import SchedulerGone
 from .remote import looked_at

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from .._types import Dataset
+from ..block_store import described_identity, differing
 from ..errors import InputError
 from ..fields import Part, paths
 from ..fields.record import from_json
@@ -19,7 +20,7 @@ from ..mechanisms import all_mechanisms, mechanism_named
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
 from ..study.config import load as load_study
-from ..sweeps.store import STORE, differences, identity_of, is_unfinished, opened
+from ..sweeps.store import STORE, in_words, is_unfinished, opened
 from ..sweeps.zarr_format import attributes
 from ..tables import summary_html
 from ..tuning.pareto import begun_identity
@@ -182,14 +183,14 @@ def unfinished(folder: Path) -> str:
 
 def _two_sweeps(folder: Path) -> str:
     """Return what is said where the results of no sweep or sample are those of the store beside them; "" elsewhere."""
-    own = identity_of(attributes(folder / STORE))
-    known = {name: identity_of(read(folder / name).attrs) for name in TABLES if (folder / name).is_file()}
+    own = described_identity(attributes(folder / STORE))
+    known = {name: described_identity(read(folder / name).attrs) for name in TABLES if (folder / name).is_file()}
     others = {name: it for name, it in known.items() if it is not None}  # earlier versions wrote none
     if own is None or not others or own in others.values():
         return ""
     unfinished = is_unfinished(folder / STORE)
     name, other = next(iter(others.items()))
-    parts = differences(own, other)
+    parts = in_words(differing(own, other))
     state = "is not finished" if unfinished else "has all its runs"
     goes_on = "goes on" if unfinished else "writes its results"
     return (

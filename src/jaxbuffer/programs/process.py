@@ -252,8 +252,3 @@ def prepared(address: str, cache: str | None) -> dict[str, str]:
     if not asks_itself and (one_kernel() or not backend_is_up()):
         configure(cache=os.environ.get("JAXBUFFER_CACHE") or cache)
     return kind()
-
-
-def differing(one: Kind, other: Kind) -> list[str]:
-    """Return the names whose entries differ, in the kinds of two processes or the identities of two sweeps."""
-    return [name for name in {**one, **other} if one.get(name) != other.get(name)]

@@ -1,7 +1,7 @@
 """The folder of compiled programs, and the files in it.
 
-Programs are code, so nobody but the user may be able to write to the folder. A file is a header that says what it is,
-then plain descriptions and the exported programs. Nothing behind the header is looked at before its checksum is right.
+Programs are code, so nobody but the user may be able to write to the folder. A file is a line that says what it is,
+plain descriptions and the exported programs, and a checksum. Nothing in it is looked at before the checksum is right.
 A file that turns out bad is deleted, also where it ended the process: a marker that lies beside a file while it is
 loaded is left behind then. What JAX's persistent cache compiled from a program is in files beside it, whose checksums
 are in the program's own.
@@ -11,7 +11,6 @@ A wheel may have programs in the package itself, as exported: they are as trustw
 
 import base64
 import contextlib
-import hashlib
 import json
 import logging
 import os
@@ -30,7 +29,7 @@ except ImportError:  # Windows: files are trusted to load
     fcntl = None  # type: ignore[assignment]
 
 OTHERS = stat.S_IWGRP | stat.S_IWOTH
-MAGIC = b"jaxbuffer program 2\n"  # the number is the format's
+MAGIC = b"jaxbuffer program 3\n"  # the number is the format's
 SUFFIX, MARKER, DRAFT, MAKING = ".program", ".loading", ".draft", ".making"
 COMPILED = "-cache"  # what the names of files of JAX's persistent cache end with
 SHIPPED = Path(__file__).parent / "shipped"  # in a wheel that was built with programs
@@ -129,7 +128,7 @@ def write(file: Path, stored: Stored, of_jax: Path | None) -> None:
     exported = [base64.b64encode(program).decode() for program in stored.exported]
     checksums = _checksums(compiled_from(file, of_jax))
     content = json.dumps({"description": stored.description, "exported": exported, "compiled": checksums}).encode()
-    files.write(file, MAGIC + _checksum(content) + content)
+    files.write(file, files.sealed(MAGIC + content))
 
 
 def read(file: Path, of_jax: Path | None) -> Stored | None:
@@ -178,9 +177,12 @@ def ship(folder: Path, into: Path) -> None:
 
 
 def _body(content: bytes) -> bytes | None:
-    """What is behind a file's header, if it is whole and of this format."""
-    body = content[len(MAGIC) + hashlib.sha256().digest_size :]
-    return body if content[: -len(body) or None] == MAGIC + _checksum(body) else None
+    """Return what is behind a file's first line, if the file is whole and of this format."""
+    try:
+        whole = files.unsealed(content)
+    except ValueError:
+        return None
+    return whole.removeprefix(MAGIC) if whole is not None and whole.startswith(MAGIC) else None
 
 
 def _stored(record: Any) -> Stored:
@@ -246,12 +248,8 @@ def _ended_a_process(file: Path) -> bool:
     return left
 
 
-def _checksum(content: bytes) -> bytes:
-    return hashlib.sha256(content).digest()
-
-
 def _checksums(paths: Iterable[Path]) -> dict[str, str]:
-    return {path.name: _checksum(path.read_bytes()).hex() for path in paths}
+    return {path.name: files.checksum(path.read_bytes()) for path in paths}
 
 
 def _remove_unused(folder: Path) -> None:

@@ -13,7 +13,6 @@ from ..run.request import NO_TENTH
 from ..run.trust import DOUBTFUL, VERDICTS
 from .grid import Places
 
-IDENTITY = "identity"  # the attribute of a store and of a dataset that says which sweep it is of, in JSON
 EMPTY = {"<i8": -1, "<f8": np.nan}  # what is in the place of runs that are not computed, by the column's type
 NO_VERDICT = -1  # on how far a run's numbers can be trusted: not asked, or it has none
 

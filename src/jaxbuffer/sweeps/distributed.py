@@ -16,7 +16,7 @@ from .chunk import CHUNK, Settings, columns_of_chunk, runs, task_size
 from .columns import tally
 from .cut import Block, BlockSweep, GridSweep, RunsSweep, Template
 from .executor import Where
-from .store import STORE, Store, begun, check_resumable, resumed
+from .store import STORE, SweepStore, begun, check_resumable, resumed
 from .stored import StoredInterrupted, StoredSweep
 
 
@@ -24,7 +24,7 @@ class Job(NamedTuple):
     """What all tasks of a sweep share, small enough to go with each of them; ``grid``: whether the blocks are those of
     a `GridSweep`, or of a `RunsSweep`."""
 
-    store: Store
+    store: SweepStore
     grid: bool
     template: Template
     settings: Settings
@@ -43,12 +43,12 @@ class Report(NamedTuple):
 def solve_block(job: Job, block: Block) -> Report:
     """Solve and store a block, unless the store has it whole already."""
     job.store.check()
-    columns, solving = job.store.read_done(block), 0.0
+    columns, solving = job.store.read_columns(block), 0.0
     if columns is None:
         begin = time.perf_counter()
         columns = solved(job, block)
         solving = time.perf_counter() - begin
-        job.store.write(block, columns)
+        job.store.write_columns(block, columns)
     by_name = dict(zip(job.store.types, columns, strict=True))
     outcomes, verdicts = (tally(by_name[name]) for name in ("code", "trust"))
     return Report(columns[0].size, outcomes, verdicts, solving)
@@ -73,31 +73,27 @@ def run(cut: Callable[[int], BlockSweep], count: int, settings: Settings, where:
     path = user_path(where.folder).absolute() / STORE
     if where.resume:
         check_resumable(path)
-    lock = Lock(path.parent)
-    try:
-        with connected(where.executor, where.workers) as client:
-            if where.resume:
-                sweep = cut(CHUNK)
-                store, made_on = resumed(path, sweep, settings)
-                workers = Workers(client, made_on)
-            else:
-                workers = Workers(client)
-                sweep = cut(task_size(count, max(1, workers.threads)))
-                store = begun(path, sweep, settings, workers.kind)
-            job = Job(store, isinstance(sweep, GridSweep), sweep.template, settings)
-            return _solved(spread(client, workers, solve_block, job, sweep.blocks()), sweep, count, store, where)
-    finally:
-        lock.release()
+    with Lock(path.parent), connected(where.executor, where.workers) as client:
+        if where.resume:
+            sweep = cut(CHUNK)
+            store, made_on = resumed(path, sweep, settings)
+            workers = Workers(client, made_on)
+        else:
+            workers = Workers(client)
+            sweep = cut(task_size(count, max(1, workers.threads)))
+            store = begun(path, sweep, settings, workers.kind)
+        job = Job(store, isinstance(sweep, GridSweep), sweep.template, settings)
+        return _solved(spread(client, workers, solve_block, job, sweep.blocks()), sweep, count, store, where)
 
 
 def _solved(
-    reports: Generator[Report, None, None], sweep: BlockSweep, count: int, store: Store, where: Where
+    reports: Generator[Report, None, None], sweep: BlockSweep, count: int, store: SweepStore, where: Where
 ) -> StoredSweep:
     """Wait for all blocks."""
     outcomes, verdicts, done = Counter[int](), Counter[int](), 0
 
     def so_far() -> StoredSweep:
-        return StoredSweep(store.path, sweep, count, done, dict(outcomes), dict(verdicts), store.token)
+        return StoredSweep(store.path, sweep, count, done, dict(outcomes), dict(verdicts), store.head.token)
 
     try:
         for report in reports:

@@ -9,8 +9,9 @@ from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
+from ..block_store import differing
 from ..errors import InputError
-from ..programs.process import Kind, differing, kind, prepared
+from ..programs.process import Kind, kind, prepared
 from ..programs.store import folder
 
 I = TypeVar("I")  # noqa: E741 # an item

@@ -1,13 +1,8 @@
-"""A sweep on disk: one Zarr store, an array a quantity, cut into files as the sweep is into blocks.
-
-A block's checksum, of all its numbers, is written last: a block whose checksum is missing or another one is not done,
-whatever ended its writer or damaged its files.
-"""
+"""A sweep on disk: a store of blocks in Zarr's format, an array a quantity, cut into files as the sweep into blocks."""
 
 import dataclasses
 import hashlib
 import json
-import shutil
 import time
 import uuid
 import warnings
@@ -20,73 +15,57 @@ import jax
 import numpy as np
 
 from .._types import Dataset
+from ..block_store import TOKEN, Arrays, BlockError, BlockStore, Head, Identity, MissingBlock
 from ..cluster.extra import require
 from ..errors import InputError
-from ..files import Lock, naming
+from ..files import Lock, naming, remove_all_drafts, whole_folder, write_all
 from ..hybrid import Automatic, name_of
 from ..mechanisms.dataset import attributes
 from ..mechanisms.mechanism import Mechanism
-from ..programs.process import differing
 from ..programs.structure import user_code
 from ..run.trust import VERDICTS
 from ..version import version
 from . import zarr_format
 from .chunk import Settings
-from .columns import EMPTY, IDENTITY, column_names, column_types
+from .columns import EMPTY, column_names, column_types
 from .cut import Block, BlockSweep, Cut
 
 STORE, FORMER = "sweep.zarr", "sweep.chunks"  # the second one was written by versions before this store
-DRAFT = ".sweep.zarr.draft"
 CHECKSUM = "checksum"
 CODE = "code"  # of the user's, a part of a sweep's identity where it uses some
-BLOCK, KIND, TOKEN = "block", "made_on", "token"  # attributes as `IDENTITY`, the last one a word, else JSON
+BLOCK, KIND = "block", "made_on"  # attributes, in JSON
 PERIOD = 1.0  # s between the moments at which a sweep in this process stores what it has finished
 
 
 @dataclasses.dataclass(frozen=True)
-class Store:
-    """The store of one sweep, as a process that writes it sees it.
+class SweepStore(BlockStore[Block]):
+    """The store of one sweep; a block has a file for each of its columns, and one for its checksum.
 
-    ``token``: its own, made up with it; ``types``: the type of each column by name; ``cut``: into blocks.
+    ``types``: the type of each column by name; ``cut``: into blocks.
     """
 
     path: Path
-    token: str
     types: Mapping[str, str]
     cut: Cut
 
     def check(self) -> None:
         """Raise `InputError` where another store has taken its place, so that nothing is written there."""
-        if zarr_format.attributes(self.path).get(TOKEN) != self.token:
+        if zarr_format.attributes(self.path).get(TOKEN) != self.head.token:
             raise InputError(f"{self.path} has become another sweep's meanwhile; nothing was written to it")
 
-    def write(self, block: Block, columns: Sequence[np.ndarray]) -> None:
+    def write_columns(self, block: Block, columns: Sequence[np.ndarray]) -> None:
         """Store a block's columns, (runs,) each."""
         self.check()
-        inside = tuple(slice(length) for length in block.shape)  # blocks at an edge are smaller than their files
-        files = {}
-        for (name, kind), values in zip(self.types.items(), columns, strict=True):
-            files[self.file(name, block)] = full = np.full(self.cut.block, EMPTY[kind], kind)
-            full[inside] = values.reshape(block.shape)
-        files[self.file(CHECKSUM, block)] = np.array([self._checksum(block, columns)], "<u8")
-        with naming(self.path):
-            zarr_format.write(files)
+        typed = zip(self.types.items(), columns, strict=True)
+        self.write(block, {name: np.ravel(values).astype(kind) for (name, kind), values in typed})
 
-    def read(self, block: Block) -> list[np.ndarray] | None:
-        """Return a block's columns, (runs,) each, or None where it is not there, or not whole."""
-        inside, columns = tuple(slice(length) for length in block.shape), list[np.ndarray]()
+    def read_columns(self, block: Block) -> list[np.ndarray] | None:
+        """Return a block's columns, (runs,) each, or None where one of its runs is missing."""
         try:
-            (expected,) = zarr_format.read(self.file(CHECKSUM, block), "<u8", (1,))
-            for name, kind in self.types.items():
-                columns.append(zarr_format.read(self.file(name, block), kind, self.cut.block)[inside].ravel())
-        except (OSError, ValueError, zlib.error):  # missing, cut off or garbled: all mean the same
+            columns = self.read(block)
+        except BlockError:
             return None
-        return columns if self._checksum(block, columns) == expected else None
-
-    def read_done(self, block: Block) -> list[np.ndarray] | None:
-        """Return a block's columns, or None where one of its runs is missing."""
-        columns = self.read(block)
-        return None if columns is None or np.any(columns[[*self.types].index("code")] < 0) else columns
+        return None if np.any(columns["code"] < 0) else list(columns.values())
 
     def file(self, name: str, block: Block) -> Path:
         """Return a column's file of a block, or that of its checksum."""
@@ -94,23 +73,50 @@ class Store:
             return self.path / name / str(block.number)
         return self.path.joinpath(name, *map(str, np.unravel_index(block.number, self.cut.counts)))
 
-    def _checksum(self, block: Block, columns: Sequence[np.ndarray]) -> int:
-        content = hashlib.blake2b(f"{self.token} {block.number}".encode(), digest_size=8)
-        for kind, values in zip(self.types.values(), columns, strict=True):
-            content.update(np.ascontiguousarray(values, kind).tobytes())
-        return int.from_bytes(content.digest(), "little") or 1
+    def _write_files(self, block: Block, arrays: Arrays, checksum: int) -> None:
+        inside = tuple(slice(length) for length in block.shape)  # blocks at an edge are smaller than their files
+        files = {}
+        for name, values in arrays.items():
+            kind = self.types[name]
+            files[self.file(name, block)] = full = np.full(self.cut.block, EMPTY[kind], kind)
+            full[inside] = values.reshape(block.shape)
+        files[self.file(CHECKSUM, block)] = np.array([checksum], "<u8")
+        with naming(self.path):
+            zarr_format.write(files)
+
+    def _read_files(self, block: Block) -> tuple[dict[str, np.ndarray], int]:
+        inside = tuple(slice(length) for length in block.shape)
+        try:
+            (checksum,) = zarr_format.read(self.file(CHECKSUM, block), "<u8", (1,))
+        except FileNotFoundError:
+            raise MissingBlock from None
+        columns = {
+            name: zarr_format.read(self.file(name, block), kind, self.cut.block)[inside].ravel()
+            for name, kind in self.types.items()
+        }
+        return columns, int(checksum)
+
+    def _name(self, block: Block) -> str:
+        return str(block.number)
+
+    def _refusal(self, identity: Identity, parts: list[str]) -> str:
+        remedy = "repeat the study, the options and the same --over of the first, or choose another --output"
+        return f"{self.path} holds another sweep, differing in {in_words(parts)}; {remedy}; it is left as it is"
 
 
-def fill(store: Store, sweep: BlockSweep, columns: Mapping[str, np.ndarray]) -> None:
+def fill(store: SweepStore, sweep: BlockSweep, columns: Mapping[str, np.ndarray]) -> None:
     """Fill columns (n,) with what is stored. A warning says how many blocks are damaged."""
     damaged, sizes = 0, sweep.cut.sizes
     for block in sweep.blocks():
-        values = store.read(block)
-        if values is None:
-            damaged += store.file(CHECKSUM, block).exists()  # right or wrong
+        try:
+            stored = store.read(block)
+        except MissingBlock:
             continue
-        for name, those in zip(store.types, values, strict=True):
-            columns[name].reshape(sizes)[block.region] = those.reshape(block.shape)
+        except BlockError:
+            damaged += 1
+            continue
+        for name, values in stored.items():
+            columns[name].reshape(sizes)[block.region] = values.reshape(block.shape)
     if damaged:
         blocks = "1 block is" if damaged == 1 else f"{damaged} blocks are"
         done = f"{int(np.sum(columns['code'] >= 0))} of {columns['code'].size} runs"
@@ -128,7 +134,7 @@ class Saver:
 
     def __init__(
         self,
-        store: Store,
+        store: SweepStore,
         sweep: BlockSweep,
         columns: Mapping[str, np.ndarray],
         finished: np.ndarray,
@@ -144,7 +150,7 @@ class Saver:
             return
         new = np.flatnonzero(self.finished & ~self.stored)
         for number in self.sweep.cut.numbers(new):
-            self.store.write(*self._block(int(number)))
+            self.store.write_columns(*self._block(int(number)))
         self.stored[new] = True
         self.due = time.monotonic() + PERIOD
 
@@ -167,43 +173,42 @@ class Saver:
         return block, [np.where(finished, part, blank) for part, blank in zip(parts, blanks, strict=True)]
 
 
-def begun(path: Path, sweep: BlockSweep, settings: Settings, made_on: Mapping[str, str]) -> Store:
+def begun(path: Path, sweep: BlockSweep, settings: Settings, made_on: Mapping[str, str]) -> SweepStore:
     """Put a store there without any block, in place of what was there; it is whole or not there.
 
     ``made_on``: the kind of process that makes it.
     """
-    cut, draft, token = sweep.cut, path.with_name(DRAFT), uuid.uuid4().hex
-    types = column_types(sweep.mechanism)
-    about = {
-        **attributes(sweep.mechanism, sweep.template.design, sweep.template.scenario),
-        "settings": json.dumps(_in_words(settings, sweep), sort_keys=True),
-        IDENTITY: json.dumps(identity(settings, sweep), sort_keys=True),
-        BLOCK: json.dumps(cut.block),
-        KIND: json.dumps(dict(made_on), sort_keys=True),
-        TOKEN: token,
-    }
-    metadata: dict[str, Any] = {zarr_format.GROUP: {"zarr_format": 2}, zarr_format.ATTRIBUTES: about}
-    _removed(draft)
-    with naming(path):
-        draft.mkdir()
-        for name, it in sweep.coordinates().items():
-            metadata |= zarr_format.write_coordinate(draft, name, it)
-        for name, kind in types.items():
-            metadata[f"{name}/{zarr_format.ARRAY}"] = zarr_format.array_metadata(
-                cut.sizes, cut.block, kind, -1 if kind == "<i8" else "NaN"
-            )
-            described = {"_ARRAY_DIMENSIONS": list(sweep.dims), **_description(sweep.mechanism, name)}
-            metadata[f"{name}/{zarr_format.ATTRIBUTES}"] = described
-        described = {"_ARRAY_DIMENSIONS": ["block_number"], "long_name": "of each block of runs, once it is whole"}
-        metadata[f"{CHECKSUM}/{zarr_format.ARRAY}"] = zarr_format.array_metadata((len(cut),), (1,), "<u8", 0)
-        metadata[f"{CHECKSUM}/{zarr_format.ATTRIBUTES}"] = described
+    head, types = Head(identity(settings, sweep), uuid.uuid4().hex), column_types(sweep.mechanism)
+    with whole_folder(path) as draft:
+        metadata = _arrays(draft, sweep, types)
+        metadata[zarr_format.GROUP] = {"zarr_format": 2}
+        metadata[zarr_format.ATTRIBUTES] = {
+            **attributes(sweep.mechanism, sweep.template.design, sweep.template.scenario),
+            "settings": json.dumps(_in_words(settings, sweep), sort_keys=True),
+            BLOCK: json.dumps(sweep.cut.block),
+            KIND: json.dumps(dict(made_on), sort_keys=True),
+            **head.described(),
+        }
         metadata[zarr_format.ALL] = {"zarr_consolidated_format": 1, "metadata": dict(metadata)}
-        for name, it in metadata.items():
-            (draft / name).parent.mkdir(exist_ok=True)
-            (draft / name).write_text(json.dumps(it), encoding="utf-8")
-        _removed(path)
-        draft.rename(path)
-    return Store(path, token, types, cut)
+        write_all({draft / name: json.dumps(it).encode() for name, it in metadata.items()})
+    return SweepStore(head, path, types, sweep.cut)
+
+
+def _arrays(folder: Path, sweep: BlockSweep, types: Mapping[str, str]) -> dict[str, Any]:
+    """Write a store's coordinates into a folder; return the metadata of all its arrays, by file."""
+    metadata: dict[str, Any] = {}
+    for name, it in sweep.coordinates().items():
+        metadata |= zarr_format.write_coordinate(folder, name, it)
+    sizes, block = sweep.cut.sizes, sweep.cut.block
+    for name, kind in types.items():
+        empty = -1 if kind == "<i8" else "NaN"
+        described = {"_ARRAY_DIMENSIONS": list(sweep.dims), **_description(sweep.mechanism, name)}
+        metadata[f"{name}/{zarr_format.ARRAY}"] = zarr_format.array_metadata(sizes, block, kind, empty)
+        metadata[f"{name}/{zarr_format.ATTRIBUTES}"] = described
+    described = {"_ARRAY_DIMENSIONS": ["block_number"], "long_name": "of each block of runs, once it is whole"}
+    metadata[f"{CHECKSUM}/{zarr_format.ARRAY}"] = zarr_format.array_metadata((len(sweep.cut),), (1,), "<u8", 0)
+    metadata[f"{CHECKSUM}/{zarr_format.ATTRIBUTES}"] = described
+    return metadata
 
 
 def identity(settings: Settings, sweep: BlockSweep) -> dict[str, str]:
@@ -233,46 +238,37 @@ def _in_words(settings: Settings, sweep: BlockSweep) -> dict[str, Any]:
     }
 
 
-def resumed(path: Path, sweep: BlockSweep, settings: Settings) -> tuple[Store, dict[str, str]]:
+def resumed(path: Path, sweep: BlockSweep, settings: Settings) -> tuple[SweepStore, dict[str, str]]:
     """Return a store that is there, and the kind of process that made it; the ``sweep`` gets its blocks.
 
     **Raises:** `InputError` where there is none, it is damaged, or another sweep's.
     """
     check_resumable(path)
     zarr_format.check_codecs(path)
-    known, own = zarr_format.attributes(path), identity(settings, sweep)
+    known = zarr_format.attributes(path)
     try:
-        other, block, made_on = (json.loads(known[name]) for name in (IDENTITY, BLOCK, KIND))
-        other, made_on, token = dict(other), dict(made_on), str(known[TOKEN])
-        cut = Cut(sweep.cut.sizes, tuple(map(int, block)))
-    except (KeyError, ValueError, TypeError):
+        head = Head.of(known)
+        block, made_on = (json.loads(known[name]) for name in (BLOCK, KIND))
+        cut, made_on = Cut(sweep.cut.sizes, tuple(map(int, block))), dict(made_on)
+    except (BlockError, KeyError, ValueError, TypeError):
         raise InputError(f"{path} is damaged and cannot be resumed; it is left as it is") from None
-    if differ := differences(own, other):
-        remedy = "repeat the study, the options and the same --over of the first, or choose another --output"
-        raise InputError(f"{path} holds another sweep, differing in {differ}; {remedy}; it is left as it is")
-    for draft in path.rglob(f"*{zarr_format.PARTIAL}"):  # what killed processes left half written
-        draft.unlink(missing_ok=True)
+    store = SweepStore(head, path, column_types(sweep.mechanism), cut)
+    store.check_identity(identity(settings, sweep))
+    remove_all_drafts(path)  # what killed processes left half written
     sweep.cut = cut
-    return Store(path, token, column_types(sweep.mechanism), cut), made_on
+    return store, made_on
 
 
-def differences(own: Mapping[str, str], other: Mapping[str, str]) -> str:
-    """Return in which parts two sweeps' identities differ, in words; "" where they do not."""
+def in_words(parts: Sequence[str]) -> str:
+    """Return in which parts the identities of two sweeps differ, as a sentence lists them."""
     words = {CODE: "the code of your own that its runs use"}
-    return in_a_row([words.get(name, name) for name in differing(own, other)])
+    *others, last = [words.get(name, name) for name in parts]
+    return f"{', '.join(others)} and {last}" if others else last
 
 
-def identity_of(attributes: Mapping[str, Any]) -> dict[str, str] | None:
-    """Return which sweep a store or dataset with these attributes is of, or None where that is missing or damaged."""
-    try:
-        return dict(json.loads(attributes[IDENTITY]))
-    except (KeyError, ValueError, TypeError):
-        return None
-
-
-def existing(path: Path, sweep: BlockSweep) -> Store:
-    """Return the store of a sweep in these blocks, to read it."""
-    return Store(path, str(zarr_format.attributes(path).get(TOKEN)), column_types(sweep.mechanism), sweep.cut)
+def existing(path: Path, sweep: BlockSweep) -> SweepStore:
+    """Return the store of a sweep in these blocks, to read it. **Raises:** `BlockError` where it is damaged."""
+    return SweepStore(Head.of(zarr_format.attributes(path)), path, column_types(sweep.mechanism), sweep.cut)
 
 
 def check_resumable(path: Path) -> None:
@@ -301,11 +297,11 @@ def is_unfinished(path: Path) -> bool:
         cut = Cut(tuple(described["shape"]), tuple(described["chunks"]))
     except (OSError, ValueError, KeyError, TypeError, IndexError):
         return False
-    store = Store(path, "", {"code": "<i8"}, cut)
+    store = SweepStore(Head({}, ""), path, {"code": "<i8"}, cut)
     return not all(_is_whole(store, number) for number in range(len(cut)))
 
 
-def _is_whole(store: Store, number: int) -> bool:
+def _is_whole(store: SweepStore, number: int) -> bool:
     """Whether every run of a block is there."""
     region = store.cut.region(number)
     inside = tuple(slice(part.stop - part.start) for part in region)
@@ -345,17 +341,3 @@ def _description(mechanism: Mechanism, name: str) -> dict[str, Any]:
 
 def _flags(meanings: Mapping[str, int]) -> dict[str, Any]:
     return {"flag_values": list(meanings.values()), "flag_meanings": " ".join(meanings)}
-
-
-def _removed(path: Path) -> None:
-    """Rename, then delete, so that an interrupt never leaves a half-deleted store under its real name."""
-    gone = path.with_name(f"{DRAFT}.old")
-    for folder in (gone, path):
-        if folder.exists():
-            shutil.rmtree(folder if folder == gone else path.rename(gone))
-
-
-def in_a_row(words: Sequence[str]) -> str:
-    """Return words as a sentence lists them."""
-    *others, last = words or ("",)
-    return f"{', '.join(others)} and {last}" if others else last

@@ -5,12 +5,13 @@ from pathlib import Path
 from typing import Any
 
 from .._types import Dataset
+from ..block_store import TOKEN
 from ..errors import InputError
 from ..mechanisms.mechanism import Mechanism
 from .columns import doubts, empty_columns
 from .cut import BlockSweep, RunsSweep
 from .result import Sweep
-from .store import TOKEN, existing, fill, identity_of, opened
+from .store import existing, fill, opened
 from .zarr_format import attributes
 
 
@@ -68,13 +69,13 @@ class StoredSweep:
     def load(self) -> Sweep:
         """All of it in memory, as the same sweep without a scheduler would have returned it."""
         self._check()
-        columns, identity = empty_columns(self.mechanism, self.count), identity_of(attributes(self.store))
-        fill(existing(self.store, self.asked), self.asked, columns)
+        columns, store = empty_columns(self.mechanism, self.count), existing(self.store, self.asked)
+        fill(store, self.asked, columns)
         self._check()  # it may have become another one's meanwhile
         if isinstance(self.asked, RunsSweep):
-            return Sweep(self.mechanism, columns, *self.asked.swept[:2], identity=identity)
-        template = self.asked.template
-        return Sweep(self.mechanism, columns, template.design, template.scenario, self.asked.grid, identity)
+            return Sweep(self.mechanism, columns, *self.asked.swept[:2], identity=store.head.identity)
+        template, grid = self.asked.template, self.asked.grid
+        return Sweep(self.mechanism, columns, template.design, template.scenario, grid, store.head.identity)
 
     def __repr__(self) -> str:
         name = self.mechanism.view.run_name

@@ -4,6 +4,7 @@ Runs are solved in small chunks, one after the other within a chunk so that none
 handed to one thread a core: a compiled chunk runs outside Python.
 """
 
+import contextlib
 import functools
 from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
@@ -235,13 +236,11 @@ def _saver(
     """Begin a store, or with ``resume`` fill in what an earlier sweep finished."""
     if resume:
         check_resumable(path)
-    lock = Lock(path.parent)
-    try:
+    with contextlib.ExitStack() as locked:
+        lock = locked.enter_context(Lock(path.parent))
         store = resumed(path, sweep, settings)[0] if resume else begun(path, sweep, settings, kind())
         if resume:
             fill(store, sweep, columns)
             finished[:] = columns["code"] >= 0
-    except BaseException:
-        lock.release()
-        raise
+        locked.pop_all()  # until the sweep is stored
     return Saver(store, sweep, columns, finished, lock)

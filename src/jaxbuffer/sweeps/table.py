@@ -1,6 +1,5 @@
 """Sweeps as labelled arrays and as rows of a table."""
 
-import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
@@ -8,11 +7,12 @@ from typing import Any
 import numpy as np
 
 from .._types import Dataset
+from ..block_store import IDENTITY, identity_text
 from ..fields import addresses, unit_at, value_at
 from ..labelled.arrays import Labelled, dataset
 from ..mechanisms.dataset import attributes
 from ..version import version
-from .columns import IDENTITY, RunTable
+from .columns import RunTable
 from .grid import Grid
 
 Rows = tuple[list[str], Iterator[Sequence[Any]]]
@@ -20,7 +20,7 @@ Rows = tuple[list[str], Iterator[Sequence[Any]]]
 
 def sweep_dataset(sweep: RunTable) -> Dataset:
     """See `Sweep.to_xarray`."""
-    own = {} if sweep.identity is None else {IDENTITY: json.dumps(dict(sweep.identity), sort_keys=True)}
+    own = {} if sweep.identity is None else {IDENTITY: identity_text(sweep.identity)}
     if isinstance(sweep.grid, Grid):
         axes = {axis.path: Labelled((axis.path,), axis.values, axis.unit, axis.name) for axis in sweep.grid.axes}
         about = attributes(sweep.mechanism, sweep.design, sweep.scenario)

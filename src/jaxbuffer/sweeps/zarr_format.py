@@ -5,7 +5,6 @@ resume, without it.
 """
 
 import json
-import uuid
 import zlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -14,11 +13,11 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError
+from ..files import write_all
 from ..labelled.arrays import Labelled
 
 GROUP, ATTRIBUTES, ARRAY, ALL = ".zgroup", ".zattrs", ".zarray", ".zmetadata"
 CODECS = {None, "zlib", "crc32", "zstd", "blosc"}  # ours and xarray's; others run code that a store brings: pickle
-PARTIAL = ".partial"  # ends the name of a file that is being written
 
 
 def array_metadata(shape: Sequence[int], chunks: Sequence[int], dtype: str, empty: Any) -> dict[str, Any]:
@@ -53,21 +52,7 @@ def write_coordinate(folder: Path, name: str, labelled: Labelled) -> dict[str, A
 
 def write(files: Mapping[Path, np.ndarray]) -> None:
     """Write files of arrays, each whole or not at all, in this order, and none before there was room for all."""
-    drafts = {path: path.with_name(f"{path.name}.{uuid.uuid4().hex}{PARTIAL}") for path in files}
-    try:
-        for path, values in files.items():
-            content = zlib.compress(values.tobytes(), 1)
-            try:
-                drafts[path].write_bytes(content)
-            except FileNotFoundError:  # the first file of its folder
-                path.parent.mkdir(parents=True, exist_ok=True)
-                drafts[path].write_bytes(content)
-        for path, draft in drafts.items():
-            draft.replace(path)
-    except BaseException:
-        for draft in drafts.values():
-            draft.unlink(missing_ok=True)
-        raise
+    write_all({path: zlib.compress(values.tobytes(), 1) for path, values in files.items()})
 
 
 def read(path: Path, dtype: str, shape: tuple[int, ...]) -> np.ndarray:

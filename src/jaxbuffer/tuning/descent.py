@@ -19,7 +19,7 @@ from .model_step import residual
 from .problem import Problem, Settings
 from .rounds import anywhere, check_starts, size
 from .search import CONVERGED, SCREENING_PENALTY, STALLED, Branch, Search
-from .store import Store, evaluations_of, record_of, stored_evaluations
+from .store import TuningStore, evaluations_of, record_of, stored_evaluations
 from .tuned import Tuned, assess
 
 STIFFNESS = 20.0  # ρ, for an objective of about one and rows relative to their limits
@@ -43,7 +43,7 @@ class Repeated:
     """An evaluator that keeps what it evaluates in the store, and begins with what is there: a descent that is resumed
     repeats its steps, which cost nothing but runs, with the numbers of before."""
 
-    def __init__(self, evaluator: Evaluator, store: Store) -> None:
+    def __init__(self, evaluator: Evaluator, store: TuningStore) -> None:
         self.evaluator, self.store = evaluator, store
         self.known, self.used = evaluations_of(store.state), 0
 
@@ -106,7 +106,7 @@ def descend(
     optimizer: Any,
     settings: Settings,
     evaluator: Evaluator,
-    store: Store,
+    store: TuningStore,
 ) -> Tuned:
     """Tune by an optimiser.
 

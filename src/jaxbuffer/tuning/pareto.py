@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float
 
+from ..block_store import short_hash
 from ..cluster.extra import require
 from ..errors import InputError, check_flag, check_names, check_type, check_whole, suggest
 from ..fields import Part
@@ -21,7 +22,7 @@ from ..programs.structure import user_code
 from ..tables import table, text
 from .objective import Objective
 from .problem import Problem, settings_of
-from .store import LOG, PREVIOUS, STATE, Record, identity_of
+from .store import LOG, PREVIOUS, STATE, Record
 from .tune import tune
 from .tuned import Tuned
 
@@ -181,7 +182,7 @@ def _identity(
     """Return a hash of all that makes a front the one it is."""
     code = user_code(problem.mechanism, problem.design, *(case.scenario for case in problem.cases))
     given = None if limits is None else {name: [float(x) for x in limits[name]] for name in names[1:]}
-    return identity_of(repr((problem.fingerprint(), code, names, points, given, settings_of(settings))))
+    return short_hash({"front": repr((problem.fingerprint(), code, names, points, given, settings_of(settings)))})
 
 
 def _begin(folder: Path, identity: str, resume: bool) -> None:

@@ -18,7 +18,7 @@ from .goal import Ceiling, Goal
 from .message import ending, message
 from .problem import Problem, Settings
 from .search import AGREE, BEHIND, RUNNING, Branch, Search, advance, without_hopeless
-from .store import Progress, Store, record_of
+from .store import Progress, TuningStore, record_of
 from .tuned import Tuned, assess
 
 WIDEST, NARROWEST = 0.5, 0.01  # half-widths of the boxes around the best design, of each variable's range
@@ -33,7 +33,7 @@ class Rounds:
     problem: Problem
     settings: Settings
     evaluator: Evaluator
-    store: Store
+    store: TuningStore
 
     def run(self, progress: Progress | None) -> Progress:
         """Run all rounds of both stages, from stored progress if there is some."""

@@ -7,46 +7,104 @@ the two is enough to resume: lines of a step that was cut short are dropped from
 """
 
 import contextlib
-import hashlib
+import dataclasses
 import io
 import json
 import os
-import re
+import uuid
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
+from ..block_store import Arrays, BlockError, BlockStore, Head, Identity, MissingBlock, short_hash
 from ..errors import InputError
 from ..fields import as_displayed
 from ..files import Lock, naming, write, write_beside
 from ..value_text import percent_text, with_unit
-from ..version import version
 from .evaluation import Evaluation
 from .goal import Goal
 from .search import Branch
 
 LOG, STATE, PREVIOUS = "log.jsonl", "state.npz", "state.old.npz"
-CHECKSUM, VERSION, FINGERPRINT, LINES = "checksum", "jaxbuffer", "fingerprint", "log"
-OPTIMIZER, CODE = "optimizer_steps", "own_code"  # in a fingerprint: hashes, which say nothing to people
-_SETTING = re.compile(r"(\w+)(?: \[[^\]]*\])? ?= ?([^,\n)]+)")  # "seed=0" or "tolerance [-] = 0.0001"
+HEAD, CHECKSUM, LINES = "head", "checksum", "log"  # arrays of a state beside those of the search
+VERSION, STUDY = "version", "study"  # parts of a tuning's identity beside its settings by name
+OPTIMIZER, CODE = "optimizer_steps", "own_code"  # parts that are hashes, which say nothing to people
 STATUS = ("running", "converged", "stalled", "behind")
 NUMBERS = ("stage", "captures", "scale", "ceiling", "searches", "apart")
 Record = dict[str, Any]
 
 
-class Store:
-    """The files of one tuning, in a folder that is locked until `close`; without a ``folder`` it keeps the log in
-    memory only.
+@dataclasses.dataclass(frozen=True)
+class StateStore(BlockStore[str]):
+    """The states of one tuning in a folder: each is a NumPy archive of its own, which also says what it is of."""
+
+    folder: Path
+
+    @staticmethod
+    def of(folder: Path, state: str) -> "StateStore":
+        """Return the store that a state is of. **Raises:** `BlockError` where that cannot be read."""
+        try:
+            description = json.loads(str(_archive(folder / state)[HEAD]))
+        except ValueError:
+            raise BlockError("is damaged") from None
+        return StateStore(Head.of(description), folder)
+
+    def _write_files(self, block: str, arrays: Arrays, checksum: int) -> None:
+        content, head = io.BytesIO(), json.dumps(self.head.described())
+        all_arrays: dict[str, Any] = {HEAD: head, **arrays, CHECKSUM: np.uint64(checksum)}
+        np.savez(content, **all_arrays)
+        write(self.folder / block, content.getvalue())
+
+    def _read_files(self, block: str) -> tuple[dict[str, np.ndarray], int]:
+        arrays = _archive(self.folder / block)
+        del arrays[HEAD]
+        return arrays, int(arrays.pop(CHECKSUM))
+
+    def _name(self, block: str) -> str:
+        return ""  # a state becomes the previous one by its name alone
+
+    def _refusal(self, identity: Identity, parts: list[str]) -> str:
+        known = self.head.identity
+        if VERSION in parts:
+            writer = known.get(VERSION)
+            return f"{self.folder} holds a run of jaxbuffer {writer}, which cannot be resumed by {identity[VERSION]}"
+        words = {
+            STUDY: "its study is another one (design, scenarios, [problem] or options)",
+            OPTIMIZER: "its optimizer is another one",
+            CODE: "the code of its mechanism, laws or solver has changed",
+        }
+        differ = [words.get(name, f"{name} is {known.get(name)} there, {identity.get(name)} here") for name in parts]
+        remedy = "repeat the study and the options of the first run, or choose another --output"
+        return f"{self.folder} holds the run of another problem or other settings: {', '.join(differ)}; {remedy}"
+
+
+def _archive(file: Path) -> dict[str, np.ndarray]:
+    """Return the arrays of a state. **Raises:** `BlockError` that says what is wrong with it."""
+    try:
+        with file.open("rb") as content, np.load(content, allow_pickle=False) as stored:
+            arrays = dict(stored)
+    except FileNotFoundError:
+        raise MissingBlock from None
+    except Exception:  # zip files and arrays fail in many ways; all mean the same
+        raise BlockError("is damaged") from None
+    if not {HEAD, CHECKSUM} <= arrays.keys():
+        raise BlockError("is of another version of jaxbuffer")
+    return arrays
+
+
+class TuningStore:
+    """The files of one tuning, in a folder that is locked until the store's ``with`` block ends; without a ``folder``
+    the log is kept in memory only.
 
     ``records``: the evaluations so far; ``state``: the arrays of the last `keep`, None before the first; ``report``:
     called with each record that is appended.
     """
 
-    def __init__(self, folder: Path | None, fingerprint: str, resume: bool) -> None:
-        self.folder, self.fingerprint, self.records = folder, fingerprint, list[Record]()
+    def __init__(self, folder: Path | None, identity: Identity, resume: bool) -> None:
+        self.folder, self.records = folder, list[Record]()
         self.state: dict[str, np.ndarray] | None = None
         self.report: Callable[[Record], None] | None = None
         self.lines = b""
@@ -56,27 +114,26 @@ class Store:
             return
         if resume and not any((folder / name).exists() for name in (LOG, STATE, PREVIOUS)):
             raise InputError(f"{folder}: there is no run to resume; {LOG} is missing; leave out --resume to begin one")
-        self.lock = Lock(folder)
-        try:
+        with contextlib.ExitStack() as locked:
+            self.lock = locked.enter_context(Lock(folder))
             if resume:
-                self._resume(folder)
+                self._resume(folder, identity)
             else:
+                self.states = StateStore(Head(identity, uuid.uuid4().hex), folder)
                 (folder / PREVIOUS).unlink(missing_ok=True)
                 write(folder / LOG, b"")
                 self.keep({})
-        except BaseException:
-            self.lock.release()
-            raise
+            locked.pop_all()  # until the end of the block
 
-    def __enter__(self) -> "Store":
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
         if self.folder is not None:
             self.lock.release()
 
-    def _resume(self, folder: Path) -> None:
-        state, self.lines = read_state(folder, self.fingerprint)
+    def _resume(self, folder: Path, identity: Identity) -> None:
+        self.states, state, self.lines = read_state(folder, identity)
         self.state = state or None
         self.records = [json.loads(line) for line in self.lines.splitlines()]
         log = folder / LOG
@@ -102,21 +159,17 @@ class Store:
         if self.report is not None:
             self.report(self.records[-1])
 
-    def keep(self, state: Mapping[str, np.ndarray]) -> None:
+    def keep(self, state: Arrays) -> None:
         """Replace the state by the one after a step; the one before stays as the previous one."""
         if self.folder is None:
             return
-        head = {VERSION: version(), FINGERPRINT: self.fingerprint, LINES: np.frombuffer(self.lines, np.uint8)}
-        arrays: dict[str, Any] = {name: np.asarray(value) for name, value in {**head, **state}.items()}
-        arrays[CHECKSUM] = np.asarray(_checksum(arrays))
-        content = io.BytesIO()
-        np.savez(content, **arrays)
         if state and (self.folder / STATE).exists():
             (self.folder / STATE).replace(self.folder / PREVIOUS)
-        write(self.folder / STATE, content.getvalue())
+        arrays = {name: np.asarray(value) for name, value in state.items()}
+        self.states.write(STATE, {LINES: np.frombuffer(self.lines, np.uint8), **arrays})
 
 
-def read_state(folder: Path, fingerprint: str) -> tuple[dict[str, np.ndarray], bytes]:
+def read_state(folder: Path, identity: Identity) -> tuple[StateStore, dict[str, np.ndarray], bytes]:
     """Read the latest good state in a folder, empty if no step was finished, and the log's lines up to then.
 
     Nothing is changed. **Raises:** `InputError` where there is none, or where it is another run's.
@@ -124,72 +177,28 @@ def read_state(folder: Path, fingerprint: str) -> tuple[dict[str, np.ndarray], b
     damage = []
     for name in (STATE, PREVIOUS):
         try:
-            state = _read(folder / name)
-        except InputError as error:
+            states = StateStore.of(folder, name)
+            state = states.read(name)
+        except BlockError as error:
             damage.append(f"{name} {error}")
             continue
-        if (writer := str(state.pop(VERSION))) != version():
-            raise InputError(f"{folder} holds a run of jaxbuffer {writer}, which cannot be resumed by {version()}")
-        if (other := str(state.pop(FINGERPRINT))) != fingerprint:
-            remedy = "repeat the study and the options of the first run, or choose another --output"
-            difference = _difference(other, fingerprint)
-            raise InputError(f"{folder} holds the run of another problem or other settings: {difference}; {remedy}")
+        states.check_identity(identity)
         lines = state.pop(LINES).tobytes()
         if damage:
             count = len(lines.splitlines())
             warnings.warn(f"{folder}: {damage[0]}; going on from {name}, {count} evaluations", stacklevel=2)
-        return state, lines
+        return states, state, lines
     raise InputError(f"{folder}: the run cannot be resumed: {', '.join(damage)}; everything is left as it is")
 
 
-def identity_of(fingerprint: str) -> str:
-    """Return a short hash of a fingerprint, which a result's record has."""
-    return hashlib.sha256(fingerprint.encode()).hexdigest()[:16]
-
-
 def stored_identity(folder: Path) -> str | None:
-    """Return which tuning was begun in a folder, as of `identity_of`; None where there is none that is whole."""
+    """Return the hash of what was begun in a folder, as a `Tuned` has it; None where there is no whole state."""
     for name in (STATE, PREVIOUS):
-        with contextlib.suppress(InputError, KeyError):
-            return identity_of(str(_read(folder / name)[FINGERPRINT]))
+        with contextlib.suppress(BlockError):
+            states = StateStore.of(folder, name)
+            states.read(name)
+            return short_hash(states.head.identity)
     return None
-
-
-def _difference(stored: str, present: str) -> str:
-    """Say what differs between two fingerprints, of the problem and, behind a dash, of the settings by name."""
-    (problem, _, there), (other, _, here) = stored.partition("-"), present.partition("-")
-    settings, others = (dict(_SETTING.findall(text)) for text in (there, here))
-    lines = [] if problem == other else ["its study is another one (design, scenarios, [problem] or options)"]
-    words = {OPTIMIZER: "its optimizer is another one", CODE: "the code of its mechanism, laws or solver has changed"}
-    lines += [
-        words.get(name, f"{name} is {settings.get(name)} there, {value} here")
-        for name, value in others.items()
-        if value != settings.get(name)
-    ]
-    return ", ".join(lines)
-
-
-def _read(file: Path) -> dict[str, np.ndarray]:
-    """Read the arrays of a state. Raises `InputError` that says what is wrong with it."""
-    try:
-        with file.open("rb") as content, np.load(content, allow_pickle=False) as stored:
-            arrays = dict(stored)
-    except FileNotFoundError:
-        raise InputError("is missing") from None
-    except Exception:  # zip files and arrays fail in many ways; all mean the same
-        raise InputError("is damaged") from None
-    if CHECKSUM not in arrays:
-        raise InputError("is of another version of jaxbuffer")
-    if str(arrays.pop(CHECKSUM)) != _checksum(arrays):
-        raise InputError("is damaged")
-    return arrays
-
-
-def _checksum(arrays: Mapping[str, np.ndarray]) -> str:
-    content = hashlib.sha256()
-    for name in sorted(arrays):
-        content.update(f"{name} {arrays[name].dtype} {arrays[name].shape}\n".encode() + arrays[name].tobytes())
-    return content.hexdigest()
 
 
 def record_of(goal: Goal, point: Evaluation, number: int, stage: int, search: int, branch: Branch | None) -> Record:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from ..block_store import short_hash
 from ..errors import InputError, check_flag, check_type, check_whole
 from ..fields import Part
 from ..files import user_path
@@ -13,12 +14,24 @@ from ..hybrid import Automatic, Solver, name_of, solver_named
 from ..programs.identity import digest
 from ..programs.structure import user_code
 from ..progress import reported
+from ..version import version
 from .descent import check_optimizer, descend, optimizer_named
 from .evaluation import Evaluator
 from .goal import Goal
 from .problem import Problem, Settings, settings_of
 from .rounds import Rounds, best_branch, stage_search
-from .store import CODE, OPTIMIZER, Progress, Record, Store, evaluations_of, identity_of, in_words, read_state
+from .store import (
+    CODE,
+    OPTIMIZER,
+    STUDY,
+    VERSION,
+    Progress,
+    Record,
+    TuningStore,
+    evaluations_of,
+    in_words,
+    read_state,
+)
 from .tuned import Tuned
 
 if TYPE_CHECKING:
@@ -87,9 +100,9 @@ def tune(
     chosen, optimizer = _chosen(optimizer, settings)
     if optimizer is not None:
         check_optimizer(problem, optimizer)
-    identity = _fingerprint(problem, chosen, optimizer, solver)
+    identity = _identity(problem, chosen, optimizer, solver)
     with (
-        Store(None if folder is None else user_path(folder), identity, resume) as store,
+        TuningStore(None if folder is None else user_path(folder), identity, resume) as store,
         Evaluator(problem, workers, True, client, solver) as evaluator,
         reported(report, lambda record: in_words(record, problem.success)) as show,
     ):
@@ -102,7 +115,7 @@ def tune(
         else:
             rounds = Rounds(problem, chosen, evaluator, store)
             tuned = rounds.result(rounds.run(Progress.read(store.state)))
-    tuned = dataclasses.replace(tuned, identity=identity_of(identity))
+    tuned = dataclasses.replace(tuned, identity=short_hash(identity))
     if save and folder is not None:
         tuned.save(folder, force=True, figures=False)
     return tuned
@@ -136,7 +149,7 @@ def best_so_far(
     **Arguments:** as for `tune`; ``settings``: those that the run was started with.
     """
     chosen, optimizer = _chosen(optimizer, settings)
-    state, lines = read_state(user_path(folder), _fingerprint(problem, chosen, optimizer, solver))
+    _, state, lines = read_state(user_path(folder), _identity(problem, chosen, optimizer, solver))
     stage, goal = 0, Goal(problem, problem.objective)
     if points := evaluations_of(state):  # of an optimiser's
         best = min(points, key=lambda point: (not goal.feasible(point), goal.value(point)))
@@ -162,7 +175,8 @@ def _chosen(optimizer: Any, settings: dict[str, Any]) -> tuple[Settings, Any]:
     return chosen, optimizer_named(chosen) if optimizer is None or isinstance(optimizer, str) else optimizer
 
 
-def _fingerprint(problem: Problem, settings: Settings, optimizer: Any, solver: Solver | str | None) -> str:
+def _identity(problem: Problem, settings: Settings, optimizer: Any, solver: Solver | str | None) -> dict[str, str]:
+    """Return what makes a tuning the one it is, by name."""
     used = Automatic() if solver is None else solver_named(solver)
     try:
         name = name_of(used)
@@ -171,4 +185,11 @@ def _fingerprint(problem: Problem, settings: Settings, optimizer: Any, solver: S
     named = optimizer is None or settings.optimizer != "quadratic"
     steps = "as named" if named else digest(optimizer)
     code = user_code(problem.mechanism, used, problem.design, *(case.scenario for case in problem.cases)) or "none"
-    return f"{problem.fingerprint()}-{settings}, solver = {name}, {OPTIMIZER} = {steps}, {CODE} = {code}"
+    return {
+        VERSION: version(),
+        STUDY: problem.fingerprint(),
+        **{field.name: repr(getattr(settings, field.name)) for field in dataclasses.fields(settings)},
+        "solver": str(name),
+        OPTIMIZER: steps,
+        CODE: code,
+    }
