@@ -181,8 +181,10 @@ def _plate(at: Array, section: Section) -> dict[str, Array]:
 
 
 def _close_up(rows: Row) -> Row:
-    """The rows that were filled, the first one always, then the last of them again: a run with fewer steps than rows,
-    or one that ends early, leaves some empty."""
+    """Compact the filled rows; pad with the last one.
+
+    A run with fewer steps than rows, or one that ends early, leaves some empty; the first one always counts as filled.
+    """
     places = np.arange(rows.time.shape[0])
     filled = (rows.time > 0.0) | (places == 0)
     order = jnp.argsort(jnp.where(filled, places, len(places) + places))

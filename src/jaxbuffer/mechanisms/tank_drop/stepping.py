@@ -19,7 +19,8 @@ from .laminate import least_reserve
 from .outcome import FORMS
 from .start import falling
 
-TOLERANCE = 1e-6  # at which steps are as long as stability allows; they go with its root below
+# Tolerances above this use the stability limit; below it the step scales with √rtol.
+TOLERANCE = 1e-6
 TIGHT = 0.25 * TOLERANCE  # steps half as long
 GRADES = 8.0  # numbers of steps in a factor of two, so that small changes of a design leave them alone
 CRUSHED = 0.95  # of the inner height: how far the top may come down
