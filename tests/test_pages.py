@@ -15,7 +15,7 @@ from pages import PAGES, ROOT, blocks
 
 README = ROOT / "README.md"
 # Pages for `make test-long`.
-LONG = ("diffrax", "gradients", "mechanisms", "slider_crank", "structures", "tank_drop", "tuning")
+LONG = ("diffrax", "gradients", "mechanisms", "ring", "slider_crank", "structures", "tank_drop", "tuning")
 
 
 @pytest.mark.slow

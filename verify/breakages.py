@@ -82,26 +82,26 @@ def _lose_force_in_chain() -> None:
 
 
 def _lose_modal_force() -> None:
-    from jaxbuffer.mechanisms import ball_contact
+    from jaxbuffer.elements import ball_contact
 
     at = ball_contact.load_at
     ball_contact.load_at = lambda *given: at(*given)._replace(modal=())
 
 
 def _gap_of_flat_plate() -> None:
-    from jaxbuffer.mechanisms.ball_contact import BallContact
+    from jaxbuffer.elements import BallContact
     from jaxbuffer.multibody import GROUND
 
-    approach = BallContact.approach
+    evaluate = BallContact.evaluate
 
-    def broken(self, kin):
+    def broken(self, kin, spin=None):
+        at = evaluate(self, kin, spin)
         if self.carrier == GROUND:
-            return approach(self, kin)
+            return at
         origin, moved = kin.frame(self.carrier).origin, kin.point(self.carrier, self.carrier_point).place
-        contact, centre, carrier = approach(self, kin)
-        return contact._replace(gap=contact.gap - (origin.y - moved.y)), centre, carrier
+        return at._replace(approach=at.approach._replace(gap=at.approach.gap - (origin.y - moved.y)))
 
-    BallContact.approach = broken
+    BallContact.evaluate = broken
 
 
 def _flip_gamma() -> None:
@@ -136,22 +136,19 @@ def _lose_multiplier() -> None:
 
 
 def _freeze_arm() -> None:
-    from jaxbuffer.mechanisms.probe_cone.system import CaptureMechanism
+    from jaxbuffer.elements import BallContact
 
-    loads = CaptureMechanism._contact_loads
+    loads = BallContact.loads
 
     def broken(self, at, forces):
-        probe, cone, moment = loads(self, at, forces)
-        flanks, b = self.pair.shape, self.scenario.contact_distance
-        frame = at.kin.frame(3)
+        on_ball, on_carrier = loads(self, at, forces)
+        flanks, b = self.pair.shape, 0.0435  # m, of Table 2's first contact
         x, y = flanks.start_x + b * flanks.direction_x, flanks.start_y + b * flanks.direction_y
-        arm_x, arm_y = frame.cos * x - frame.sin * y, frame.sin * x + frame.cos * y
-        a = forces.approach
-        force_x = forces.normal * a.normal_x + forces.friction * a.tangent_x
-        force_y = forces.normal * a.normal_y + forces.friction * a.tangent_y
-        return probe, cone._replace(moment=-(arm_x * force_y - arm_y * force_x).sum()), moment
+        arm_x, arm_y = at.origin.cos * x - at.origin.sin * y, at.origin.sin * x + at.origin.cos * y
+        force_x, force_y = self._force_of_segments(at.approach, forces)
+        return on_ball, on_carrier._replace(moment=-(arm_x * force_y - arm_y * force_x).sum())
 
-    CaptureMechanism._contact_loads = broken
+    BallContact.loads = broken
 
 
 def _drop_spin() -> None:
@@ -169,9 +166,9 @@ def _friction_sign() -> None:
 
 
 def _memory_not_set() -> None:
-    from jaxbuffer.mechanisms.probe_cone.system import CaptureMechanism
+    from jaxbuffer.mechanisms.assembled import Assembled
 
-    CaptureMechanism.touchdown = lambda self, state, approach_acceleration, contact: state
+    Assembled.touchdown = lambda self, state, approach_acceleration, contact: state
 
 
 def _both_ends_alone() -> None:
@@ -218,39 +215,33 @@ def _hysteresis() -> None:
 
 
 def _no_reaction_moment() -> None:
-    from jaxbuffer.mechanisms.probe_cone.system import CaptureMechanism
+    from jaxbuffer.elements import BallContact
 
-    loads = CaptureMechanism._contact_loads
+    loads = BallContact.loads
 
     def broken(self, at, forces):
-        probe, cone, moment = loads(self, at, forces)
-        return probe, cone._replace(moment=0.0), moment
+        on_ball, on_carrier = loads(self, at, forces)
+        return on_ball, on_carrier._replace(moment=0.0)
 
-    CaptureMechanism._contact_loads = broken
+    BallContact.loads = broken
 
 
 def _no_friction_moment() -> None:
-    from jaxbuffer.mechanisms.probe_cone.system import CaptureMechanism
+    from jaxbuffer.elements import BallContact
 
-    loads = CaptureMechanism._contact_loads
-
-    def broken(self, at, forces):
-        probe, cone, moment = loads(self, at, forces)
-        return (probe if self.spins else probe._replace(moment=probe.moment - moment)), cone, 0.0 * moment
-
-    CaptureMechanism._contact_loads = broken
+    BallContact.spin_moment = lambda self, at, forces: 0.0 * forces.normal.sum()
 
 
 def _wrong_inertia() -> None:
-    from jaxbuffer.mechanisms.probe_cone import state_layout
+    from jaxbuffer.mechanisms.probe_cone import assembly
 
-    masses = state_layout.probe_masses
+    masses = assembly.probe_masses
 
     def broken(design):
         values = masses(design)
         return values._replace(inertia=design.probe.rod_mass * design.probe.length**2 / 12)
 
-    state_layout.probe_masses = broken
+    assembly.probe_masses = broken
 
 
 def _exponent() -> None:
@@ -279,16 +270,16 @@ def _damper_sign() -> None:
 def _mirror() -> None:
     import numpy as np
 
-    from jaxbuffer.mechanisms.probe_cone import state_layout
+    from jaxbuffer.mechanisms.probe_cone import assembly
 
-    assemble = state_layout.assemble_contact
+    assemble = assembly.tip_on_flanks
 
     def broken(design):
         import dataclasses
 
         return dataclasses.replace(assemble(design), side=np.ones(2))
 
-    state_layout.assemble_contact = broken
+    assembly.tip_on_flanks = broken
 
 
 def _crooked() -> None:
@@ -296,16 +287,16 @@ def _crooked() -> None:
 
     import numpy as np
 
-    from jaxbuffer.mechanisms.probe_cone import state_layout
+    from jaxbuffer.mechanisms.probe_cone import assembly
 
-    assemble = state_layout.assemble_contact
+    assemble = assembly.tip_on_flanks
 
     def broken(design):
         pair = assemble(design)
         moved = pair.shape.start_y * np.array([1.0, 1.002])
         return dataclasses.replace(pair, shape=dataclasses.replace(pair.shape, start_y=moved))
 
-    state_layout.assemble_contact = broken
+    assembly.tip_on_flanks = broken
 
 
 def _stiffness() -> None:
@@ -351,17 +342,17 @@ def _stop_pulls() -> None:
 
 
 def _stop_loss() -> None:
-    from jaxbuffer.mechanisms.probe_cone.posture import ProbeInCone
+    from jaxbuffer.elements import EndStop
 
-    ProbeInCone.stop_loss = lambda self, at, active: 0.0
+    EndStop.losses = lambda self, at, closed: {f"{self.name}_damper": 0.0}
 
 
 def _stop_jump() -> None:
     import jax.numpy as jnp
 
-    from jaxbuffer.mechanisms.probe_cone.system import CaptureMechanism
+    from jaxbuffer.mechanisms.assembled import Assembled
 
-    CaptureMechanism.saltation = lambda self, closed, contact: jnp.zeros_like(closed)
+    Assembled.saltation = lambda self, closed, contact: jnp.zeros_like(closed)
 
 
 def _no_end() -> None:
@@ -501,16 +492,15 @@ def _pin_damping() -> None:
 
 
 def _play_loss() -> None:
-    from jaxbuffer.mechanisms.probe_cone.hinge_play import HingePlay
+    from jaxbuffer.elements import Pin
 
-    HingePlay.loss = lambda self, at, closed: 0.0 * closed
+    Pin.losses = lambda self, at, closed: {self.lost_in: 0.0 * closed[0]}
 
 
 def _each_contact_alone() -> None:
     import jax.numpy as jnp
 
     from jaxbuffer.mechanisms import assembled
-    from jaxbuffer.mechanisms.probe_cone import system
 
     coupled = assembled.inverse_masses
 
@@ -518,7 +508,7 @@ def _each_contact_alone() -> None:
         energy = coupled(*of)
         return energy * jnp.eye(energy.shape[0])
 
-    assembled.inverse_masses = system.inverse_masses = broken
+    assembled.inverse_masses = broken
 
 
 BREAKAGES = (

@@ -17,28 +17,28 @@ PRINTED = "tests/verification/test_printed_forces.py::test_the_programs_publishe
 
 
 def _one_body() -> None:
-    from jaxbuffer.mechanisms.probe_cone.latch_force import LatchForce, P
+    from jaxbuffer.elements import Latch
 
-    loads = LatchForce.loads
-    LatchForce.loads = lambda self, at: tuple(load for load in loads(self, at) if load.body == P)
+    loads = Latch.loads
+    Latch.loads = lambda self, at, closed: tuple(load for load in loads(self, at, closed) if load.body == self.first)
 
 
 def _closed_at_once() -> None:
     import jax.numpy as jnp
 
-    from jaxbuffer.mechanisms.probe_cone.latch_force import LatchForce
+    from jaxbuffer.elements import Latch
 
-    LatchForce._share = lambda self, since: (jnp.ones(()), jnp.zeros(()))
+    Latch._share = lambda self, since: (jnp.ones(()), jnp.zeros(()))
 
 
 def _closing_unpaid() -> None:
-    from jaxbuffer.mechanisms.probe_cone.latch_force import LatchForce
+    from jaxbuffer.elements import Latch
 
-    LatchForce.closing_power = lambda self, at: 0.0 * at.share
+    Latch.rates = lambda self, at, closed: [closed[0], 0.0 * at.share]
 
 
 def _rebound_inwards() -> None:
-    from jaxbuffer.mechanisms.probe_cone.buffer_force import BufferForce
+    from jaxbuffer.elements import BufferForce
 
     force = BufferForce.damper_force
     BufferForce.damper_force = lambda self, speed: -force(self, -speed)
@@ -66,40 +66,34 @@ def _flat_curve() -> None:
 
 
 def _untearable() -> None:
-    import jax.numpy as jnp
+    from jaxbuffer.elements import Latch
 
-    from jaxbuffer.mechanisms.probe_cone.system import CaptureMechanism
-
-    terminals = CaptureMechanism.terminals_at
-
-    def broken(self, at):
-        return jnp.where(jnp.asarray([name == "torn" for name in self.end_outcomes]), -1.0, terminals(self, at))
-
-    CaptureMechanism.terminals_at = broken
+    Latch.guards = lambda self, at: [-1.0]
 
 
 def _turning_counts() -> None:
     import jax.numpy as jnp
 
-    from jaxbuffer.mechanisms.probe_cone import posture, relative_energy
+    from jaxbuffer.mechanisms import assembled, relative_energy
 
-    def broken(system, kin, spin_inertia=0.0, spin=0.0):
+    def broken(system, kin, spins=()):
         return 0.5 * jnp.sum(system.linear_momentum(kin) ** 2) / sum(body.mass for body in system.bodies)
 
-    relative_energy.rigid_energy = posture.rigid_energy = broken
+    relative_energy.rigid_energy = assembled.rigid_energy = broken
 
 
 def _endless_thrust() -> None:
-    from jaxbuffer.mechanisms.probe_cone.thrust import Thrust
+    from jaxbuffer.elements import Thrust
 
     force = Thrust.force
-    Thrust.force = lambda self, kin, pushing: force(self, kin, 1.0)
+    Thrust.force = lambda self, at, closed: force(self, at, 0.0 * closed)
 
 
 def _one_direction() -> None:
-    from jaxbuffer.mechanisms.probe_cone.oscillators import Oscillators
+    from jaxbuffer.elements import Oscillators
 
-    Oscillators.sizes = lambda self, kin, states: list(abs(self.acceleration(kin, states))[::2])
+    along_x = lambda self, at, closed: dict(zip(self.names, abs(self.acceleration(at))[::2], strict=True))  # noqa: E731
+    Oscillators.observables = along_x
 
 
 DOCKING = (

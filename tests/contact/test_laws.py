@@ -31,7 +31,7 @@ from jaxbuffer.contact.laws import (
     two_spheres_stiffness,
 )
 from jaxbuffer.contact.laws.restitution import damping_delivering, psi, restitution_delivered
-from jaxbuffer.mechanisms.probe_cone.assembly import assemble_contact
+from jaxbuffer.mechanisms.probe_cone.assembly import tip_on_flanks
 
 MASS, STIFFNESS, SPEED = 1.0, 1.4e8, 4.4294  # kg, N/m^1.5, m/s
 
@@ -193,7 +193,7 @@ def test_stiffness_from_radii():
 def test_a_design_chooses_a_law_by_its_name(name):
     """Each law gets those of the design's numbers that it has."""
     values = {"contact.law": name, "contact.stiffness": 5e9, "contact.restitution": 0.7, "contact.damping": 33.0}
-    law = assemble_contact(replace(table2(), values)).law
+    law = tip_on_flanks(replace(table2(), values)).law
     assert type(law) is LAWS[name]
     wanted = {"stiffness": 5e9, "restitution": 0.7, "damping": 33.0, "linear_stiffness": 1.5e7, "ramp_depth": 1e-6}
     assert all(getattr(law, field) == value for field, value in wanted.items() if hasattr(law, field))

@@ -7,7 +7,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxbuffer import Scenario, replace, table2
-from jaxbuffer.mechanisms.probe_cone.system import CaptureMechanism
+from jaxbuffer.mechanisms.assembled import Assembled
+from jaxbuffer.mechanisms.probe_cone.assembly import assemble
 
 LATCH = {
     "latch.stiffness": 2e4,
@@ -33,7 +34,7 @@ CURVES = {
 class Instant(NamedTuple):
     """A mechanism in a state with its closed contacts, 1 and 0."""
 
-    mechanism: CaptureMechanism
+    mechanism: Assembled
     state: jax.Array
     active: jax.Array
 
@@ -58,16 +59,17 @@ class Instant(NamedTuple):
 
 def mechanism(values=None, **scenario):
     """Table 2 with other ``values`` by path."""
-    return CaptureMechanism(replace(table2(), values or {}), Scenario(**scenario))
+    return assemble(replace(table2(), values or {}), Scenario(**scenario))
 
 
 def moving(assembled, stroke=0.004, stroke_rate=-0.06, ahead=0.0005, closed=(), **extras):
     """The mechanism in a state in which everything moves, on its constraints: the tip has crossed the capture plane by
     ``ahead`` [m], off the axis, the stroke is as given; ``closed``: names of closed contacts; ``extras`` by name."""
-    cylinder, probe = assembled.design.buffer, assembled.probe
+    design, probe = assembled.parts.design, assembled.parts.probe
+    cylinder = design.buffer
     turned, spin = 0.03, 0.2  # of cylinder and probe
     along, across = np.array([np.cos(turned), np.sin(turned)]), np.array([-np.sin(turned), np.cos(turned)])
-    half, a = cylinder.cylinder_length / 2, assembled.design.active.hinge_offset
+    half, a = cylinder.cylinder_length / 2, design.active.hinge_offset
     hinge, hinge_velocity = np.array([-0.4, 0.01]), np.array([0.11, -0.02])
     s_angle, s_spin = -0.02, -0.1
     s_along, s_across = np.array([np.cos(s_angle), np.sin(s_angle)]), np.array([-np.sin(s_angle), np.cos(s_angle)])
@@ -78,15 +80,18 @@ def moving(assembled, stroke=0.004, stroke_rate=-0.06, ahead=0.0005, closed=(), 
     tip = p + probe.front * along
     t_angle, t_spin = 0.05, -0.3
     turn = np.array([[np.cos(t_angle), -np.sin(t_angle)], [np.sin(t_angle), np.cos(t_angle)]])
-    plane = -assembled.design.cone.offset - assembled.design.probe.tip_radius * np.sin(np.pi / 4)
+    plane = -design.cone.offset - design.probe.tip_radius * np.sin(np.pi / 4)
     t = tip - turn @ np.array([plane + ahead, 0.0007])
     q = [*s, s_angle, *b, turned, *p, turned, *t, t_angle]
     v = [*s_velocity, s_spin, *b_velocity, spin, *p_velocity, spin, 0.01, 0.02, t_spin]
-    rest = np.zeros(assembled.spins + len(assembled.loss_names) + len(assembled.extra_names))
+    start, _ = assembled.start()
+    rest = np.zeros(len(start) - 26)
     if assembled.spins:
         rest[0] = 0.7
     state = jnp.asarray([*q, *v, *rest, 0.1, 0.1])
-    for name, value in extras.items():
-        state = assembled.with_extra(state, name, value)
+    for k, element in enumerate(assembled.elements):
+        for i, name in enumerate(element.variables):
+            if name in extras:
+                state = state.at[assembled.places[f"element {k}"].start + i].set(extras[name])
     active = jnp.asarray([float(name in closed) for name in assembled.contact_names])
     return Instant(assembled, state, active)

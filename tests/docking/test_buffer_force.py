@@ -8,7 +8,7 @@ from scipy.interpolate import PchipInterpolator
 
 from docking.states import CURVES, REAL_BUFFER, mechanism, moving
 from jaxbuffer import InputError, replace, table2
-from jaxbuffer.mechanisms.probe_cone.buffer_force import BufferForce
+from jaxbuffer.elements import BufferForce
 
 STROKES = (-0.003, -2e-5, 0.0, 1e-5, 3e-4, 0.004, 0.025)
 SPEEDS = (-0.3, -0.02, -4e-4, 0.0, 4e-4, 0.02, 0.3)
@@ -36,7 +36,7 @@ def damper(speed, curve=False):
 
 def element(curves=False):
     values = {name: value for name, value in REAL_BUFFER.items() if not (curves and name == "buffer.c_A2")}
-    found = mechanism(values | (CURVES if curves else {})).axial
+    found = mechanism(values | (CURVES if curves else {})).element("buffer").force
     assert isinstance(found, BufferForce)
     return found
 
@@ -62,16 +62,20 @@ def test_the_springs_energy_is_the_integral_of_its_force(curves):
         assert_allclose(buffer.spring_energy(stroke), whole, rtol=1e-9, atol=1e-14)
 
 
+def force_of(values=None):
+    return mechanism(values).element("buffer").force
+
+
 def test_each_number_by_itself():
-    assert_allclose(mechanism({"buffer.preload": 2.0}).axial.spring_force(3e-4), 0.15 + 2.0 * 3.0 / np.sqrt(10.0))
-    assert_allclose(mechanism({"buffer.c_A2": 10.0}).axial.damper_force(-0.2), -1.4)
-    assert_allclose(mechanism({"buffer.rebound_factor": 4.0}).axial.damper_force(-0.2), -4.0)
-    assert_allclose(mechanism({"buffer.rebound_factor": 4.0}).axial.damper_force(0.2), 1.0)
-    assert_allclose(mechanism({"buffer.friction": 0.3}).axial.friction_force(1e-3), 0.3 * np.tanh(1.0))
+    assert_allclose(force_of({"buffer.preload": 2.0}).spring_force(3e-4), 0.15 + 2.0 * 3.0 / np.sqrt(10.0))
+    assert_allclose(force_of({"buffer.c_A2": 10.0}).damper_force(-0.2), -1.4)
+    assert_allclose(force_of({"buffer.rebound_factor": 4.0}).damper_force(-0.2), -4.0)
+    assert_allclose(force_of({"buffer.rebound_factor": 4.0}).damper_force(0.2), 1.0)
+    assert_allclose(force_of({"buffer.friction": 0.3}).friction_force(1e-3), 0.3 * np.tanh(1.0))
 
 
 def test_without_them_it_is_the_papers_spring_and_damper():
-    assert not isinstance(mechanism().axial, BufferForce)
+    assert not isinstance(force_of(), BufferForce)
     assert mechanism().contact_names == ("lower", "upper")
 
 
@@ -79,7 +83,7 @@ def test_without_them_it_is_the_papers_spring_and_damper():
 @pytest.mark.parametrize("values", [REAL_BUFFER, CURVES], ids=["numbers", "curves"])
 def test_it_acts_between_cylinder_and_probe_and_its_losses_are_its_powers(values, stroke_rate):
     instant = moving(mechanism(values), stroke=0.004, stroke_rate=stroke_rate)
-    axial, kin = instant.mechanism.axial, instant.posture.kin
+    axial, kin = instant.mechanism.element("buffer").force, instant.posture.kin
     stroke, speed = axial.stroke(kin)
     assert_allclose([stroke, speed], [0.004, stroke_rate], rtol=1e-12)
     dissipative = axial.damper_force(speed) + axial.friction_force(speed)
@@ -92,16 +96,21 @@ def test_it_acts_between_cylinder_and_probe_and_its_losses_are_its_powers(values
     assert abs(rest) < 1e-12 * flow
 
 
+def rebound_force(instant):
+    rebound, at = instant.mechanism.element("rebound"), instant.mechanism.evaluated(instant.posture, "rebound")
+    return rebound.force(at, instant.mechanism.closed_switches(instant.active, "rebound"))
+
+
 def test_the_rebound_stop_pulls_in_beyond_its_gap():
     assembled = mechanism(REAL_BUFFER)
     beyond = moving(assembled, stroke=-0.0015, stroke_rate=-0.03, closed=("rebound",))
     force = 2e4 * (0.0015 - 5e-4) + 20.0 * 0.03
-    assert_allclose(assembled.rebound_force(beyond.posture, beyond.active), force, rtol=1e-10)
+    assert_allclose(rebound_force(beyond), force, rtol=1e-10)
     assert_allclose(assembled.stored(beyond.posture, beyond.active)["rebound"], 0.5 * 2e4 * 1e-3**2, rtol=1e-9)
     rest, flow = beyond.energy_rate()
     assert abs(rest) < 1e-12 * flow
     returning = moving(assembled, stroke=-0.0006, stroke_rate=0.3, closed=("rebound",))  # c ṡ is more than k (s + g)
-    assert float(assembled.rebound_force(returning.posture, returning.active)) == 0.0
+    assert float(rebound_force(returning)) == 0.0
     within = moving(assembled, stroke=-0.0004)
     gap, closing = assembled.gaps_at(within.posture)
     assert_allclose([gap[2], closing[2]], [1e-4, 0.06], rtol=1e-9)

@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from docking.states import LATCH, mechanism
-from jaxbuffer.mechanisms.probe_cone.system import SLOWEST_TOUCHDOWN
+from jaxbuffer.mechanisms.system import SLOWEST_TOUCHDOWN
 
 FREE = {
     "start": "free",
@@ -29,8 +29,10 @@ def test_positions_and_velocities(free_tip):
     cos, sin = np.cos(-0.03), np.sin(-0.03)
     tip = np.array([[cos, -sin], [sin, cos]]) @ local
     along, across = np.array([np.cos(0.05), np.sin(0.05)]), np.array([-np.sin(0.05), np.cos(0.05)])
-    probe = tip - assembled.probe.front * along
-    cylinder = probe - (assembled.probe.rear + 0.1365 - 0.1365 / 2) * along  # rear end, free spring, half the cylinder
+    probe = tip - assembled.parts.probe.front * along
+    cylinder = (
+        probe - (assembled.parts.probe.rear + 0.1365 - 0.1365 / 2) * along
+    )  # rear end, free spring, half the cylinder
     active_vehicle = cylinder + (0.1365 / 2 - 0.1365) * along
     assert_allclose(q[:, :2], [active_vehicle, cylinder, probe, [0.0, 0.0]], atol=1e-15)
     assert_allclose(q[:, 2], [0.05, 0.05, 0.05, -0.03])
@@ -50,14 +52,16 @@ def test_it_is_on_the_constraints_and_the_spring_at_rest():
     constraints = assembled.system.constraints(at.kin)
     assert_allclose(constraints.phi, 0.0, atol=2e-16)
     assert_allclose(np.asarray(constraints.jacobian) @ np.asarray(at.kin.v), 0.0, atol=1e-16)
-    assert_allclose([at.stroke, at.stroke_rate], 0.0, atol=1e-16)
-    assert np.all(np.asarray(at.approach.gap) > 0.0)
+    assert_allclose(assembled.evaluated(at, "buffer")[1:], 0.0, atol=1e-16)
+    assert np.all(np.asarray(at.contacts[0].approach.gap) > 0.0)
 
 
 def test_the_tip_stands_before_the_mouth_and_off_the_axis():
     assembled = mechanism(start="free", offset=-0.03, standoff=0.02)
     at, _ = assembled.first_posture()
-    assert_allclose(tuple(assembled.tip_in_cone(at)), [-0.096 - 0.0735 * np.sqrt(0.5) - 0.035, -0.03], rtol=1e-14)
+    assert_allclose(
+        tuple(assembled.evaluated(at, "throat").tip), [-0.096 - 0.0735 * np.sqrt(0.5) - 0.035, -0.03], rtol=1e-14
+    )
 
 
 def test_the_first_energy_of_relative_motion_is_that_of_two_bodies():
@@ -73,4 +77,4 @@ def test_the_first_energy_of_relative_motion_is_that_of_two_bodies():
     turning = 0.1 * -(masses[:3, 0] @ (q[:3, 1] - centre[1]))
     expected = 0.5 * front * passive / whole * 0.1**2 - 0.5 * turning**2 / inertia
     assert_allclose(assembled.relative_energy(at, active), expected, rtol=1e-12)
-    assert_allclose(assembled.extra(at.state, "first_energy"), expected, rtol=1e-12)
+    assert_allclose(assembled.part(at.state, "first energy"), expected, rtol=1e-12)

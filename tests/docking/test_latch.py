@@ -7,9 +7,8 @@ from numpy.testing import assert_allclose
 
 from docking.states import LATCH, REAL_BUFFER, mechanism, moving
 from jaxbuffer.mechanisms.probe_cone.assembly import P, T
-from jaxbuffer.mechanisms.probe_cone.state_layout import LATCH as CLOSING
-from jaxbuffer.mechanisms.probe_cone.state_layout import LATCHED, THRUST_OVER
 
+CLOSING, LATCHED, THRUST_OVER = "latch", "latch closed", "thrust over"  # contacts
 TIMES = {"just closing": 0.002, "half closed": 0.01, "nearly closed": 0.019, "closed": 0.3}
 each_time = pytest.mark.parametrize("since", TIMES.values(), ids=TIMES)
 each_tip = pytest.mark.parametrize("free_tip", [False, True], ids=["welded tip", "free tip"])
@@ -30,23 +29,24 @@ def latched(since, values=None, **scenario):
 def test_force_and_moment_by_hand(since):
     instant = latched(since, {"latch.depth": 0.0004})
     at = instant.posture
-    tip, cone, probe = np.array(at.centre.place), at.kin.frame(T), at.kin.frame(P)
+    centre = at.contacts[0].centre
+    tip, cone, probe = np.array(centre.place), at.kin.frame(T), at.kin.frame(P)
     turn = np.array([[np.cos(0.05), -np.sin(0.05)], [np.sin(0.05), np.cos(0.05)]])
     origin = np.array(cone.origin)
     r = tip - origin - turn @ np.array([-0.096 - 0.015 * np.sqrt(0.5) + 0.0004, 0.0])
     arm = tip - origin
-    u = np.array(at.centre.velocity) - np.array(cone.velocity) - cone.spin * np.array([-arm[1], arm[0]])
+    u = np.array(centre.velocity) - np.array(cone.velocity) - cone.spin * np.array([-arm[1], arm[0]])
     force = -share(since) * (2e4 * r + 3.0 * r / np.sqrt(r @ r + 1e-8) + 100.0 * u)
     moment = -share(since) * (50.0 * (probe.angle - cone.angle) + 2.0 * (probe.spin - cone.spin))
-    latch = instant.mechanism.latch
-    acting = instant.mechanism.acting_latch(at, instant.active)
-    assert_allclose(tuple(latch.force(acting)), force, rtol=1e-9)
-    assert_allclose(latch.size(acting), np.linalg.norm(force), rtol=1e-9)
-    assert_allclose(latch.moment(acting), moment, rtol=1e-12)
+    latch, acting = instant.mechanism.element("latch"), instant.mechanism.evaluated(at, "latch")
+    closed = instant.mechanism.closed_switches(instant.active, "latch")
+    assert_allclose(tuple(latch.force(acting, closed)), force, rtol=1e-9)
+    assert_allclose(latch.observables(acting, closed)["latch_force"], np.linalg.norm(force), rtol=1e-9)
+    assert_allclose(latch.loads(acting, closed)[2].moment, moment, rtol=1e-12)
     energy = 0.5 * 2e4 * r @ r + 3.0 * (np.sqrt(r @ r + 1e-8) - 1e-4) + 0.5 * 50.0 * (probe.angle - cone.angle) ** 2
-    assert_allclose(latch.stored(acting), share(since) * energy, rtol=1e-9)
+    assert_allclose(latch.stored(acting, closed)["latch"], share(since) * energy, rtol=1e-9)
     loss = share(since) * (100.0 * u @ u + 2.0 * (probe.spin - cone.spin) ** 2)
-    assert_allclose(latch.loss(acting), loss, rtol=1e-9)
+    assert_allclose(latch.losses(acting, closed)["latch_damper"], loss, rtol=1e-9)
 
 
 @each_tip
@@ -64,7 +64,7 @@ def test_what_closing_puts_in_stands_in_the_ledger(since, free_tip):
     rest, flow = instant.energy_rate()
     assert flow > 1e-2
     assert abs(rest) < 1e-12 * flow
-    closing = instant.mechanism.extra(instant.rate, "closing_work")
+    closing = instant.mechanism.own(instant.rate, "latch")["closing_work"]
     assert (float(closing) > 0.0) == (since < 0.02)
 
 
@@ -72,7 +72,7 @@ def test_before_the_crossing_it_does_nothing():
     instant = moving(mechanism(LATCH), ahead=-0.001, since_crossing=0.01)
     plain = moving(mechanism(), ahead=-0.001)
     assert_allclose(instant.rate[12:24], plain.rate[12:24], atol=0.0)
-    assert float(instant.mechanism.extra(instant.rate, "since_crossing")) == 0.0
+    assert float(instant.mechanism.own(instant.rate, "latch")["since_crossing"]) == 0.0
 
 
 def test_its_contacts_close_once():
@@ -94,12 +94,13 @@ def test_its_contacts_close_once():
 def test_closed_at_once_it_stores_its_energy_at_once(free_tip):
     assembled = mechanism(LATCH | {"latch.closing_time": 0.0, "probe.free_tip": free_tip})
     instant = moving(assembled, closed=(CLOSING,))
-    acting = assembled.acting_latch(instant.posture, instant.active)
+    acting, closed = assembled.evaluated(instant.posture, "latch"), assembled.closed_switches(instant.active, "latch")
     assert float(acting.share) == 1.0
     assert float(acting.share_rate) == 0.0
     which = assembled.contact_names.index(CLOSING)
     after = assembled.touchdown(instant.state, jnp.zeros(()), jnp.asarray(which))
-    assert_allclose(assembled.extra(after, "closing_work"), assembled.latch.stored(acting), rtol=1e-12)
+    stored = assembled.element("latch").stored(acting, closed)["latch"]
+    assert_allclose(assembled.own(after, "latch")["closing_work"], stored, rtol=1e-12)
 
 
 @each_tip
@@ -108,7 +109,7 @@ def test_a_thrusts_impulse_and_work_stand_in_the_ledgers(free_tip):
     instant = moving(assembled, ahead=-0.002, time=0.4)
     frame = instant.posture.kin.frame(0)
     force = 1.3 * np.array([np.cos(-0.02), np.sin(-0.02)])
-    found = [float(assembled.extra(instant.rate, name)) for name in assembled.extra_names]
+    found = [float(rate) for rate in assembled.own(instant.rate, "thrust").values()]
     velocity, origin = np.array(frame.velocity), np.array(frame.origin)
     turning = origin[0] * force[1] - origin[1] * force[0]
     assert_allclose(found, [1.0, force @ velocity, *force, turning], rtol=1e-12)
@@ -118,4 +119,4 @@ def test_a_thrusts_impulse_and_work_stand_in_the_ledgers(free_tip):
     rest, flow = instant.energy_rate()
     assert abs(rest) < 1e-12 * flow
     over = moving(assembled, ahead=-0.002, closed=(THRUST_OVER,), time=1.6)
-    assert_allclose([float(assembled.extra(over.rate, name)) for name in assembled.extra_names[1:]], 0.0)
+    assert_allclose([float(rate) for rate in list(assembled.own(over.rate, "thrust").values())[1:]], 0.0)

@@ -13,9 +13,9 @@ from scipy.signal import lsim
 
 from docking.states import mechanism
 from jaxbuffer import replace, simulate, table2
+from jaxbuffer.elements import Oscillators
 from jaxbuffer.hybrid import Linearisation
 from jaxbuffer.hybrid.rungekutta.newton import NewtonMatrix
-from jaxbuffer.mechanisms.probe_cone.oscillators import Oscillators, Shock
 from jaxbuffer.shock import largest_response, shock_spectrum
 
 RATIO = 1.3  # duration of a pulse over the oscillator's period; the largest response is then within the pulse
@@ -27,18 +27,19 @@ STEP = 1e-5  # s
 
 def test_a_half_sine_in_any_direction_by_closed_form():
     """Undamped: the pulse's peak times its published response, whatever the direction."""
-    oscillators = Oscillators(Shock(passive_2=RATIO, damping=0.0), {"active": 0, "passive": 3})
-    assert oscillators.bodies == (3,)
+    oscillators = Oscillators((3,), (RATIO,), ("shock",), damping=0.0)
 
     def moving(time):
         """A body 3 that a half-sine of 1 s and 2 m/s² pushes."""
         speed = 2.0 / jnp.pi * (1.0 - jnp.cos(jnp.pi * time)) * DIRECTION
         return SimpleNamespace(v=jnp.concatenate([jnp.full(9, 7.0), speed, jnp.full(1, 7.0)]))
 
-    rate = jax.jit(lambda time, states: oscillators.derivative(moving(time), states))
+    at = lambda time, states: oscillators.evaluate(moving(time), states)  # noqa: E731
+    rate = jax.jit(lambda time, states: jnp.stack(oscillators.rates(at(time, states), jnp.zeros(0))))
     start, times = np.asarray(oscillators.start(moving(0.0))), np.linspace(0.0, 1.0, 2001)
     found = solve_ivp(lambda t, y: np.asarray(rate(t, y)), (0.0, 1.0), start, rtol=1e-8, atol=1e-10, t_eval=times)
-    sizes = jax.vmap(lambda time, states: oscillators.sizes(moving(time), states)[0])(found.t, found.y.T)
+    size = lambda time, states: oscillators.observables(at(time, states), jnp.zeros(0))["shock"]  # noqa: E731
+    sizes = jax.vmap(size)(found.t, found.y.T)
     assert float(jnp.max(sizes)) == pytest.approx(2.0 * float(largest_response("half-sine", RATIO)), rel=1e-5)
 
 
@@ -46,9 +47,10 @@ def test_implicit_steps_know_them():
     """Newton's matrix with the oscillators alone, against a dense solve with their Jacobian."""
     built = mechanism({"shock.active_1": 20.0, "shock.passive_3": 150.0, "shock.damping": 0.2})
     state, active = built.start()
-    n, oscillators = built.coordinates, built.oscillators
-    swinging = slice(len(state) - 2 - 2 * oscillators.axes, len(state) - 2)
-    rates = lambda y: oscillators.derivative(SimpleNamespace(v=y[n : 2 * n]), y[swinging])  # noqa: E731
+    n, oscillators = built.coordinates, built.element("oscillators")
+    swinging = built.places[f"element {built.elements.index(oscillators)}"]
+    at = lambda y: oscillators.evaluate(SimpleNamespace(v=y[n : 2 * n]), y[swinging])  # noqa: E731
+    rates = lambda y: jnp.stack(oscillators.rates(at(y), jnp.zeros(0)))  # noqa: E731
     jacobian = np.zeros((len(state), len(state)))
     jacobian[swinging] = np.asarray(jax.jacfwd(rates)(state))
     jacobian[:n, n : 2 * n] = np.eye(n)

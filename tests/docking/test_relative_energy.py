@@ -6,7 +6,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from docking.states import LATCH, mechanism, moving
-from jaxbuffer.mechanisms.probe_cone.relative_energy import rigid_energy
+from jaxbuffer.mechanisms.relative_energy import rigid_energy
 from jaxbuffer.multibody import Body, System
 
 SPIN, DRIFT = 0.4, np.array([0.3, -0.2])  # rad/s, m/s
@@ -54,7 +54,7 @@ def test_a_tip_that_turns_by_itself_has_some():
     before = float(assembled.relative_energy(instant.posture, instant.active))
     faster = instant.state.at[24].add(2.0)
     after = float(assembled.relative_energy(assembled.posture(faster), instant.active))
-    inertia = float(assembled.probe.tip_inertia)
+    inertia = float(assembled.parts.probe.tip_inertia)
     # ½ I_t ω² less its share of the rigid motion, which is of the order of I_t over the inertia of the whole.
     assert_allclose(after - before, 0.5 * inertia * (2.7**2 - 0.7**2), rtol=0.6)
     assert after > before

@@ -6,7 +6,7 @@ import jax.numpy as jnp
 import jaxbuffer as jb
 from jaxbuffer.hybrid import Tolerance
 from jaxbuffer.hybrid.rungekutta.time_transform import TimeTransform
-from jaxbuffer.mechanisms.probe_cone.system import CaptureMechanism
+from jaxbuffer.mechanisms.probe_cone.assembly import assemble
 
 # Weaker dampers than Table 2's, whose 0.8 ms would hide the order of explicit steps in rounding.
 SWINGING = {"buffer.c_T": 0.02, "buffer.c_A": 1.0}
@@ -18,14 +18,14 @@ def arrays(tree):
 
 def swing():
     """The mechanism after a push, out of contact: mechanism, state, open contacts."""
-    mechanism = arrays(CaptureMechanism(jb.replace(jb.table2(), SWINGING), jb.Scenario()))
+    mechanism = arrays(assemble(jb.replace(jb.table2(), SWINGING), jb.Scenario()))
     state, _ = mechanism.start()
     return mechanism, state.at[14].set(-0.5).at[17].set(0.8).at[20].set(0.8).at[18].set(-0.1), jnp.zeros(2)
 
 
 def impact(speed=0.1):
     """The mechanism at its first touchdown: mechanism, state, closed contacts."""
-    mechanism = arrays(CaptureMechanism(jb.table2(), jb.Scenario(approach_speed=speed)))
+    mechanism = arrays(assemble(jb.table2(), jb.Scenario(approach_speed=speed)))
     return mechanism, *mechanism.start()
 
 

@@ -8,7 +8,7 @@ import pytest
 import jaxbuffer as jb
 from jaxbuffer.hybrid.sensitivity.batched_map import on_columns
 from jaxbuffer.hybrid.sensitivity.linear_map import Unsupported
-from jaxbuffer.mechanisms.probe_cone.system import CaptureMechanism
+from jaxbuffer.mechanisms.probe_cone.assembly import assemble
 
 COLUMNS = 4
 
@@ -49,7 +49,7 @@ def test_every_operation():
 @pytest.mark.parametrize("free_tip", [False, True])
 def test_the_linearised_right_hand_side(free_tip):
     design = jax.tree.map(lambda x: jnp.asarray(x, float), jb.replace(jb.table2(), {"probe.free_tip": free_tip}))
-    mechanism = CaptureMechanism(design, jax.tree.map(lambda x: jnp.asarray(x, float), jb.Scenario()))
+    mechanism = assemble(design, jax.tree.map(lambda x: jnp.asarray(x, float), jb.Scenario()))
     state, active = mechanism.start()
     state = state.at[9].add(-5e-6).at[10].add(5e-6).at[9 + 12].set(0.1)
     _, push = jax.linearize(lambda y: mechanism.derivative(jnp.zeros(()), y, active), state)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
-from jaxbuffer.mechanisms.probe_cone.system import CaptureMechanism
+from jaxbuffer.mechanisms.probe_cone.assembly import assemble
 
 
 def arrays(tree):
@@ -20,13 +20,13 @@ def test_linearisation_holds_every_stiff_force(free_tip):
         jb.table2(),
         {"probe.free_tip": free_tip, "buffer.k_A": 1e8, "buffer.c_A": 1e4, "buffer.k_T": 1e6, "buffer.c_T": 1e2},
     )
-    mechanism = arrays(CaptureMechanism(design, jb.Scenario(), 0.0))
+    mechanism = arrays(assemble(design, jb.Scenario(), 0.0))
     state, active = mechanism.start()
     # Press the tip 5 µm into the flank and let it nearly stick, so that friction is steep.
     state = state.at[9].add(-5e-6).at[10].add(5e-6).at[9 + 12].set(0.1)
     part = mechanism.linearisation(0.0, state, active)
     exact = jax.jacfwd(lambda y: mechanism.derivative(0.0, y, active))(state)
-    w = slice(12, 12 + mechanism.velocities)
+    w = slice(12, 12 + mechanism.coordinates + mechanism.spins)
     rows = slice(12, 24 + mechanism.spins)
     by_position = -part.response @ part.stiffness @ part.directions[:12].T
     by_velocity = -part.response @ part.damping @ part.directions.T
@@ -40,7 +40,7 @@ def test_linearisation_holds_every_stiff_force(free_tip):
 def test_fastest_rate_bounds_the_eigenvalues(free_tip, stiff):
     """It may overrate them, since the forces do not all act together, within a factor 2."""
     design = jb.replace(jb.table2(), {"probe.free_tip": free_tip, **stiff})
-    mechanism = arrays(CaptureMechanism(design, jb.Scenario(), 0.0))
+    mechanism = arrays(assemble(design, jb.Scenario(), 0.0))
     state, active = mechanism.start()
     state = state.at[9].add(-5e-6).at[10].add(5e-6).at[9 + 12].set(0.1)
     moving = np.s_[: 24 + mechanism.spins]

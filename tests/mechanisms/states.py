@@ -5,12 +5,12 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxbuffer import Scenario, replace, table2
-from jaxbuffer.mechanisms.probe_cone.system import CaptureMechanism
-from jaxbuffer.multibody import assemble
+from jaxbuffer.mechanisms.probe_cone.assembly import assemble
+from jaxbuffer.multibody import assemble as put_on_constraints
 
 PLACES = ("lower flank", "upper flank", "lower throat rim", "upper mouth rim")
 TIPS = {"welded": False, "free": True}
-assembled = eqx.filter_jit(assemble)
+assembled = eqx.filter_jit(put_on_constraints)
 RANDOM = {"buffer.c_A": 40.0, "buffer.c_T": 6.0, "contact.restitution": 0.6, "contact.friction": 0.4}
 
 
@@ -18,7 +18,7 @@ def mechanism(free_tip=False, stabilisation=20.0, **choices):
     """Table 2 with more damping and loss, so that every term counts; ``choices``: paths with _ for the dot."""
     extra = {path.replace("_", ".", 1): value for path, value in choices.items()}
     design = replace(table2(), RANDOM | {"probe.free_tip": free_tip} | extra)
-    return CaptureMechanism(design, Scenario(), stabilisation)
+    return assemble(design, Scenario(), stabilisation)
 
 
 def pressed(mechanism, place, seed, consistent=True):
@@ -27,7 +27,7 @@ def pressed(mechanism, place, seed, consistent=True):
     ``consistent``: on the constraints, in positions and velocities.
     """
     rng = np.random.default_rng(seed)
-    design, cone = mechanism.design, mechanism.design.cone
+    design, cone = mechanism.parts.design, mechanism.parts.design.cone
     q = np.zeros(12)
     q[:3] = rng.normal(scale=0.1, size=3)
     reach = design.active.hinge_offset + design.buffer.cylinder_length / 2
@@ -51,7 +51,7 @@ def pressed(mechanism, place, seed, consistent=True):
     local = edge + slant * along + (design.probe.tip_radius - rng.uniform(2e-6, 2e-5)) * away
     angle = rng.normal(scale=0.2)
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-    tip = q[6:8] + mechanism.probe.front * np.array([np.cos(q[8]), np.sin(q[8])])
+    tip = q[6:8] + mechanism.parts.probe.front * np.array([np.cos(q[8]), np.sin(q[8])])
     q[9:12] = *(tip - turn @ local), angle
     spin = rng.normal(scale=3.0, size=mechanism.spins)
     memory = rng.uniform(0.3, 0.6, size=2)

@@ -3,7 +3,7 @@
 import jax.numpy as jnp
 import numpy as np
 
-from jaxbuffer.mechanisms.linearisation import _coupling
+from jaxbuffer.elements.stiff_terms import _coupling
 
 NORMAL, FRICTION, BESIDE = np.array([5.0, 7.0]), np.array([2.0, 3.0]), np.array([0.1, 0.2])
 CONTACTS = [[5.0, 0.0, 0.0, 0.0], [0.0, 7.0, 0.0, 0.0], [0.1, 0.0, 2.0, 0.0], [0.0, 0.2, 0.0, 3.0]]

@@ -16,7 +16,7 @@ def both(tip, place, seed):
     """The mechanism with its derivative, and the paper's equations at the same state, off the constraints."""
     assembled = mechanism(TIPS[tip], stabilisation=0.0)
     state, active = pressed(assembled, place, seed, consistent=False)
-    exact = ExactModel(assembled.design, assembled.scenario)
+    exact = ExactModel(assembled.parts.design, assembled.parts.scenario)
     y = np.asarray(state)
     q, v, memory = y[:12], y[12 : 24 + assembled.spins], y[-2:]
     return assembled, state, active, exact, (q, v, memory)
@@ -34,7 +34,7 @@ def test_accelerations_and_multipliers(place, tip, seed):
     assembled, state, active, exact, at = both(tip, place, seed)
     acceleration, multipliers, touches = exact.motion(*at)
     assert max(touch.normal_force for touch in touches) > 10.0
-    motion, _, _ = assembled.dynamics(assembled.posture(state), active)
+    motion = assembled.exerted(assembled.posture(state), active).motion
     close(motion.multipliers, multipliers, 5e-11)
     rate = assembled.derivative(0.0, state, active)
     close(rate[12 : 24 + assembled.spins], acceleration, 5e-11)
@@ -55,7 +55,7 @@ def test_constraints(place, tip):
 @each_seed
 def test_contact_forces(place, tip, seed):
     assembled, state, active, exact, at = both(tip, place, seed)
-    forces = assembled.contact(assembled.posture(state), active)
+    forces = assembled.contact_forces(assembled.posture(state), active)[0]
     touches = exact.touches(*at)
     close(forces.normal, [touch.normal_force for touch in touches], 5e-11)
     close(forces.friction, [touch.friction_force for touch in touches], 5e-11)
@@ -69,16 +69,16 @@ def test_rates_of_the_losses(place, tip, seed):
     assembled, state, active, exact, (q, v, memory) = both(tip, place, seed)
     *_, rate = exact.buffer(q, v)
     touch = max(exact.touches(q, v, memory), key=lambda touch: touch.depth)
-    design = assembled.design
-    expected = [
-        design.buffer.c_A * rate**2,
-        design.buffer.c_T * (v[5] - v[2]) ** 2,
-        (touch.normal_force - exact.stiffness * touch.depth**1.5) * touch.rate,
-        -touch.friction_force * touch.slip,
-    ]
-    losses = assembled.losses(assembled.derivative(0.0, state, active))
-    assert_allclose(losses, expected, rtol=1e-9)
-    assert min(expected) > 0.0
+    design = assembled.parts.design
+    expected = {
+        "axial_damper": design.buffer.c_A * rate**2,
+        "torsional_damper": design.buffer.c_T * (v[5] - v[2]) ** 2,
+        "hysteresis": (touch.normal_force - exact.stiffness * touch.depth**1.5) * touch.rate,
+        "friction": -touch.friction_force * touch.slip,
+    }
+    losses = assembled.part(assembled.derivative(0.0, state, active), "lost")
+    assert_allclose(losses, [expected[name] for name in assembled.loss_names], rtol=1e-9)
+    assert min(expected.values()) > 0.0
 
 
 @each_place
@@ -86,13 +86,15 @@ def test_rates_of_the_losses(place, tip, seed):
 def test_observables(place, tip):
     assembled, state, active, exact, (q, v, memory) = both(tip, place, 7)
     seen = assembled.observables(state, assembled.derivative(0.0, state, active), active)
-    assert_allclose(seen, exact.quantities(np.concatenate([q, v]), memory), rtol=1e-9)
+    names = ("lower", "upper", "hinge_force", "buffer_force", "stroke", "hinge_angle")
+    expected = exact.quantities(np.concatenate([q, v]), memory)
+    assert_allclose([seen[assembled.observed.index(name)] for name in names], expected, rtol=1e-9)
 
 
 @each_tip
 def test_start(tip):
     assembled = mechanism(TIPS[tip])
     state, _ = assembled.start()
-    q, v, speed = ExactModel(assembled.design, assembled.scenario).start()
+    q, v, speed = ExactModel(assembled.parts.design, assembled.parts.scenario).start()
     assert_allclose(state[: 24 + assembled.spins], np.concatenate([q, v]), atol=1e-16)
     assert_allclose(assembled.memory(state)[0], speed, rtol=1e-14)

@@ -6,7 +6,7 @@ import pytest
 
 from jaxbuffer.contact import BallPair, RegularisedCoulomb, Segment
 from jaxbuffer.contact.laws import Hertz
-from jaxbuffer.mechanisms.ball_contact import BallContact
+from jaxbuffer.elements import BallContact, ContactForces
 from jaxbuffer.multibody import GROUND, Kinematics
 
 RADIUS = 0.1
@@ -28,7 +28,7 @@ def place(k, point):
 @pytest.mark.parametrize("points", [{}, {"point": (0.2, -0.1)}, {"carrier_point": (0.3, 0.4)}])
 def test_the_gap_is_the_height_above_the_plane(points):
     """Points are the bodies' origins unless they are given."""
-    approach, centre, origin = contact(1, **points).approach(Kinematics(Q, V))
+    approach, centre, origin, _ = contact(1, **points).evaluate(Kinematics(Q, V))
     ball, base = place(0, points.get("point", (0.0, 0.0))), place(1, points.get("carrier_point", (0.0, 0.0)))
     normal = np.array([-np.sin(TURN), np.cos(TURN)])
     np.testing.assert_allclose(centre.place, ball, rtol=1e-14)
@@ -38,7 +38,7 @@ def test_the_gap_is_the_height_above_the_plane(points):
 
 
 def test_on_the_ground_it_is_the_height():
-    approach, _, _ = contact(GROUND).approach(Kinematics(Q, V))
+    approach = contact(GROUND).evaluate(Kinematics(Q, V)).approach
     np.testing.assert_allclose(approach.gap, [2.0 - RADIUS], rtol=1e-14)
 
 
@@ -47,8 +47,9 @@ def test_loads_at_the_foot_balance(normal, friction):
     """Equal and opposite, with the same moment about the origin; a normal force has none about the ball's centre."""
     made = contact(1, point=(0.2, -0.1), carrier_point=(0.3, 0.4))
     kin = Kinematics(Q, V)
-    approach, centre, origin = made.approach(kin)
-    on_ball, on_carrier = made.loads(approach, centre, origin, jnp.array([normal]), jnp.array([friction]))
+    at = made.evaluate(kin)
+    approach = at.approach
+    on_ball, on_carrier = made.loads(at, ContactForces(jnp.array([normal]), jnp.array([friction])))
     np.testing.assert_allclose(np.add(on_ball.force, on_carrier.force), 0.0, atol=1e-15)
     assert np.hypot(*on_ball.force) == pytest.approx(np.hypot(normal, friction))
     across = [-np.sin(TURN), np.cos(TURN)]

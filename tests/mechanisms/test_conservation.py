@@ -20,7 +20,7 @@ def momentum_rates(assembled, state, active):
     x, y = np.asarray(state[:12:3]), np.asarray(state[1:12:3])
     angular = np.sum(x * force[1::3] - y * force[0::3] + force[2::3])
     if assembled.spins:
-        angular += assembled.probe.tip_inertia * rate[24]
+        angular += assembled.parts.probe.tip_inertia * rate[24]
     return np.array([force[0::3].sum(), force[1::3].sum()]), angular, np.max(np.abs(force))
 
 
@@ -65,7 +65,7 @@ def test_an_open_contact_exerts_nothing(tip):
     rate = assembled.derivative(0.0, state, open_)
     assert_allclose(rate[9:12], state[21:24], atol=0.0)
     assert_allclose(rate[21:24], 0.0, atol=0.0)
-    assert_allclose(assembled.losses(rate)[2:], 0.0, atol=0.0)
+    assert_allclose(assembled.part(rate, "lost")[:2], 0.0, atol=0.0)
 
 
 @each_seed
@@ -76,7 +76,7 @@ def test_published_damping_conserves_no_angular_momentum(seed):
     state, active = pressed(assembled, "lower flank", seed)
     # The joints hold both ends on the cylinder's axis: Ḋ leaves D as the cylinder turns.
     linear, angular, largest = momentum_rates(assembled, state, active)
-    axial = assembled.system.forces[0].state(assembled.kinematics(state))
+    axial = assembled.element("buffer").force.state(assembled.kinematics(state))
     couple = 40.0 * float((axial.along * axial.length).cross(axial.separation_rate))
     assert_allclose(linear, 0.0, atol=2e-15 * largest)
     assert_allclose(angular, -couple, atol=1e-13 * largest)
@@ -96,9 +96,9 @@ def test_published_arms_conserve_no_angular_momentum(place, seed):
     assert_allclose(linear, 0.0, atol=2e-15 * largest)
 
     at = assembled.posture(state)
-    kin, ball, forces = at.kin, at.tip, assembled.contact(at, active)
+    kin, ball, forces = at.kin, at.contacts[0], assembled.contact_forces(at, active)[0]
     k = PLACES.index(place)
-    a = forces.approach
+    a = ball.approach
     push = np.array(
         [
             forces.normal[k] * a.normal_x[k] + forces.friction[k] * a.tangent_x[k],
@@ -109,7 +109,7 @@ def test_published_arms_conserve_no_angular_momentum(place, seed):
     local = np.array([-0.096 - 0.0435 * half, -side * (0.015 + 0.0435 * half)])  # first contact, b = 0.0435 m
     cos, sin = np.cos(kin.q[11]), np.sin(kin.q[11])
     frozen = np.asarray(kin.q[9:11]) + np.array([[cos, -sin], [sin, cos]]) @ local
-    arm = np.array([ball.x, ball.y]) - frozen
+    arm = np.array(ball.centre.place) - frozen
     couple = arm[0] * push[1] - arm[1] * push[0]
     assert_allclose(angular, couple, atol=1e-13 * largest)
     assert abs(couple) > 1e-4 * largest

@@ -5,7 +5,6 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxbuffer.mechanisms.probe_cone.linearisation import flank_directions
 from mechanisms.states import TIPS, mechanism, pressed
 
 
@@ -16,9 +15,9 @@ def test_rates_of_depth_and_slip(place, tip):
     state, _ = pressed(assembled, place, 3)
     at = assembled.posture(state)
     motion = jnp.zeros(state.shape).at[:12].set(state[12:24])
-    growing = jax.jvp(lambda y: assembled.posture(y).approach.gap, (state,), (motion,))[1]
-    normals, tangents = flank_directions(assembled, at)
+    growing = jax.jvp(lambda y: assembled.posture(y).contacts[0].approach.gap, (state,), (motion,))[1]
+    normals, tangents = assembled.contacts[0].directions(assembled.system, at.contacts[0])
     speeds = np.asarray(state[12 : 24 + assembled.spins])
     assert np.max(np.abs(growing)) > 1e-2
     np.testing.assert_allclose(speeds @ np.asarray(normals), -growing, rtol=1e-9)
-    np.testing.assert_allclose(speeds @ np.asarray(tangents), at.approach.slip, rtol=1e-9)
+    np.testing.assert_allclose(speeds @ np.asarray(tangents), at.contacts[0].approach.slip, rtol=1e-9)

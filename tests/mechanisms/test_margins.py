@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from jaxbuffer import replace, table2
-from jaxbuffer.mechanisms.probe_cone.hinge_play import pin_law
+from jaxbuffer.mechanisms.probe_cone.assembly import pin_law
 from jaxbuffer.mechanisms.probe_cone.law_validity import Validity, _of_play, validity
 from jaxbuffer.mechanisms.probe_cone.margins import throat
 
@@ -48,8 +48,12 @@ def log(rows, times, count):
 
 def test_the_way_beyond_the_capture_plane_goes_on_at_the_last_speed():
     """0.3 m before it, and 0.1 m/s nearer: 4 s later 0.1 m beyond."""
-    scenario = SimpleNamespace(start="contact")
-    mechanism = SimpleNamespace(latch=None, scenario=scenario, throat_of=lambda state: (state[0], state[1]))
+    mechanism = SimpleNamespace(
+        parts=SimpleNamespace(scenario=SimpleNamespace(start="contact")),
+        element=lambda name: None,
+        posture=lambda state: state,
+        evaluated=lambda at, name: SimpleNamespace(before=at[0], receding=at[1]),
+    )
     ended = log([[9.0, 9.0], [0.3, -0.1], [7.0, 7.0]], [0.0, 6.0, 1.0], 2)
     before, beyond = throat(mechanism, ended, None, 10.0)
     assert float(before) == pytest.approx(0.3)

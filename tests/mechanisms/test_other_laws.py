@@ -5,7 +5,7 @@ import pytest
 
 from jaxbuffer import replace, simulate, table2
 from jaxbuffer.contact.laws import free_impact
-from jaxbuffer.mechanisms.probe_cone.assembly import assemble_contact
+from jaxbuffer.mechanisms.probe_cone.assembly import tip_on_flanks
 from jaxbuffer.mechanisms.probe_cone.comparison import first_contact
 from jaxbuffer.mechanisms.probe_cone.design import Scenario
 
@@ -18,5 +18,5 @@ def test_energy_and_first_impact():
     assert int(capture.impact_count) > 3
     assert abs(float(capture.balance.energy)) < 1e-6
     assert float(capture.energy.hysteresis) > 0.0
-    law, (mass, speed) = assemble_contact(design).law, first_contact(design, Scenario())
+    law, (mass, speed) = tip_on_flanks(design).law, first_contact(design, Scenario())
     np.testing.assert_allclose(capture.impacts.peak_force[0], free_impact(law, mass, speed).peak_force, rtol=0.015)

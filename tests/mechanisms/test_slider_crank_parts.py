@@ -53,7 +53,7 @@ def test_a_round_bush_is_seen_along_a_unit_tangent():
     design = replace(SliderCrank(), {"piston_pin.joint": "clearance", "crank_pin.joint": "clearance"})
     mechanism = slider_crank(design, SliderCrankScenario())
     assert [float(contact.pair.side) for contact in mechanism.contacts] == [1.0, 1.0]
-    assert mechanism.drive_work == 9 + 9 + 3
+    assert mechanism.places["drives"].start == 9 + 9 + 3
 
 
 def test_it_turns_at_5000_revolutions_a_minute():
@@ -113,13 +113,14 @@ def test_where_it_starts_is_the_textbooks_slider_crank(angle):
 
 def test_what_is_seen_of_a_slider_crank():
     """The slider is the third of three bodies: its acceleration follows nine coordinates and six velocities."""
-    mechanism = SimpleNamespace(coordinates=9, drive_work=3)
+    mechanism = SimpleNamespace(coordinates=9, drive_power=lambda rate: rate[3])
     rate = jnp.zeros(20).at[9 + 6].set(-4.0).at[3].set(12.0)
     centre, origin = (
         [SimpleNamespace(place=Vector(*place)) for place in places]
         for places in (((0.0, 1.0), (5.0, 7.0)), ((9.0, 9.0), (3.0, 4.0)))
     )
-    at = SimpleNamespace(kin=SimpleNamespace(v=jnp.zeros(9).at[2].set(3.0)), centre=centre, origin=origin)
+    pins = [SimpleNamespace(centre=pin, origin=bush) for pin, bush in zip(centre, origin, strict=True)]
+    at = SimpleNamespace(kin=SimpleNamespace(v=jnp.zeros(9).at[2].set(3.0)), contacts=pins)
     assert float(slider_acceleration(mechanism, at, rate)) == 4.0
     assert float(driven_torque(mechanism, at, rate)) == 4.0
     assert eccentricity(1, 1.0, "x")(mechanism, at, rate) == 2.0

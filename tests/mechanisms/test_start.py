@@ -6,7 +6,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from jaxbuffer import Scenario, replace, table2
-from jaxbuffer.mechanisms.probe_cone.system import SLOWEST_TOUCHDOWN, CaptureMechanism
+from jaxbuffer.mechanisms.probe_cone.assembly import assemble
+from jaxbuffer.mechanisms.system import SLOWEST_TOUCHDOWN
 
 LOWER, UPPER = 0, 1
 SCENARIOS = {
@@ -22,7 +23,7 @@ each_tip = pytest.mark.parametrize("free", [False, True], ids=["welded tip", "fr
 
 
 def start(name, free):
-    mechanism = CaptureMechanism(replace(table2(), {"probe.free_tip": free}), Scenario(**SCENARIOS[name]))
+    mechanism = assemble(replace(table2(), {"probe.free_tip": free}), Scenario(**SCENARIOS[name]))
     state, active = mechanism.start()
     return mechanism, state, active, mechanism.kinematics(state)
 
@@ -40,9 +41,9 @@ def test_start_satisfies_the_constraints(name, free):
 @each_tip
 def test_tip_just_touches_the_lower_flank_at_the_slant_distance(name, free):
     mechanism, state, active, _ = start(name, free)
-    approach = mechanism.posture(state).approach
+    approach = mechanism.posture(state).contacts[0].approach
     assert abs(float(approach.gap[LOWER])) < 1e-16
-    cone, edge = mechanism.scenario, mechanism.pair.shape
+    cone, edge = mechanism.parts.scenario, mechanism.contacts[0].pair.shape
     angle = cone.misalignment
     cos, sin = np.cos(angle), np.sin(angle)
     edge_x = cos * edge.start_x - sin * edge.start_y[LOWER]
@@ -57,10 +58,10 @@ def test_tip_just_touches_the_lower_flank_at_the_slant_distance(name, free):
 def test_tip_lies_where_the_model_says(name):
     """A = E₊ - b t₊ + R (-sin β, cos β), turned by θ_T0 about r_T = (0, 0); β = π/4."""
     mechanism, state, _, kin = start(name, False)
-    half, s = np.sqrt(0.5), mechanism.scenario
+    half, s = np.sqrt(0.5), mechanism.parts.scenario
     local = np.array([-0.096 - (s.contact_distance + 0.015) * half, -0.015 + (0.015 - s.contact_distance) * half])
     cos, sin = np.cos(s.misalignment), np.sin(s.misalignment)
-    ball, _ = mechanism.tip(kin, state)
+    ball = mechanism.posture(state).contacts[0].centre.place
     assert_allclose([ball.x, ball.y], np.array([[cos, -sin], [sin, cos]]) @ local, atol=1e-16)
     assert_allclose(kin.q[9:12], [0.0, 0.0, s.misalignment], atol=0.0)
 
@@ -69,8 +70,8 @@ def test_tip_lies_where_the_model_says(name):
 @each_tip
 def test_spring_is_at_rest_and_everything_behind_the_tip_is_in_line(name, free):
     mechanism, state, _, kin = start(name, free)
-    axial, _ = mechanism.system.forces
-    ball, _ = mechanism.tip(kin, state)
+    axial = mechanism.element("buffer").force
+    ball = mechanism.posture(state).contacts[0].centre.place
     assert_allclose(axial.state(kin).length, 0.1365, rtol=1e-15)
     assert_allclose([kin.q[1], kin.q[4], kin.q[7]], float(ball.y), atol=0.0)
     assert_allclose([kin.q[2], kin.q[5], kin.q[8]], 0.0, atol=0.0)
@@ -83,7 +84,7 @@ def test_spring_is_at_rest_and_everything_behind_the_tip_is_in_line(name, free):
 @each_tip
 def test_the_chaser_moves_and_the_target_only_turns(name, free):
     mechanism, _, _, kin = start(name, free)
-    speed, rate = mechanism.scenario.approach_speed, mechanism.scenario.passive_rate
+    speed, rate = mechanism.parts.scenario.approach_speed, mechanism.parts.scenario.passive_rate
     assert_allclose(kin.v, [speed, 0, 0] * 3 + [0, 0, rate], atol=0.0)
 
 
@@ -92,7 +93,7 @@ def test_the_chaser_moves_and_the_target_only_turns(name, free):
 def test_memory_holds_the_approach_speed_at_first_contact(name, free):
     """v0 along the flank's normal, less the speed with which the target's turning moves the foot."""
     mechanism, state, _, _ = start(name, free)
-    s, angle = mechanism.scenario, np.pi / 4 + mechanism.scenario.misalignment
+    s, angle = mechanism.parts.scenario, np.pi / 4 + mechanism.parts.scenario.misalignment
     normal = np.array([-np.sin(angle), np.cos(angle)])
     half = np.sqrt(0.5)
     local = np.array([-0.096 - s.contact_distance * half, -0.015 - s.contact_distance * half])
@@ -104,9 +105,9 @@ def test_memory_holds_the_approach_speed_at_first_contact(name, free):
 
 def test_memory_has_a_floor():
     """A cone turning away faster than the tip follows: the contact starts open, with δ̇⁻ at its least value."""
-    mechanism = CaptureMechanism(table2(), Scenario(approach_speed=0.01, passive_rate=1.0))
+    mechanism = assemble(table2(), Scenario(approach_speed=0.01, passive_rate=1.0))
     state, active = mechanism.start()
-    assert float(mechanism.posture(state).approach.approach_speed[LOWER]) < -0.1
+    assert float(mechanism.posture(state).contacts[0].approach.approach_speed[LOWER]) < -0.1
     assert float(mechanism.memory(state)[LOWER]) == SLOWEST_TOUCHDOWN
     assert_allclose(active, [0.0, 0.0])
 
@@ -115,7 +116,7 @@ def test_memory_has_a_floor():
 def test_probe_is_the_composite_of_rod_and_ball(free):
     """Mass, centre of mass and inertia by summing rod and ball about the composite's centre."""
     design = replace(table2(), {"probe.free_tip": free, "probe.tip_mass": 0.11})
-    probe = CaptureMechanism(design, Scenario()).probe
+    probe = assemble(design, Scenario()).parts.probe
     rod, ball, length, radius = design.probe.rod_mass, 0.11, 0.2, 0.015
     centre = (rod * 0.1 + ball * 0.2) / (rod + ball)
     inertia = rod * length**2 / 12 + rod * (centre - 0.1) ** 2 + ball * (0.2 - centre) ** 2
@@ -129,7 +130,7 @@ def test_probe_is_the_composite_of_rod_and_ball(free):
 def test_a_free_tips_spin_adds_its_own_angular_momentum():
     """2/5 m R² ω of a ball."""
     mechanism, state, _, _ = start("table 2", True)
-    tip, spin = mechanism.design.probe, 3.0
+    tip, spin = mechanism.parts.design.probe, 3.0
     turned = state.at[2 * mechanism.coordinates].add(spin)
     more = mechanism.momentum(turned)[1] - mechanism.momentum(state)[1]
     assert_allclose(more, 0.4 * tip.tip_mass * tip.tip_radius**2 * spin, rtol=1e-9)

@@ -14,10 +14,11 @@ from jaxtyping import Array, Float
 
 import jaxbuffer as jb
 from jaxbuffer.hybrid import Options, Tolerance, solve
+from jaxbuffer.mechanisms.assembled import Assembled
 from jaxbuffer.mechanisms.energy import Balance
 from jaxbuffer.mechanisms.history import History
 from jaxbuffer.mechanisms.impacts import Impacts
-from jaxbuffer.mechanisms.probe_cone.system import CaptureMechanism
+from jaxbuffer.mechanisms.probe_cone.assembly import assemble
 from jaxbuffer.mechanisms.run import Maxima
 from jaxbuffer.run.conservation import balance
 from jaxbuffer.run.history import history
@@ -31,18 +32,18 @@ VECTORS = np.arange(8).reshape(4, 2) + np.arange(4)[:, None]  # where (x, y) of 
 TURNS = np.arange(2, 12, 3)
 
 
-class Started(CaptureMechanism):
+class Started(Assembled):
     """The capture mechanism from a given state with given contacts."""
 
     state: Float[Array, " state"]
-    closed: Float[Array, " flanks"]
+    flanks: Float[Array, " flanks"]
 
-    def __init__(self, design, scenario, stabilisation, state, closed):
-        super().__init__(design, scenario, stabilisation)
-        self.state, self.closed = state, closed
+    def __init__(self, design, scenario, stabilisation, state, flanks):
+        super().__init__(**vars(assemble(design, scenario, stabilisation)))
+        self.state, self.flanks = state, flanks
 
-    def start(self):
-        return self.state, self.closed
+    def first_posture(self):
+        return self.posture(self.state), self.flanks
 
 
 class Seen(NamedTuple):
@@ -85,7 +86,7 @@ def start_of(design, scenario):
 
 @jax.jit
 def _start(design, scenario):
-    return CaptureMechanism(design, scenario).start()
+    return assemble(design, scenario).start()
 
 
 def watch(design, scenario, start=None, duration=8.0, stabilisation=20.0, rtol=RTOL) -> Seen:

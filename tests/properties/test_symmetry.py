@@ -22,6 +22,7 @@ tips = st.booleans()
 MECHANISMS = {free: mechanism(free) for free in (False, True)}
 VECTORS = np.arange(8).reshape(4, 2) + np.arange(4)[:, None]  # where (x, y) of the four bodies are in q
 TURNS = np.arange(2, 12, 3)
+LOSSES = ("axial_damper", "torsional_damper", "hysteresis", "friction")
 
 
 @functools.cache
@@ -32,8 +33,10 @@ def compiled(free):
     @jax.jit
     def evaluated(state, active):
         rate = assembled.derivative(0.0, state, active)
-        forces = assembled.contact(assembled.posture(state), active)
-        return rate[12 : 24 + assembled.spins], assembled.losses(rate), forces.normal, forces.friction
+        forces = assembled.contact_forces(assembled.posture(state), active)[0]
+        lost = dict(zip(assembled.loss_names, assembled.part(rate, "lost"), strict=True))
+        losses = jnp.stack([lost[name] for name in LOSSES])
+        return rate[12 : 24 + assembled.spins], losses, forces.normal, forces.friction
 
     return evaluated
 

@@ -5,8 +5,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxbuffer import replace, table2
-from jaxbuffer.mechanisms.probe_cone.assembly import assemble_system, probe_masses
+from jaxbuffer import Scenario, replace, table2
+from jaxbuffer.mechanisms.probe_cone.assembly import assemble
 
 K_A, C_A, K_T, C_T, L_0 = 500.0, 5.0, 300.0, 2.0, 0.1365  # the paper's section 7
 A_S, L_C, L_P = 0.1365, 0.1365, 0.2  # Table 2's a, L_C, L_P
@@ -109,8 +109,10 @@ def test_which_printed_forces_contradict_the_papers_own_energies(form):
 def test_the_programs_published_forces_are_the_corrected_ones():
     """With eq. 10's damper (M24), and a tip without mass, so that the probe's centre of mass is its middle (M6)."""
     design = replace(table2(), {"buffer.damping": "published", "probe.tip_mass": 1e-14})
-    system = assemble_system(design, probe_masses(design), 0.0)
-    y = state()
+    mechanism = assemble(design, Scenario(), 0.0)
+    system, y = mechanism.system, state()
     kin = system.kinematics(jnp.asarray(y[:12]), jnp.asarray(y[12:]))
-    own = np.concatenate([-system.generalised_force(kin), -system.constraints(kin).gamma])
+    springs = [mechanism.element(name).force for name in ("buffer", "hinge spring")]
+    loads = tuple(load for spring in springs for load in spring.loads(kin))
+    own = np.concatenate([-system.generalised_force(kin, loads), -system.constraints(kin).gamma])
     np.testing.assert_allclose(own, written(y, CORRECTED), rtol=1e-11, atol=1e-10)

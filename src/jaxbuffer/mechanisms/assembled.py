@@ -1,4 +1,4 @@
-"""Any planar mechanism with contacts: bodies, joints and force elements, balls on flanks and pins in holes."""
+"""Any planar mechanism with contacts: bodies and joints, force elements, balls on flanks and in holes, and elements."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -7,255 +7,577 @@ from typing import Any, NamedTuple
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
 from .._types import Scalar, stacked
-from ..contact import Approach
+from ..elements import BallContact as BallContact
+from ..elements import BallState, ContactForces, Element, Magnitudes
+from ..elements.element import ROUNDED_LENGTH
+from ..elements.stiff_terms import ContactTerm, SpringTerm, inverse_masses, linearised
 from ..hybrid import Linearisation
-from ..multibody import Kinematics, MaterialPoint, Motion, System
-from .ball_contact import BallContact as BallContact
+from ..multibody import Kinematics, Motion, SpringDirection, System
 from .energy import Energy
-from .linearisation import ContactTerm, SpringTerm, contact_directions, contact_slopes, inverse_masses, linearised
+from .relative_energy import rigid_energy
 from .snapshot import Snapshot
-from .system import ContactSystem, SmoothMemory
+from .system import ONSET, ContactSystem, SmoothMemory
 
 DEEPEST = 0.99  # of a ball's radius
-LOSSES = ("dampers", "hysteresis", "friction")  # where energy is lost
+HYSTERESIS, FRICTION = "hysteresis", "friction"  # where contacts lose energy
 DRIVES = "drives"  # among what is stored: the energy that they put in, counted negative
 
 Quantity = Callable[[System, Kinematics], Scalar]
+State = Float[Array, " state"]
+Closed = Float[Array, " contacts"]
 
 
-class Posture(NamedTuple):
-    """A state looked at once: the bodies' frames, and of each contact geometry, relative motion, the ball's centre and
-    the origin of the shape's axes."""
+class EvaluatedState(NamedTuple):
+    """A state looked at once: the bodies' frames, and each contact and each element as it is there."""
 
-    state: Float[Array, " state"]
+    state: State
     kin: Kinematics
-    approach: tuple[Approach, ...]
-    centre: tuple[MaterialPoint, ...]
-    origin: tuple[MaterialPoint, ...]
+    contacts: tuple[BallState, ...]
+    elements: tuple[Any, ...]
 
 
 class Shown(NamedTuple):
-    """An observable: its ``name``; ``of``: its value from the mechanism, a posture and the state's rate; ``of_rate``:
-    whether it depends on the rate; ``least``: what its largest value is at least, as a depth is 0 where nothing
-    touches."""
+    """An observable: its ``name``; ``of``: its value from the mechanism, an evaluated state and the state's rate;
+    ``of_rate``: whether it depends on the rate; ``least``: what its largest value is at least, as a depth is 0 where
+    nothing touches; ``negligible``: from the mechanism, what of it is rounding where nothing acts."""
 
     name: str
-    of: Callable[["Assembled", Posture, Float[Array, " state"]], Scalar]
+    of: Callable[["Assembled", EvaluatedState, State], Scalar]
     of_rate: bool = False
     least: float = -math.inf
+    negligible: Callable[["Assembled"], Scalar] | None = None
+
+
+class Exerted(NamedTuple):
+    """What acts at one instant: the contacts' forces, and accelerations and multipliers of the bodies."""
+
+    contacts: tuple[ContactForces, ...]
+    motion: Motion
 
 
 class Assembled(ContactSystem):
     """A mechanism ready to be stepped through time from a consistent start.
 
-    The state is ``[q, v, energy lost (3), integrals, contact memory]``; where there are drives, the energy that they
-    put in and the time stand before the integrals.
+    **Arguments:** ``system``: bodies, joints and force elements; ``q``, ``v``: positions and velocities at t = 0, on
+    the constraints; ``contacts``: balls that have impacts; ``elements``: further parts, see `jaxbuffer.elements`;
+    ``closed``: which contacts, and then which of the elements' switches, are closed at t = 0 (default: none);
+    ``integrals``: quantities whose integrals over time are wanted, zero at t = 0; ``ends``: quantities whose crossing
+    of zero upwards ends the run (so do elements, and a ball's centre that comes to its flank: "failed_penetration");
+    ``end_names``: of each, the name of the outcome that it stands for, among the mechanism's outcomes ("ended" unless
+    given); ``quiet``: if given, the run ends as "held" where all that closes once has closed and the energy of relative
+    motion is below this share of that at t = 0 (M177); ``size``: magnitudes that matter of the coordinates and of the
+    velocities, one for all or one for each; ``speed`` [m/s]: that velocities are of the order of (default: the second
+    of ``size``); ``shown``: further observables; ``recorded``: what a history shows besides; ``parts``: whatever these
+    need to know; ``energy_size`` [J]: magnitude of the energy; if given, steps must also keep the energy balance;
+    ``momentum_size`` [kg m/s]: that of the momentum, where the ground takes no part; ``memory_time`` [s]: if given, no
+    event sets the contacts' memory: it follows the approach speed while the contact is open (M61); ``first_memory``
+    [m/s]: the contacts' memory at t = 0; ``stored_in``, ``lost_in``: names of the energies that the system itself
+    stores and loses (None: it loses none); ``listed``: names of energies, stored and lost, that are listed also where
+    no part has them; ``rings``: whether reactions may rise suddenly, as where a body bends or a pin bounces.
 
-    **Arguments:** ``system``; ``q``, ``v``: positions and velocities at t = 0, on the constraints; ``contacts``;
-    ``closed``: which of them are closed at t = 0 (default: none); ``integrals``: quantities whose integrals over time
-    are wanted, zero at t = 0; ``ends``: quantities whose crossing of zero upwards ends the run (so
-    does, after them, a ball's centre that comes to its flank: "failed_penetration"); ``end_names``: of each, the name
-    of the outcome that it stands for, among the mechanism's outcomes ("ended" unless given); ``size``: magnitudes
-    that matter of a coordinate and of a velocity; ``shown``: further observables; ``recorded``: what a history shows
-    besides; ``parts``: whatever these need to know; ``energy_size`` [J]: magnitude of the energy; if given, steps must
-    also keep the energy balance; ``memory_time`` [s]: if given, no event sets the contacts' memory: it follows the
-    approach speed while the contact is open (M61).
-    Observables are the contacts' normal forces [N], then those shown.
+    Observables are the contacts' normal forces [N], the forces of elements that open and close [N], those shown, and
+    what else the elements observe.
     """
 
     system: System
     q: Float[Array, " coordinates"]
     v: Float[Array, " coordinates"]
     contacts: tuple[BallContact, ...] = ()
-    closed: tuple[bool, ...] = eqx.field(static=True, default=())
+    closed: Any = ()
     integrals: tuple[Quantity, ...] = eqx.field(static=True, default=())
     ends: tuple[Quantity, ...] = eqx.field(static=True, default=())
-    size: tuple[Scalar, Scalar] = (1.0, 1.0)
+    size: tuple[Any, Any] = (1.0, 1.0)
     shown: tuple[Shown, ...] = eqx.field(static=True, default=())
     recorded: tuple[Shown, ...] = eqx.field(static=True, default=())
     parts: Any = None
     energy_size: Scalar | None = None
     memory_time: Scalar | None = None
     end_names: tuple[str, ...] = eqx.field(static=True, default=())
+    elements: tuple[Element, ...] = ()
+    quiet: Scalar | None = None
+    speed: Scalar | None = None
+    momentum_size: Scalar | None = None
+    first_memory: Float[Array, " contacts"] | None = None
+    stored_in: str = eqx.field(static=True, default="potential")
+    lost_in: str | None = eqx.field(static=True, default="dampers")
+    listed: tuple[tuple[str, ...], tuple[str, ...]] = eqx.field(static=True, default=((), ()))
+    rings: bool = eqx.field(static=True, default=True)
+
+    # --- the state's layout -------------------------------------------------------------------------------------------
+
+    @property
+    def places(self) -> dict[str, slice]:
+        """Return where each part of the state stands: coordinates, velocities, spins of balls that spin freely, energy
+        lost, the energy that drives put in with the time, the relative energy at t = 0, each element's numbers,
+        integrals, and the contacts' memory."""
+        n = self.coordinates
+        lengths = {
+            "q": n,
+            "v": n,
+            "spins": self.spins,
+            "lost": len(self.loss_names),
+            "drives": 2 * self.system.driven,
+            "first energy": int(self.quiet is not None),
+            **{f"element {k}": len(element.variables) for k, element in enumerate(self.elements)},
+            "integrals": len(self.integrals),
+            "memory": self.impact_contacts,
+        }
+        places, first = {}, 0
+        for name, length in lengths.items():
+            places[name] = slice(first, first + length)
+            first += length
+        return places
+
+    def part(self, state: State, name: str) -> Array:
+        """Return a part of the state, by its name in `places`."""
+        return state[self.places[name]]
+
+    def element(self, name: str) -> Any:
+        """Return the element of a name, None where there is none."""
+        return next((element for element in self.elements if element.name == name), None)
+
+    def evaluated(self, at: EvaluatedState, name: str) -> Any:
+        """Return the element of a name as it is in an evaluated state, None where there is none."""
+        pairs = zip(self.elements, at.elements, strict=True)
+        return next((it for element, it in pairs if element.name == name), None)
+
+    def own(self, state: State, name: str) -> dict[str, Array]:
+        """Return the numbers that the element of a name has in a state, or their rates in its rate, by `variables`."""
+        k = [element.name for element in self.elements].index(name)
+        return dict(zip(self.elements[k].variables, self.part(state, f"element {k}"), strict=True))
+
+    def closed_switches(self, active: Closed, name: str) -> Array:
+        """Return which switches of the element of a name are closed, 1 or 0 each."""
+        names = [element.name for element in self.elements]
+        return self._of_elements(active)[names.index(name)]
 
     @property
     def coordinates(self) -> int:
         return self.system.coordinates
 
     @property
-    def contact_count(self) -> int:
-        return len(self.contacts)
+    def spins(self) -> int:
+        """Return how many balls spin freely, each with a velocity of its own behind the coordinates'."""
+        return len(self._spinning)
+
+    @property
+    def _spinning(self) -> dict[int, Scalar]:
+        """Return which contacts have a ball that spins freely, each with its ball's inertia [kg m²]."""
+        inertias = ((k, contact.spin_inertia) for k, contact in enumerate(self.contacts))
+        return {k: inertia for k, inertia in inertias if inertia is not None}
+
+    @property
+    def loss_names(self) -> tuple[str, ...]:
+        """Return where energy is lost: in the system, in contacts, and in elements."""
+        own = () if self.lost_in is None else (self.lost_in,)
+        names = [*own, HYSTERESIS, FRICTION, *(name for element in self.elements for name in element.loss_names)]
+        return tuple(dict.fromkeys(names))
+
+    @property
+    def _switches(self) -> tuple[tuple[int, int], ...]:
+        """Return element and number of each switch: first those whose force is observed, as time stepping has them."""
+        all_of = [
+            (k, i, switch.force is None)
+            for k, element in enumerate(self.elements)
+            for i, switch in enumerate(element.switches)
+        ]
+        return tuple((k, i) for k, i, _ in sorted(all_of, key=lambda it: it[2]))
+
+    @property
+    def contact_names(self) -> tuple[str, ...]:
+        """Return the names of the contacts, and then of the elements' switches."""
+        return (*self._ball_names, *(self.elements[k].switches[i].name for k, i in self._switches))
+
+    @property
+    def _ball_names(self) -> tuple[str, ...]:
+        names: list[str] = []
+        for contact in self.contacts:
+            names += contact.names or [f"contact {len(names) + 1}"]
+        return tuple(names)
 
     @property
     def impact_contacts(self) -> int:
-        return len(self.contacts)
+        return sum(contact.segments for contact in self.contacts)
+
+    @property
+    def contact_count(self) -> int:
+        return self.impact_contacts + len(self._switches)
+
+    @property
+    def contact_observables(self) -> int:
+        return self.impact_contacts + len(self._switch_forces)
+
+    @property
+    def _switch_forces(self) -> tuple[str, ...]:
+        """Return the observables that are forces of switches, in the order of these."""
+        forces = (self.elements[k].switches[i].force for k, i in self._switches)
+        return tuple(force for force in forces if force is not None)
+
+    @property
+    def one_way(self) -> tuple[bool, ...]:
+        ways = [self.elements[k].switches[i].one_way for k, i in self._switches]
+        return (*[False] * self.impact_contacts, *ways) if any(ways) else ()
+
+    def _of_contacts(self, values: Array) -> list[Array]:
+        """Split an array with an entry for each segment of each contact."""
+        parts, first = [], 0
+        for contact in self.contacts:
+            parts.append(values[first : first + contact.segments])
+            first += contact.segments
+        return parts
+
+    def _of_elements(self, active: Closed) -> list[Array]:
+        """Return which switches of each element are closed."""
+        place = {switch: self.impact_contacts + at for at, switch in enumerate(self._switches)}
+        of = [[active[place[k, i]] for i in range(len(element.switches))] for k, element in enumerate(self.elements)]
+        return [jnp.stack(switches) if switches else jnp.zeros(0) for switches in of]
+
+    # --- what the mechanism says of itself ----------------------------------------------------------------------------
 
     @property
     def remembers(self) -> bool:
         return self.memory_time is None
 
-    def smooth_memory(self, at: Posture) -> SmoothMemory | None:
-        """How the memory follows the approach speed; None with events, which set it."""
-        if self.memory_time is None:
-            return None
-        return SmoothMemory.of(
-            self.memory(at.state), *self.gaps_at(at), self.memory_time, slowest=self.slowest_touchdown
-        )
-
     @property
     def jumps(self) -> bool:
-        return any(contact.pair.law.jumps for contact in self.contacts)
+        laws = (contact.pair.law.jumps for contact in self.contacts)
+        return any(laws) or any(element.jumps for element in self.elements)
 
     @property
     def observed(self) -> tuple[str, ...]:
-        return (*(f"contact {k + 1}" for k in range(len(self.contacts))), *(shown.name for shown in self.shown))
+        shown = (shown.name for shown in self.shown)
+        return (*self._ball_names, *self._switch_forces, *shown, *self._other_observed)
+
+    @property
+    def _other_observed(self) -> tuple[str, ...]:
+        """Return what elements observe beside the forces of switches."""
+        names = (name for element in self.elements for name in element.observed)
+        return tuple(name for name in names if name not in self._switch_forces)
 
     @property
     def least_maxima(self) -> Mapping[str, float]:
         return {shown.name: shown.least for shown in self.shown if shown.least > -math.inf}
 
+    def negligible(self) -> Float[Array, " observables"]:
+        sizes: dict[str, Scalar] = {
+            shown.name: -jnp.inf if shown.negligible is None else shown.negligible(self) for shown in self.shown
+        }
+        for contact, names in zip(self.contacts, self._names_of_contacts(), strict=True):
+            if contact.onset_length is not None:  # even a flank far away exerts something, which is rounding
+                sizes |= dict.fromkeys(names, contact.pair.law.elastic(jnp.asarray(ROUNDED_LENGTH)))
+        for element in self.elements:
+            sizes |= element.negligible()
+        return stacked([sizes.get(name, 0.0) for name in self.observed]) if self.observed else jnp.zeros(0)
+
+    def _names_of_contacts(self) -> list[tuple[str, ...]]:
+        names, first = [], 0
+        for contact in self.contacts:
+            names.append(self._ball_names[first : first + contact.segments])
+            first += contact.segments
+        return names
+
+    def rate_observables(self) -> tuple[bool, ...]:
+        rated = {shown.name for shown in self.shown if shown.of_rate}
+        return tuple(name in rated for name in self.observed)
+
+    @property
+    def sudden(self) -> bool:
+        return self.rings or any(element.sudden for element in self.elements)
+
     @property
     def typical_speed(self) -> Scalar:
-        return self.size[1]
+        return self.size[1] if self.speed is None else self.speed
 
     @property
     def energy_scale(self) -> Scalar:
         masses = sum((body.mass for body in self.system.bodies), start=jnp.zeros(()))
-        return 0.5 * masses * self.size[1] ** 2 if self.energy_size is None else self.energy_size
+        return 0.5 * masses * self.typical_speed**2 if self.energy_size is None else self.energy_size
+
+    @property
+    def momentum_scale(self) -> Scalar | None:
+        return self.momentum_size
 
     @property
     def balance_complete(self) -> bool:
-        return self.energy_size is not None
-
-    def kinematics(self, state: Float[Array, " state"]) -> Kinematics:
-        """Frames of the bodies."""
-        n = self.system.coordinates
-        time = state[self.drive_work + 1] if self.system.driven else 0.0
-        return self.system.kinematics(state[:n], state[n : 2 * n], time)
+        balanced = (*(it.balanced for it in self.contacts), *(it.balanced for it in self.elements))
+        return self.energy_size is not None and all(balanced)
 
     @property
-    def drive_work(self) -> int:
-        """Where the state of a driven system has the energy that the drives put in; the time follows it."""
-        return 2 * self.coordinates + len(LOSSES)
+    def tolerance_share(self) -> float:
+        return min((element.tolerance_share for element in self.elements), default=1.0)
 
-    def integral(self, state: Float[Array, " state"]) -> Float[Array, " integrals"]:
-        """The integrals so far."""
-        return state[self.drive_work + 2 * self.system.driven : len(state) - len(self.contacts)]
+    @property
+    def invariant_change(self) -> float:
+        return super().invariant_change * min((element.invariant_share for element in self.elements), default=1.0)
 
-    def posture(self, state: Float[Array, " state"]) -> Posture:
-        kin = self.kinematics(state)
-        pairs = [contact.approach(kin) for contact in self.contacts]
-        approaches, centres, origins = zip(*pairs, strict=True) if pairs else ((), (), ())
-        return Posture(state, kin, approaches, centres, origins)
+    # --- one instant --------------------------------------------------------------------------------------------------
 
-    def start(self) -> tuple[Float[Array, " state"], Float[Array, " contacts"]]:
-        kin, closed = self.system.kinematics(self.q, self.v), self.closed or (False,) * len(self.contacts)
-        # An open contact's memory only says how fast the first impact may be, for `impact_step`.
-        speeds = [
-            jnp.maximum(contact.approach(kin)[0].approach_speed, self.slowest_touchdown if closes else self.size[1])
-            for contact, closes in zip(self.contacts, closed, strict=True)
-        ]
-        rest = len(LOSSES) + 2 * self.system.driven + len(self.integrals)
-        state = [self.q, self.v, jnp.zeros(rest), *speeds]
-        return jnp.concatenate(state), jnp.asarray(closed, float)
+    def kinematics(self, state: State) -> Kinematics:
+        """Return the frames of the bodies."""
+        places = self.places
+        time = state[places["drives"]][1] if self.system.driven else 0.0
+        return self.system.kinematics(state[places["q"]], state[places["v"]], time)
 
-    def forces_at(self, at: Posture, active: Float[Array, " contacts"]) -> tuple[list[Array], list[Array]]:
-        """F_n and F_t [N] of each contact, an entry long."""
-        memory = self.memory(at.state)
-        normal = [
-            active[k] * contact.pair.normal_force(at.approach[k], memory[k : k + 1])
-            for k, contact in enumerate(self.contacts)
-        ]
-        pairs = zip(self.contacts, at.approach, normal, strict=True)
-        return normal, [contact.pair.friction_force(approach, force) for contact, approach, force in pairs]
+    def posture(self, state: State) -> EvaluatedState:
+        kin, places = self.kinematics(state), self.places
+        spins = dict(zip(self._spinning, state[places["spins"]], strict=True)) if self._spinning else {}
+        contacts = tuple(contact.evaluate(kin, spins.get(k)) for k, contact in enumerate(self.contacts))
+        elements = tuple(
+            element.evaluate(kin, state[places[f"element {k}"]]) for k, element in enumerate(self.elements)
+        )
+        return EvaluatedState(state, kin, contacts, elements)
 
-    def motion_at(self, at: Posture, active: Float[Array, " contacts"]) -> tuple[Motion, list[Array], list[Array]]:
-        """Accelerations and multipliers, and F_n and F_t [N] of each contact."""
-        normal, friction = self.forces_at(at, active)
-        parts = zip(self.contacts, at.approach, at.centre, at.origin, normal, friction, strict=True)
-        loads = [load for contact, *part in parts for load in contact.loads(*part)]
-        return self.system.motion(at.kin, tuple(loads)), normal, friction
+    def integral(self, state: State) -> Float[Array, " integrals"]:
+        """Return the integrals so far."""
+        return self.part(state, "integrals")
 
-    def derivative(
-        self, time: Scalar, state: Float[Array, " state"], active: Float[Array, " contacts"]
-    ) -> Float[Array, " state"]:
+    def drive_power(self, rate: State) -> Scalar:
+        """Return what the drives put in [W]. ``rate``: of the state."""
+        return self.part(rate, "drives")[0]
+
+    def start(self) -> tuple[State, Closed]:
+        at, closed = self.first_posture()
+        return at.state, closed
+
+    def first_posture(self) -> tuple[EvaluatedState, Closed]:
+        kin = self.system.kinematics(self.q, self.v)
+        given = jnp.asarray(self.closed, float)
+        closed = jnp.concatenate([given, jnp.zeros(self.contact_count - given.shape[0])])
+        own = [element.start(kin) for element in self.elements]
+        spins = [kin.point(self.contacts[k].body, self.contacts[k].point).spin for k in self._spinning]
+        before = len(self.loss_names) + 2 * self.system.driven + int(self.quiet is not None)
+        moving = [self.q, self.v, *([stacked(spins)] if spins else []), jnp.zeros(before)]
+        state = jnp.concatenate([*moving, *own, jnp.zeros(len(self.integrals)), self._start_memory(kin, closed)])
         at = self.posture(state)
-        motion, normal, friction = self.motion_at(at, active)
-        dampers = self.system.dissipation(at.kin)
-        hysteresis = rubbing = jnp.zeros(())
-        for k, contact in enumerate(self.contacts):
-            power = contact.pair.hysteresis_power(at.approach[k], normal[k])
-            hysteresis = hysteresis + active[k] * jnp.sum(power)
-            rubbing = rubbing - jnp.sum(friction[k] * at.approach[k].slip)
-        drives = [self.system.drive_power(at.kin, motion.multipliers), 1.0] if self.system.driven else []
+        if self.quiet is not None:
+            energy = self.relative_energy(at, closed)
+            at = at._replace(state=state.at[self.places["first energy"]].set(energy))
+        return at, closed
+
+    def _start_memory(self, kin: Kinematics, closed: Closed) -> Float[Array, " contacts"]:
+        """Return the memory at t = 0: an open contact's only says how fast the first impact may be."""
+        if self.first_memory is not None:
+            return self.first_memory
+        speeds = _row([contact.evaluate(kin).approach.approach_speed for contact in self.contacts])
+        return jnp.maximum(
+            speeds, jnp.where(closed[: self.impact_contacts] > 0.5, self.slowest_touchdown, self.typical_speed)
+        )
+
+    def smooth_memory(self, at: EvaluatedState) -> SmoothMemory | None:
+        """Return how the memory follows the approach speed; None with events, which set it."""
+        if self.memory_time is None:
+            return None
+        onsets = [contact.onset_length for contact in self.contacts if contact.onset_length is not None]
+        approaches = [it.approach for it in at.contacts]
+        return SmoothMemory.of(
+            self.memory(at.state),
+            _row([a.gap for a in approaches]),
+            _row([a.approach_speed for a in approaches]),
+            self.memory_time,
+            onsets[0] if onsets else ONSET,
+            self.slowest_touchdown,
+        )
+
+    def contact_forces(self, at: EvaluatedState, active: Closed) -> tuple[ContactForces, ...]:
+        """Return F_n and F_t of each contact [N]."""
+        memory = self._of_contacts(self.memory(at.state))
+        parts = zip(self.contacts, at.contacts, memory, self._of_contacts(active), strict=True)
+        return tuple(contact.forces(ball, speeds, closed) for contact, ball, speeds, closed in parts)
+
+    def exerted(self, at: EvaluatedState, active: Closed) -> Exerted:
+        """Return what acts at an instant."""
+        forces = self.contact_forces(at, active)
+        balls = zip(self.contacts, at.contacts, forces, strict=True)
+        loads = [load for contact, ball, force in balls for load in contact.loads(ball, force)]
+        elements = zip(self.elements, at.elements, self._of_elements(active), strict=True)
+        loads += [load for element, *part in elements for load in element.loads(*part)]
+        return Exerted(forces, self.system.motion(at.kin, tuple(loads)))
+
+    def derivative(self, time: Scalar, state: State, active: Closed) -> State:
+        at = self.posture(state)
+        return self._rate(at, active, self.exerted(at, active))
+
+    def _rate(self, at: EvaluatedState, active: Closed, exerted: Exerted) -> State:
+        """Return the rate of the state."""
+        spins = [
+            self.contacts[k].spin_moment(at.contacts[k], exerted.contacts[k]) / inertia
+            for k, inertia in self._spinning.items()
+        ]
+        drives = [self.system.drive_power(at.kin, exerted.motion.multipliers), 1.0] if self.system.driven else []
+        first_energy = [0.0] * (self.quiet is not None)
+        switches = self._of_elements(active)
+        own = [
+            rate
+            for element, *part in zip(self.elements, at.elements, switches, strict=True)
+            for rate in element.rates(*part)
+        ]
         integrals = [quantity(self.system, at.kin) for quantity in self.integrals]
-        rates = [dampers, hysteresis, rubbing, *drives, *integrals]
-        memory = jnp.zeros(len(self.contacts)) if (smooth := self.smooth_memory(at)) is None else smooth.rate
-        return jnp.concatenate([at.kin.v, motion.acceleration, stacked(rates), memory])
+        lost = self._losses(at, active, exerted)
+        rest = [*spins, *(lost[name] for name in self.loss_names), *drives, *first_energy, *own, *integrals]
+        memory = jnp.zeros(self.impact_contacts) if (smooth := self.smooth_memory(at)) is None else smooth.rate
+        return jnp.concatenate([at.kin.v, exerted.motion.acceleration, stacked(rest), memory])
 
-    def gaps_at(self, at: Posture) -> tuple[Float[Array, " contacts"], Float[Array, " contacts"]]:
-        return _row([a.gap for a in at.approach]), _row([a.approach_speed for a in at.approach])
+    def _losses(self, at: EvaluatedState, active: Closed, exerted: Exerted) -> dict[str, Scalar]:
+        """Return the power that is lost, by where it is [W]."""
+        lost: dict[str, Scalar] = {HYSTERESIS: jnp.zeros(()), FRICTION: jnp.zeros(())}
+        balls = zip(self.contacts, at.contacts, exerted.contacts, self._of_contacts(active), strict=True)
+        for contact, ball, forces, closed in balls:
+            hysteresis, friction = contact.losses(ball, forces, closed)
+            lost[HYSTERESIS], lost[FRICTION] = lost[HYSTERESIS] + hysteresis, lost[FRICTION] + friction
+        parts = [
+            element.losses(*part)
+            for element, *part in zip(self.elements, at.elements, self._of_elements(active), strict=True)
+        ]
+        own = {} if self.lost_in is None else {self.lost_in: self.system.dissipation(at.kin)}
+        for powers in (own, *parts):
+            lost = _added(lost, powers)
+        return lost
 
-    def inverse_masses_at(self, at: Posture) -> Float[Array, "contacts contacts"]:
-        normals = [self._directions(at, k)[0] for k in range(len(self.contacts))]
-        return inverse_masses(self.system, at.kin, jnp.concatenate(normals, axis=1))
+    def gaps_at(self, at: EvaluatedState) -> tuple[Closed, Closed]:
+        """Return the gap of each contact and each switch [m], and how fast it closes [m/s]; of what is over after some
+        time the time left [s], and how fast that passes."""
+        of = [element.gaps(it) for element, it in zip(self.elements, at.elements, strict=True)]
+        pairs = [of[k][i] for k, i in self._switches]
+        gaps = [*(it.approach.gap for it in at.contacts), *(jnp.reshape(jnp.asarray(gap), (1,)) for gap, _ in pairs)]
+        closing = [
+            *(it.approach.approach_speed for it in at.contacts),
+            *(jnp.reshape(jnp.asarray(speed, float), (1,)) for _, speed in pairs),
+        ]
+        return _row(gaps), _row(closing)
 
-    def _directions(self, at: Posture, k: int) -> tuple[Array, Array]:
-        """Columns of one contact with its closing speed and its slip."""
-        side = jnp.reshape(jnp.asarray(self.contacts[k].pair.side, float), (1,))
-        return contact_directions(self.system, at.approach[k], side, at.centre[k], at.origin[k])
+    def touchdown(self, state: State, acceleration: Float[Array, ""], contact: Int[Array, ""]) -> State:
+        after = super().touchdown(state, acceleration, contact)
+        if all(type(element).after_closing is Element.after_closing for element in self.elements):
+            return after
+        at, places = self.posture(state), self.places
+        closing = self._of_elements(jnp.where(jnp.arange(self.contact_count) == contact, 1.0, 0.0))
+        for k, element in enumerate(self.elements):
+            mine = places[f"element {k}"]
+            after = after.at[mine].set(element.after_closing(at.elements[k], after[mine], closing[k]))
+        return after
 
-    def normal_force_at(self, at: Posture, active: Float[Array, " contacts"]) -> Float[Array, " contacts"]:
-        return _row(self.forces_at(at, active)[0])
-
-    def terminals_at(self, at: Posture) -> Float[Array, " terminals"]:
-        """Those of ``ends``, then whether a ball's centre comes to its flank: there the contact's normal turns over."""
-        pairs = zip(at.approach, self.contacts, strict=True)
-        deep = [-a.gap[0] - DEEPEST * jnp.asarray(contact.pair.radius) for a, contact in pairs]
-        deepest = jnp.max(jnp.stack(deep)) if deep else -jnp.ones(())
-        return stacked([*(quantity(self.system, at.kin) for quantity in self.ends), deepest])
+    # --- ends of a run ------------------------------------------------------------------------------------------------
 
     @property
     def end_outcomes(self) -> tuple[str, ...]:
-        return (*(self.end_names or ("ended",) * len(self.ends)), "failed_penetration")
+        elements = (name for element in self.elements for name in element.outcomes)
+        held = () if self.quiet is None else ("held",)
+        return (*(self.end_names or ("ended",) * len(self.ends)), *elements, "failed_penetration", *held)
 
-    def observables_at(
-        self, at: Posture, rate: Float[Array, " state"], active: Float[Array, " contacts"]
-    ) -> Float[Array, " observables"]:
-        others = [jnp.reshape(jnp.asarray(shown.of(self, at, rate)), (1,)) for shown in self.shown]
-        return _row([*self.forces_at(at, active)[0], *others])
+    def terminals_at(self, at: EvaluatedState) -> Float[Array, " terminals"]:
+        """Return those of ``ends`` and of elements, whether a ball's centre comes to its flank, where the contact's
+        normal turns over, and whether all is held."""
+        ends = [quantity(self.system, at.kin) for quantity in self.ends]
+        for element, it in zip(self.elements, at.elements, strict=True):
+            ends += element.guards(it)
+        pairs = zip(at.contacts, self.contacts, strict=True)
+        deep = [jnp.max(-it.approach.gap) - DEEPEST * jnp.asarray(contact.pair.radius) for it, contact in pairs]
+        ends.append(jnp.max(jnp.stack(deep)) if deep else -jnp.ones(()))
+        return stacked([*ends, *([] if self.quiet is None else [self._at_rest(at)])])
 
-    def rate_observables(self) -> tuple[bool, ...]:
-        return (*(False for _ in self.contacts), *(shown.of_rate for shown in self.shown))
+    def _at_rest(self, at: EvaluatedState) -> Scalar:
+        """Return a number above zero where all that closes once has closed and the energy of relative motion is below
+        its quiet share (M177)."""
+        assert self.quiet is not None
+        parts = list(zip(self.elements, at.elements, strict=True))
+        settled = jnp.asarray(True)
+        for element, it in parts:
+            settled = settled & element.settled(it)
+        # No event tells here which contacts are closed: it shows in their gaps, and in what elements know.
+        by_state = [element.closed_by_state(it) for element, it in parts]
+        balls = [jnp.where(it.approach.gap <= 0.0, 1.0, 0.0) for it in at.contacts]
+        active = _row([*balls, *(jnp.reshape(by_state[k][i], (1,)) for k, i in self._switches)])
+        left = self.relative_energy(at, active) / self.part(at.state, "first energy")[0]
+        return jnp.where(settled, self.quiet - left, -1.0)
 
-    @property
-    def sudden(self) -> bool:
-        return True
+    # --- what is watched, and the balance -----------------------------------------------------------------------------
 
-    def snapshot_at(self, at: Posture, active: Float[Array, " contacts"]) -> Snapshot:
-        motion, normal, friction = self.motion_at(at, active)
+    def normal_force_at(self, at: EvaluatedState, active: Closed) -> Float[Array, " contacts"]:
+        return _row([forces.normal for forces in self.contact_forces(at, active)])
+
+    def observables_at(self, at: EvaluatedState, rate: State, active: Closed) -> Float[Array, " observables"]:
+        values = self._element_observables(at, active)
+        values |= {shown.name: shown.of(self, at, rate) for shown in self.shown}
+        others = [values[name] for name in self.observed[self.impact_contacts :]]
+        return _row([self.normal_force_at(at, active), *([stacked(others)] if others else [])])
+
+    def _element_observables(self, at: EvaluatedState, active: Closed) -> dict[str, Scalar]:
+        values: dict[str, Scalar] = {}
+        for element, *part in zip(self.elements, at.elements, self._of_elements(active), strict=True):
+            values |= element.observables(*part)
+        return values
+
+    def snapshot_at(self, at: EvaluatedState, active: Closed) -> Snapshot:
+        exerted = self.exerted(at, active)
+        rate = self._rate(at, active, exerted)
+        approaches = [it.approach for it in at.contacts]
+        others = self._element_observables(at, active)
+        for element, *part in zip(self.elements, at.elements, self._of_elements(active), strict=True):
+            others |= element.recorded(*part)
+        others |= {shown.name: shown.of(self, at, rate) for shown in (*self.shown, *self.recorded)}
+        if self.momentum_size is not None:
+            others["relative_energy"] = self.relative_energy(at, active)
         gap, closing = self.gaps_at(at)
-        slip = _row([a.slip for a in at.approach])
-        rate = self.derivative(0.0, at.state, active)
-        others = {shown.name: shown.of(self, at, rate) for shown in (*self.shown, *self.recorded)}
-        return Snapshot(gap, closing, slip, _row(normal), _row(friction), motion.multipliers, others)
+        return Snapshot(
+            gap=gap[: self.impact_contacts],
+            approach_speed=closing[: self.impact_contacts],
+            slip=_row([a.slip for a in approaches]),
+            normal=_row([forces.normal for forces in exerted.contacts]),
+            friction=_row([forces.friction for forces in exerted.contacts]),
+            multipliers=exerted.motion.multipliers,
+            others={name: jnp.asarray(value) for name, value in others.items()},
+        )
 
-    def energy_at(self, at: Posture, active: Float[Array, " contacts"]) -> Energy:
-        elastic = jnp.zeros(())
-        for k, contact in enumerate(self.contacts):
-            elastic = elastic + active[k] * jnp.sum(contact.pair.stored_energy(at.approach[k]))
+    def stored(self, at: EvaluatedState, active: Closed) -> dict[str, Scalar]:
+        """Return the energy in motion, in the system's springs, in contacts and in elements, by name [J] (M76)."""
+        kinetic = self.system.kinetic_energy(at.kin)
+        for k, inertia in self._spinning.items():
+            kinetic = kinetic + 0.5 * inertia * at.contacts[k].spin ** 2
+        balls = zip(self.contacts, at.contacts, self._of_contacts(active), strict=True)
+        elastic = sum((contact.stored(ball, closed) for contact, ball, closed in balls), start=jnp.zeros(()))
         potential = jnp.asarray(self.system.stored_energy(at.kin))
-        stored = {"kinetic": self.system.kinetic_energy(at.kin), "potential": potential, "contact": elastic}
-        if self.system.driven:
-            stored[DRIVES] = -at.state[self.drive_work]
-        return Energy(stored, dict(zip(LOSSES, at.state[2 * self.coordinates :], strict=False)))
+        stored = {"kinetic": kinetic, self.stored_in: potential, "contact": elastic}
+        for element, *part in zip(self.elements, at.elements, self._of_elements(active), strict=True):
+            stored = _added(stored, element.stored(*part))
+        return stored
 
-    def momentum(self, state: Float[Array, " state"]) -> tuple[Float[Array, " 2"], Float[Array, ""]]:
+    def supplied(self, state: State) -> dict[str, Scalar]:
+        """Return the energy that drives and elements have put in from outside so far, by name [J]."""
+        supplied: dict[str, Scalar] = {DRIVES: self.part(state, "drives")[0]} if self.system.driven else {}
+        for k, element in enumerate(self.elements):
+            supplied |= element.supplied(self.part(state, f"element {k}"))
+        return supplied
+
+    def relative_energy(self, at: EvaluatedState, active: Closed) -> Float[Array, ""]:
+        """Return the energy of relative motion [J]: what is stored and in motion beyond the motion of the whole as one
+        rigid body (M177)."""
+        spins = [(inertia, at.contacts[k].spin) for k, inertia in self._spinning.items()]
+        return jnp.asarray(sum(self.stored(at, active).values()) - rigid_energy(self.system, at.kin, spins))
+
+    def energy_at(self, at: EvaluatedState, active: Closed) -> Energy:
+        always_stored, always_lost = (dict.fromkeys(names, jnp.zeros(())) for names in self.listed)
+        put_in = {name: -energy for name, energy in self.supplied(at.state).items()}
+        stored = always_stored | self.stored(at, active) | put_in
+        lost = always_lost | dict(zip(self.loss_names, self.part(at.state, "lost"), strict=True))
+        return Energy({name: jnp.asarray(energy) for name, energy in stored.items()}, lost)
+
+    def other_forces_at(self, at: EvaluatedState, active: Closed) -> Scalar:
+        parts = zip(self.elements, at.elements, self._of_elements(active), strict=True)
+        return sum((element.stiff_force(*part) for element, *part in parts), start=jnp.zeros(()))
+
+    def momentum(self, state: State) -> tuple[Float[Array, " 2"], Float[Array, ""]]:
         kin = self.kinematics(state)
-        return self.system.linear_momentum(kin), self.system.angular_momentum(kin)
+        linear, angular = self.system.linear_momentum(kin), self.system.angular_momentum(kin)
+        for inertia, spin in zip(self._spinning.values(), self.part(state, "spins"), strict=True):
+            angular = angular + inertia * spin
+        for k, element in enumerate(self.elements):
+            impulse = element.impulse(self.part(state, f"element {k}"))
+            if impulse is not None:  # what came from outside is no error
+                linear, angular = linear - stacked([impulse[0].x, impulse[0].y]), angular - impulse[1]
+        return linear, angular
 
     def constraint_errors(self, kin: Kinematics) -> Float[Array, " rows"]:
         return self.system.errors(kin)
@@ -264,45 +586,104 @@ class Assembled(ContactSystem):
         depths = [jnp.asarray(contact.pair.law.depth(force)) for contact in self.contacts]
         return jnp.max(jnp.stack(depths)) if depths else jnp.zeros(())
 
-    def scales(self) -> Float[Array, " state"]:
-        n = self.system.coordinates
-        place, motion = self.size
-        energies, integrals = [self.energy_scale] * len(LOSSES), [1.0] * len(self.integrals)
-        drives = [self.energy_scale, 1.0] * self.system.driven
-        return stacked([place] * n + [motion] * n + energies + drives + integrals + [motion] * len(self.contacts))
+    # --- time stepping ------------------------------------------------------------------------------------------------
 
-    def impact_step(self, state: Float[Array, " state"]) -> Float[Array, ""]:
-        """A fifteenth of the shortest impact of a contact's ball and its body; 1e-6 s without contacts [s]."""
-        memory, steps = self.memory(state), [jnp.asarray(1e-6)]
-        for k, contact in enumerate(self.contacts):
-            mass = self.system.bodies[contact.body].mass
-            steps.append(0.2 * jnp.asarray(contact.pair.law.time_scale(mass, memory[k])))
-        return jnp.min(jnp.stack(steps[1:] or steps))
+    def scales(self) -> State:
+        n, speed, energy = self.coordinates, self.typical_speed, self.energy_scale
+        place, motion = (jnp.broadcast_to(jnp.asarray(size, float), (n,)) for size in self.size)
+        momentum = 1.0 if self.momentum_size is None else self.momentum_size
+        magnitudes = Magnitudes(speed, energy, momentum)
+        rest: list[Scalar] = [speed / self.contacts[k].pair.radius for k in self._spinning]
+        rest += [energy] * len(self.loss_names) + [energy, 1.0] * self.system.driven
+        rest += [energy] * (self.quiet is not None)
+        for element in self.elements:
+            rest += element.scales(magnitudes)
+        rest += [1.0] * len(self.integrals) + [speed] * self.impact_contacts
+        return jnp.concatenate([place, motion, stacked(rest)])
 
-    def linearisation(
-        self, time: Scalar, state: Float[Array, " state"], active: Float[Array, " contacts"]
-    ) -> Linearisation:
-        at, n = self.posture(state), self.coordinates
-        springs = [SpringTerm(self.system.direction(s.blocks), *s[1:]) for s in self.system.springs(at.kin)]
-        if not springs and not self.contacts:
+    def impact_step(self, state: State) -> Float[Array, ""]:
+        """Return a fifteenth of the shortest impact of a contact's ball and its body; 1e-6 s without contacts [s]."""
+        memory, steps = self._of_contacts(self.memory(state)), []
+        for contact, speeds in zip(self.contacts, memory, strict=True):
+            speed = jnp.max(speeds)
+            # At its floor, as before the first touchdown of a free start, the memory says nothing of the impact.
+            speed = jnp.where(speed > self.slowest_touchdown, speed, self.typical_speed)
+            steps.append(0.2 * jnp.asarray(contact.pair.law.time_scale(self.system.bodies[contact.body].mass, speed)))
+        return jnp.min(jnp.stack(steps)) if steps else jnp.asarray(1e-6)
+
+    def inverse_masses_at(self, at: EvaluatedState) -> Float[Array, "contacts contacts"]:
+        normals = [
+            contact.directions(self.system, it)[0][: self.coordinates]
+            for contact, it in zip(self.contacts, at.contacts, strict=True)
+        ]
+        return inverse_masses(self.system, at.kin, jnp.concatenate(normals, axis=1))
+
+    def linearisation(self, time: Scalar, state: State, active: Closed) -> Linearisation:
+        at, n, spins = self.posture(state), self.coordinates, self.spins
+        springs = [self._spring_term(spring) for spring in self.system.springs(at.kin)]
+        contacts = self._contact_terms(at, active)
+        for element, *part in zip(self.elements, at.elements, self._of_elements(active), strict=True):
+            springs += [self._spring_term(spring) for spring in element.springs(*part)]
+            term = element.contact_term(self.system, *part)
+            contacts += [] if term is None else [self._with_spins(term, None)]
+        if not springs and not contacts:
             return Linearisation.none(n, n)
-        if not self.contacts:
+        if not contacts:
             # Seven or eight springs alone take XLA gigabytes to compile; nine do not.
             still = SpringTerm(jnp.zeros(n), 0.0, 0.0)
             springs += [still] * (9 - len(springs) if len(springs) in (7, 8) else 0)
+            thin, none = jnp.zeros((n, 0)), jnp.zeros(0)
+            contacts = [ContactTerm(thin, thin, *((none, none),) * 3)]
+        joined = jax.tree.map(lambda *parts: jnp.concatenate(parts, axis=-1), *contacts)
         smooth = self.smooth_memory(at)
-        decay = None if smooth is None else smooth.all_decay(state, 2 * n)
-        return linearised(self.system, at.kin, springs, self._contact_term(at, active), decay=decay)
+        decay = None if smooth is None else smooth.all_decay(state, 2 * n + spins)
+        inertias = stacked(list(self._spinning.values())) if spins else None
+        stiff = linearised(self.system, at.kin, springs, joined, inertias, decay)
+        return eqx.tree_at(lambda it: it.followers, stiff, self._followers(), is_leaf=lambda it: it is None)
 
-    def _contact_term(self, at: Posture, active: Float[Array, " contacts"]) -> ContactTerm:
-        """All contacts together."""
-        thin, none = jnp.zeros((self.coordinates, 0)), jnp.zeros(0)
-        terms = [ContactTerm(thin, thin, *((none, none),) * 3)]
-        memory = self.memory(at.state)
-        for k, contact in enumerate(self.contacts):
-            a, pair = at.approach[k], contact.pair
-            terms.append(ContactTerm(*self._directions(at, k), *contact_slopes(pair, a, memory[k : k + 1], active[k])))
-        return jax.tree.map(lambda *parts: jnp.concatenate(parts, axis=-1), *terms)
+    def _followers(self) -> Any:
+        """Return the oscillators of the element that has some, None where no element has."""
+        velocities = self.places["spins"].stop
+        for k, element in enumerate(self.elements):
+            followers = element.followers(self.places[f"element {k}"].start - velocities)
+            if followers is not None:
+                return followers
+        return None
+
+    def _spring_term(self, spring: SpringDirection) -> SpringTerm:
+        direction = jnp.pad(self.system.direction(spring.blocks), (0, self.spins))
+        return SpringTerm(direction, spring.stiffness, spring.damping)
+
+    def _contact_terms(self, at: EvaluatedState, active: Closed) -> list[ContactTerm]:
+        """Return the contacts' shares of the stiff part."""
+        memory, closed = self._of_contacts(self.memory(at.state)), self._of_contacts(active)
+        return [
+            self._with_spins(contact.term(self.system, it, memory[k], closed[k]), k if contact.spins else None)
+            for k, (contact, it) in enumerate(zip(self.contacts, at.contacts, strict=True))
+        ]
+
+    def _with_spins(self, term: ContactTerm, contact: int | None) -> ContactTerm:
+        """Return a term with a row for the spin of each ball that spins freely; ``contact``: whose own it has."""
+        spins = self.spins
+        if not spins:
+            return term
+        order, rows = list(self._spinning), self.coordinates
+        before = 0 if contact is None else order.index(contact)
+        after = spins if contact is None else spins - 1 - before
+
+        def widened(columns: Array) -> Array:
+            own = columns[rows:]
+            return jnp.concatenate([columns[:rows], jnp.pad(own, ((before, after), (0, 0)))])
+
+        return term._replace(normals=widened(term.normals), tangents=widened(term.tangents))
+
+
+def _added(energies: Mapping[str, Scalar], more: Mapping[str, Scalar]) -> dict[str, Scalar]:
+    """Add energies, or powers, of one name."""
+    sums = dict(energies)
+    for name, value in more.items():
+        sums[name] = sums[name] + value if name in sums else value
+    return sums
 
 
 def _row(values: list[Array]) -> Float[Array, " n"]:

@@ -51,15 +51,18 @@ class RunOutcome(Code):
 
 
 class Simulated(RunOutcome):
-    """Outcomes of a mechanism whose runs end at a guard of its own, or when the duration is over."""
+    """Outcomes of a mechanism whose runs end at a guard of its own or of an element, or when the duration is over."""
 
     ended = 0, "ended: the mechanism reached its end"
     finished = 1, "finished: the duration is over"
-    failed_steps = 2, STEPS
-    failed_step_size = 3, STEP_SIZE
-    failed_not_finite = 4, NOT_FINITE
-    failed_penetration = 5, PENETRATION
-    failed_input = 6, INPUT
+    held = 2, "held: all latches are closed, and hardly any energy of relative motion is left"
+    bottomed = 3, "bottomed: a buffer came to the end of its way"
+    torn = 4, "torn: a latch was pulled with more than its strength"
+    failed_steps = 5, STEPS
+    failed_step_size = 6, STEP_SIZE
+    failed_not_finite = 7, NOT_FINITE
+    failed_penetration = 8, PENETRATION
+    failed_input = 9, INPUT
 
 
 def outcome_code(outcomes: type[RunOutcome], ends: tuple[str, ...], status: Int[Array, ""]) -> Int[Array, ""]:

@@ -3,6 +3,7 @@
 from collections import Counter
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -165,10 +166,9 @@ class Run(Portable, Saved):
         if not self.maxima or log is None or not int(log.count):
             return dict.fromkeys(self.maxima, float("nan"))
         count = int(log.count)
-        system = self.mechanism.system
-        # To assemble a mechanism outside of a stored program compiles a dozen small ones.
-        names = getattr(system, "observed_of", lambda *design: system(*design, self.stabilisation).observed)
-        observed = names(self.design, self.scenario)
+        # To assemble a mechanism in numbers, outside of a stored program, would compile a dozen small ones.
+        given = (self.design, self.scenario, self.stabilisation)
+        observed = eqx.filter_eval_shape(self.mechanism.system, *given).observed
         # The entry of a start in contact does not know what depends on the state's rate.
         time, values = np.asarray(log.time)[:count], np.asarray(log.values)[:count]
         starts = (np.asarray(log.kind)[:count] == Kind.TOUCHDOWN) & (time == 0.0)

@@ -21,6 +21,12 @@ State = Float[Array, " state"]
 Active = Float[Array, " contacts"]
 
 
+def slowest_touchdown(speed: Scalar) -> Scalar:
+    """Return the least memory of a touchdown [m/s] (M36), of a mechanism whose speeds are of the order of ``speed``."""
+    # It bounds a division and is no part of the physics, so nothing is differentiated through it.
+    return jnp.minimum(SLOWEST_TOUCHDOWN, SLOWEST_SHARE * jax.lax.stop_gradient(speed))
+
+
 class SmoothMemory(NamedTuple):
     """A memory that follows the approach speed while the contact is open (M61): its ``rate`` [m/s²] and how fast that
     ``decay``s with the memory [1/s]."""
@@ -132,8 +138,7 @@ class ContactSystem(HybridSystem):
     @property
     def slowest_touchdown(self) -> Scalar:
         """The least memory of a touchdown [m/s] (M36): small beside the mechanism's own speeds, however slow it is."""
-        # It bounds a division and is no part of the physics, so nothing is differentiated through it.
-        return jnp.minimum(SLOWEST_TOUCHDOWN, SLOWEST_SHARE * jax.lax.stop_gradient(self.typical_speed))
+        return slowest_touchdown(self.typical_speed)
 
     @property
     def energy_scale(self) -> Scalar:

@@ -11,7 +11,7 @@ from ..._types import Scalar, stacked
 from ...contact import BallPair, RegularisedCoulomb, Segment, contact_law
 from ...multibody import GROUND, AppliedForce, Body, FlexibleBody, Joint, Point, Revolute, System, Weld
 from ...multibody.flexible import Bar, FlexibleBar, Marker, free_bar, plate_strip
-from ..assembled import Assembled, BallContact, Posture, Shown
+from ..assembled import Assembled, BallContact, EvaluatedState, Shown
 from .design import BarDrop, BarDropScenario
 
 BAR, PLATE = range(2)
@@ -97,14 +97,14 @@ def ball_on_plate(design: BarDrop) -> BallPair:
     )
 
 
-def depth(mechanism: Assembled, at: Posture, rate: Array) -> Scalar:
+def depth(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
     """How deep the ball is in the plate [m], negative above it."""
-    return -at.approach[0].gap[0]
+    return -at.contacts[0].approach.gap[0]
 
 
-def plate_deflection(mechanism: Assembled, at: Posture, rate: Array) -> Scalar:
+def plate_deflection(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
     """How far the plate is bent downwards under the ball [m]."""
-    return at.kin.frame(PLATE).origin.y - at.origin[0].place.y
+    return at.kin.frame(PLATE).origin.y - at.contacts[0].origin.place.y
 
 
 @cache

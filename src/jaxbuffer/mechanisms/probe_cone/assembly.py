@@ -1,9 +1,10 @@
-"""The probe-cone mechanism assembled from bodies, joints, spring-dampers and a ball-on-flanks contact.
+"""The probe-cone mechanism assembled from bodies, joints, elements and a ball on flanks.
 
 Four bodies in the paper's order (M4): active vehicle S, cylinder B, probe P (with the tip on its end), passive vehicle
 T.
 """
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax.numpy as jnp
@@ -11,11 +12,26 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..._types import Scalar, stacked
-from ...contact import BallPair, KelvinVoigt, RegularisedCoulomb, Segment, contact_law
+from ...contact import BallPair, Hole, KelvinVoigt, RegularisedCoulomb, Segment, contact_law, socket_stiffness
+from ...contact.laws import DampedHertz
+from ...elements import (
+    BallContact,
+    Buffer,
+    BufferForce,
+    Element,
+    EndStop,
+    Latch,
+    Oscillators,
+    Pin,
+    SpringDamper,
+    Thrust,
+)
+from ...elements.element import ROUNDED_LENGTH
 from ...multibody import (
     AxialSpringDamper,
     Body,
     FlexibleBody,
+    Kinematics,
     Point,
     Prismatic,
     Revolute,
@@ -24,15 +40,22 @@ from ...multibody import (
 )
 from ...multibody.flexible import FlexibleBar, Marker
 from ...plane import Vector
-from .bending import bending_probe
-from .buffer import Buffer
-from .buffer_force import BufferForce, is_plain
+from ..assembled import Assembled, EvaluatedState, Shown
+from ..system import slowest_touchdown
+from .bending import bending_probe, modal_scales
+from .buffer import Buffer as BufferPart
 from .design import Design, Scenario
+from .throat import Throat
 
 S, B, P, T = range(4)  # bodies, in the order of the coordinates
 LOWER, UPPER = 0, 1  # flanks
 FLANKS = 2
+CONTACTS = ("lower", "upper")  # their names
 SIDE = np.array([1.0, -1.0])  # σ: +1 lower, -1 upper flank
+# With latches there are long implicit steps, and Newton's method does not know of Baumgarte's terms: with the full gain
+# it fails at steps that accuracy would allow.
+GAIN_WITH_LATCH = 0.5
+ROUNDED_ACCELERATION = 1e-12  # m/s²: what rounding of positions of a metre makes of it by the constraints' correction
 
 
 class Masses(NamedTuple):
@@ -73,8 +96,96 @@ def probe_masses(design: Design) -> Masses:
     return Masses(mass, inertia if probe.free_tip else inertia + tip, rear, front, tip, bending_probe(probe))
 
 
+class Parts(NamedTuple):
+    """What a mechanism was assembled from: ``design``, ``scenario``, and the ``probe`` with its tip."""
+
+    design: Design
+    scenario: Scenario
+    probe: Masses
+
+
+def assemble(design: Design, scenario: Scenario, stabilisation: Scalar = 20.0) -> Assembled:
+    """Return a design in a scenario as a mechanism that is ready to be stepped through time.
+
+    This is the one place that asks which parts a design has.
+
+    **Arguments:** ``design``; ``scenario``; ``stabilisation``: Baumgarte's gain [1/s].
+    """
+    probe, speed, mass = probe_masses(design), scenario.approach_speed, design.active.mass
+    latched, smooth, bending = design.latch.stiffness is not None, design.contact.memory == "smooth", probe.bending
+    system = assemble_system(design, probe, GAIN_WITH_LATCH * stabilisation if latched else stabilisation)
+    q, v = start_motion(design, scenario, probe)
+    tip = tip_in_cone(design, scenario, probe)
+    touching, memory = first_contact(tip, scenario, system.kinematics(q, v))
+    # Positions are compared with the penetration of a typical impact, velocities with the approach speed.
+    length = 1e-3
+    bent, bending_rate = ([], []) if bending is None else modal_scales(bending, speed)
+    return Assembled(
+        system=system,
+        q=q,
+        v=v,
+        contacts=(tip,),
+        elements=elements_of(design, scenario, probe),
+        closed=touching,
+        first_memory=memory,
+        quiet=design.latch.quiet if latched else None,
+        size=(
+            stacked([length, length, length / 0.1] * 4 + bent),
+            stacked([speed, speed, speed / 0.1] * 4 + bending_rate),
+        ),
+        speed=speed,
+        energy_size=0.5 * mass * speed**2,
+        momentum_size=mass * speed,
+        memory_time=design.contact.memory_time if smooth else None,
+        shown=shown_of(design, scenario),
+        recorded=RECORDED if design.buffer.stop_stiffness is not None else (*RECORDED, NO_STOP),
+        parts=Parts(design, scenario, probe),
+        stored_in="spring",
+        lost_in=None if bending is None else "bending",
+        listed=(("kinetic", "spring", "contact", "stop"), ("stop_damper", "hinge_play", "bending")),
+        rings=bending is not None,
+    )
+
+
+def elements_of(design: Design, scenario: Scenario, probe: Masses) -> tuple[Element, ...]:
+    """Return the elements of a design in a scenario, in the order in which its energies are listed."""
+    buffer, latch, hinge, shock = design.buffer, design.latch, design.hinge, design.shock
+    axial = axial_force(buffer, probe)
+    throat = Throat(
+        design=design,
+        scenario=scenario,
+        tip_point=probe.tip_centre,
+        tip_body=P,
+        cone_body=T,
+        captures=latch.stiffness is None,
+    )
+    torsional = TorsionalSpringDamper(S, B, stiffness=buffer.k_T, damping=buffer.c_T)
+    elements: list[Element] = [
+        throat,
+        Buffer(axial, buffer.longest_stroke),
+        SpringDamper(torsional, lost_in="torsional_damper", name="hinge spring"),
+    ]
+    if buffer.stop_stiffness is not None:
+        elements.append(EndStop(axial, KelvinVoigt(buffer.stop_stiffness, buffer.stop_damping), buffer.end))
+    if hinge.play is not None:
+        elements.append(pin_in_bush(design))
+    if buffer.rebound_stiffness is not None:
+        law = KelvinVoigt(buffer.rebound_stiffness, buffer.rebound_damping)
+        elements.append(EndStop(axial, law, buffer.rebound_gap, rebound=True, watched=False, name="rebound"))
+    if latch.stiffness is not None:
+        elements.append(latches(design, probe, throat.plane))
+    if scenario.thrust is not None:
+        elements.append(Thrust(S, scenario.thrust, scenario.thrust_time))
+    if shock.frequencies:
+        carriers = {"active": S, "passive": T}
+        names = tuple(shock.frequencies)
+        bodies = tuple(carriers[name.partition("_")[0]] for name in names)
+        elements.append(Oscillators(bodies, tuple(shock.frequencies.values()), names, shock.damping))
+    return tuple(elements)
+
+
 def assemble_system(design: Design, probe: Masses, stabilisation: Scalar) -> System:
-    """Bodies, joints and buffer of the mechanism (M15, M23, M26).
+    """Bodies and joints of the mechanism (M15).
 
     **Arguments:** ``design``; ``probe``: masses and lengths of the probe; ``stabilisation``: Baumgarte's gain [1/s].
     """
@@ -90,16 +201,12 @@ def assemble_system(design: Design, probe: Masses, stabilisation: Scalar) -> Sys
             Body(design.passive.mass, design.passive.inertia),
         ),
         joints=(guide,) if design.hinge.play is not None else (hinge, guide),
-        forces=(
-            axial_element(design.buffer, probe),
-            TorsionalSpringDamper(S, B, stiffness=design.buffer.k_T, damping=design.buffer.c_T),
-        ),
         stabilisation=stabilisation,
     )
 
 
-def axial_element(buffer: Buffer, probe: Masses) -> AxialSpringDamper:
-    """The buffer's axial element: the paper's linear spring and damper, or a real buffer's (M23, M171 to M173)."""
+def axial_force(buffer: BufferPart, probe: Masses) -> AxialSpringDamper:
+    """Return the buffer's axial force: the paper's linear spring and damper, or a real buffer's (M23, M171 to M173)."""
     linear: dict[str, Any] = {
         "first": B,
         "second": P,
@@ -111,7 +218,8 @@ def axial_element(buffer: Buffer, probe: Masses) -> AxialSpringDamper:
         "guide": (1.0, 0.0),
         "published_damping": buffer.damping == "published",
     }
-    if is_plain(buffer):
+    more = (buffer.spring_curve, buffer.damper_curve, buffer.preload, buffer.c_A2, buffer.rebound_factor)
+    if all(part is None for part in (*more, buffer.friction)):
         return AxialSpringDamper(**linear)
     return BufferForce(
         **linear,
@@ -126,8 +234,8 @@ def axial_element(buffer: Buffer, probe: Masses) -> AxialSpringDamper:
     )
 
 
-def assemble_contact(design: Design) -> BallPair:
-    """The tip against both flanks, in the axes of T (M30)."""
+def tip_on_flanks(design: Design) -> BallPair:
+    """Return the tip against both flanks, in the axes of T (M30)."""
     angle, side = design.cone.half_angle, jnp.asarray(SIDE)
     flanks = Segment(
         start_x=-design.cone.offset,
@@ -154,16 +262,133 @@ def assemble_contact(design: Design) -> BallPair:
     )
 
 
-def rebound_stop(design: Design) -> KelvinVoigt | None:
-    """The law of the stop that holds the probe near its free length (M174); None without one."""
-    stiffness = design.buffer.rebound_stiffness
-    return None if stiffness is None else KelvinVoigt(stiffness, design.buffer.rebound_damping)
+def tip_in_cone(design: Design, scenario: Scenario, probe: Masses) -> BallContact:
+    """Return the contact of the tip with both flanks (M29, M30)."""
+    contact = design.contact
+    return BallContact(
+        P,
+        T,
+        tip_on_flanks(design),
+        point=probe.tip_centre,
+        names=CONTACTS,
+        spin_inertia=probe.tip_inertia if design.probe.free_tip else None,
+        onset_length=contact.onset_length if contact.memory == "smooth" else None,
+        fixed_foot=scenario.contact_distance if contact.arms == "published" else None,
+    )
 
 
-def end_stop(design: Design) -> KelvinVoigt | None:
-    """The law of the buffer's end stop (M28), which acts while the stroke exceeds s_m; None without a stop."""
-    stiffness = design.buffer.stop_stiffness
-    return None if stiffness is None else KelvinVoigt(stiffness, design.buffer.stop_damping)
+def first_contact(tip: BallContact, scenario: Scenario, kin: Kinematics) -> tuple[Array, Array]:
+    """Return which flanks are touched at t = 0, and the contacts' memory there [m/s]."""
+    slowest = slowest_touchdown(scenario.approach_speed)
+    if scenario.start == "free":  # nothing touches, and the memory is at its floor (M170)
+        return jnp.zeros(FLANKS), jnp.full(FLANKS, slowest)
+    approach = tip.evaluate(kin).approach.approach_speed
+    touching = jnp.where((jnp.arange(FLANKS) == LOWER) & (approach > 0.0), 1.0, 0.0)
+    return touching, jnp.maximum(approach, slowest)
+
+
+def pin_in_bush(design: Design) -> Pin:
+    """Return the hinge's pin, on the active vehicle, in a bush with play on the cylinder (M109)."""
+    hinge = design.hinge
+    pair = BallPair(
+        hinge.pin_radius, Hole(0.0, 0.0, hinge.bush_radius), jnp.ones(1), pin_law(design), RegularisedCoulomb(0.0, 1.0)
+    )
+    pin, bush = (design.active.hinge_offset, 0.0), (design.buffer.cylinder_length / 2, 0.0)
+    return Pin(BallContact(S, B, pair, pin, bush))
+
+
+def pin_law(design: Design) -> DampedHertz:
+    """Return the law of the pin's contact: a ball in a socket."""
+    hinge = design.hinge
+    modulus, ratio = hinge.young_modulus, hinge.poisson_ratio
+    stiffness = socket_stiffness(hinge.pin_radius, hinge.bush_radius, modulus, ratio, modulus, ratio)
+    return DampedHertz(stiffness, hinge.damping)
+
+
+def latches(design: Design, probe: Masses, plane: Scalar) -> Latch:
+    """Return the latches of the cone, which hold the tip's centre. ``plane``: where it is captured, along the axis of T
+    [m]."""
+    latch = design.latch
+    return Latch(
+        first=P,
+        second=T,
+        point=probe.tip_centre,
+        plane=plane,
+        seat=(plane + latch.depth, 0.0),
+        stiffness=latch.stiffness,
+        damping=latch.damping,
+        turn_stiffness=latch.turn_stiffness,
+        turn_damping=latch.turn_damping,
+        preload=latch.preload,
+        preload_length=latch.preload_length,
+        closing_time=latch.closing_time,
+        strength=latch.strength,
+    )
+
+
+# --- what is watched --------------------------------------------------------------------------------------------------
+
+
+def hinge_force(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
+    """Return the size of the force that accelerates the active vehicle [N] (M68)."""
+    return _size_of(rate[mechanism.coordinates : mechanism.coordinates + 2] * mechanism.parts.design.active.mass)
+
+
+def passive_force(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
+    """Return the size of the force on the passive vehicle [N]."""
+    first = mechanism.coordinates + 3 * T
+    return _size_of(rate[first : first + 2] * mechanism.parts.design.passive.mass)
+
+
+def _size_of(force: Float[Array, " 2"]) -> Scalar:
+    """Return a force's size, with a derivative also where it is zero."""
+    return jnp.sqrt(force[0] ** 2 + force[1] ** 2 + 1e-24)
+
+
+def hinge_angle(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
+    """Return the cylinder's angle against the active vehicle [rad]."""
+    return at.kin.frame(B).angle - at.kin.frame(S).angle
+
+
+def bending_of_tip(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
+    """Return how far the tip is bent off the probe's axis [m], 0 if it does not bend."""
+    bending = mechanism.parts.probe.bending
+    return jnp.zeros(()) if bending is None else bending.end.displacement(at.kin.modal(P)[0]).y
+
+
+def _rounded_force(vehicle: str) -> Callable[[Assembled], Scalar]:
+    """Return what of the force on a vehicle is rounding, in the spring's force and by the constraints' correction."""
+
+    def of(mechanism: Assembled) -> Scalar:
+        mass = getattr(mechanism.parts.design, vehicle).mass
+        return ROUNDED_LENGTH * mechanism.element("buffer").stiffness_at_rest + ROUNDED_ACCELERATION * mass
+
+    return of
+
+
+def _rounded_length(mechanism: Assembled) -> Scalar:
+    return ROUNDED_LENGTH
+
+
+HINGE_FORCE = Shown("hinge_force", hinge_force, of_rate=True, negligible=_rounded_force("active"))
+PASSIVE_FORCE = Shown("passive_force", passive_force, of_rate=True, negligible=_rounded_force("passive"))
+HINGE_ANGLE = Shown("hinge_angle", lambda *at: jnp.abs(hinge_angle(*at)), negligible=_rounded_length)
+BENDING = Shown("bending", lambda *at: jnp.abs(bending_of_tip(*at)), negligible=_rounded_length)
+# Of a history; those of which the largest size is watched have their sign there.
+RECORDED = (
+    Shown("tip_spin", lambda mechanism, at, rate: at.contacts[0].spin),
+    Shown("hinge_angle", hinge_angle),
+    Shown("bending", bending_of_tip),
+)
+NO_STOP = Shown("stop_force", lambda mechanism, at, rate: jnp.zeros(()))  # a history has that force in any case
+
+
+def shown_of(design: Design, scenario: Scenario) -> tuple[Shown, ...]:
+    """Return what is watched beside the elements' own observables."""
+    bending = () if design.probe.bending_stiffness is None else (BENDING,)
+    # Without a latch, and from the touch, nothing but the tip acts on the passive vehicle.
+    acted_on = design.latch.stiffness is not None or scenario.start == "free"
+    return (HINGE_FORCE, HINGE_ANGLE, *bending, *((PASSIVE_FORCE,) if acted_on else ()))
 
 
 def start_motion(

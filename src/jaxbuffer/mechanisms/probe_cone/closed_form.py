@@ -12,12 +12,10 @@ from jaxtyping import Array, Float
 from ..._types import Scalar
 from ...contact.laws import HystereticLaw
 from ...programs.cache import stored
-from .assembly import LOWER
+from ..assembled import Assembled, EvaluatedState
+from .assembly import LOWER, assemble
 from .capture import FirstImpact
 from .design import Design, Scenario, check_fit
-from .linearisation import flank_directions
-from .posture import Posture
-from .system import CaptureMechanism
 
 HERTZ_DURATION = 2.943275  # of a lossless impact, times its largest penetration over its approach speed [-]
 
@@ -50,26 +48,29 @@ def first_impact(design: Design, scenario: Scenario | None = None) -> FirstImpac
 
 @stored
 def _first_impact(parameters: tuple[Design, Scenario]) -> FirstImpact:
-    mechanism = CaptureMechanism(*parameters)
+    mechanism = assemble(*parameters)
     return predict(mechanism, mechanism.first_posture()[0])
 
 
-def predict(mechanism: CaptureMechanism, at: Posture) -> FirstImpact:
+def predict(mechanism: Assembled, at: EvaluatedState) -> FirstImpact:
     """The first impact of a mechanism's run, which starts there with the tip on the lower flank."""
-    closing, speed = (
-        flank_directions(mechanism, at)[0][: mechanism.coordinates, LOWER],
-        mechanism.memory(at.state)[LOWER],
-    )
-    mass = mechanism.system.effective_mass(at.kin, closing)
+    mass, speed = first_flank(mechanism, at)
     energy = 0.5 * mass * speed**2
-    law = mechanism.pair.law
-    stiffness = jnp.asarray(mechanism.design.contact_stiffness)
+    law = mechanism.contacts[0].pair.law
+    stiffness = jnp.asarray(mechanism.parts.design.contact_stiffness)
     peak, depth = hertz_peak(stiffness, energy), (2.5 * energy / stiffness) ** 0.4
     factor = loss_factor(law.hysteresis) if isinstance(law, HystereticLaw) else jnp.full((), jnp.nan)
     first = FirstImpact(mass, energy, peak, peak * factor, HERTZ_DURATION * depth / speed)
-    if mechanism.scenario.start != "free":
+    if mechanism.parts.scenario.start != "free":
         return first
     return jax.tree.map(lambda number: jnp.nan * number, first)  # a free start says nothing of the first impact
+
+
+def first_flank(mechanism: Assembled, at: EvaluatedState) -> tuple[Float[Array, ""], Float[Array, ""]]:
+    """Return the effective mass [kg] that the lower flank meets, the joints holding and the springs soft, and the
+    contact's memory [m/s]: 1/m = A M_c⁻¹ Aᵀ, where A q̇ is the approach speed."""
+    closing = mechanism.contacts[0].directions(mechanism.system, at.contacts[0])[0][: mechanism.coordinates, LOWER]
+    return mechanism.system.effective_mass(at.kin, closing), mechanism.memory(at.state)[LOWER]
 
 
 def hertz_peak(stiffness: Scalar, energy: Scalar) -> Float[Array, ""]:

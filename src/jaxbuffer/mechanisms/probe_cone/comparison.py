@@ -2,7 +2,6 @@
 
 from typing import NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
 
 from ...contact.laws import LAWS, ContactLaw, FreeImpact, free_impact
@@ -10,9 +9,9 @@ from ...errors import check_number, check_type
 from ...fields import POSITIVE, Part, replace
 from ...programs.process import check_ready
 from ...tables import table, text
-from .assembly import LOWER, assemble_contact
+from .assembly import assemble, tip_on_flanks
+from .closed_form import first_flank
 from .design import Design, Scenario
-from .system import CaptureMechanism
 
 ASKED = (0.1, 0.3, 0.5, 0.7, 0.9)  # restitutions, as in the published comparisons
 CURVE = tuple(np.round(np.linspace(0.02, 1.0, 50), 2))
@@ -44,16 +43,10 @@ class Comparison(NamedTuple):
 
 
 def first_contact(design: Design, scenario: Scenario) -> tuple[float, float]:
-    """Effective mass [kg] and approach speed [m/s] of the first impact, the joints holding and the springs soft.
-
-    1/m = A M_c⁻¹ Aᵀ, where A q̇ is the approach speed and M_c⁻¹ the mobility that the joints leave.
-    """
-    mechanism = CaptureMechanism(design, scenario)
-    state, touching = mechanism.start()
-    part = mechanism.linearisation(jnp.zeros(()), state, jnp.ones_like(touching))
-    normal = 2 + LOWER  # after the axial and the torsional spring-damper
-    mobility = jnp.sum(part.directions[:, normal] * part.response[:, normal])
-    return float(1.0 / mobility), float(mechanism.memory(state)[LOWER])
+    """Return effective mass [kg] and approach speed [m/s] of the first impact."""
+    mechanism = assemble(design, scenario)
+    mass, speed = first_flank(mechanism, mechanism.first_posture()[0])
+    return float(mass), float(speed)
 
 
 def compare_laws(
@@ -78,7 +71,7 @@ def compare_laws(
         # Only Adams' law may have an exponent of its own; the others keep Hertz's.
         own = {} if name == "adams" else {"contact.exponent": 1.5}
         chosen = {"contact.law": name, "contact.restitution": restitution, "contact.memory": "event"} | own
-        return assemble_contact(replace(design, chosen)).law
+        return tip_on_flanks(replace(design, chosen)).law
 
     def compared(name: str) -> ComparedLaw:
         def delivered(values: tuple[float, ...]) -> np.ndarray:

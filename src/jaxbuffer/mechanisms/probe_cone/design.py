@@ -16,8 +16,8 @@ from ...fields import NON_NEGATIVE, POSITIVE, Number, Part, all_of, choice, numb
 from ..run import DesignOf
 from .buffer import Buffer
 from .capture import Capture
-from .oscillators import Shock
 from .parts import Active, Cone, Contact, Hinge, Latch, Passive, Probe
+from .shock import Shock
 
 
 class Design(DesignOf[Capture]):

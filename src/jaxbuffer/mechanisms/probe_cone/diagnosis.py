@@ -10,11 +10,10 @@ from ...hybrid import Kind
 from ...programs.cache import stored
 from ...value_text import percent_text, with_unit
 from ..energy import energy_text, energy_unit
-from .assembly import T
+from .assembly import CONTACTS, T, assemble
 from .capture import Capture
 from .outcome import Outcome
 from .panels import NOT_ELASTIC
-from .system import CONTACTS, CaptureMechanism
 
 
 class Course(NamedTuple):
@@ -43,21 +42,22 @@ def course(
 
     ``closed``: contacts that are closed then.
     """
-    mechanism = CaptureMechanism(*parameters)
+    mechanism = assemble(*parameters)
     design = parameters[0]
     passive = design.passive.mass
-    active = design.active.mass + design.buffer.cylinder_mass + mechanism.probe.mass
+    active = design.active.mass + design.buffer.cylinder_mass + mechanism.parts.probe.mass
 
     def at(state: Float[Array, " state"], touching: Float[Array, " contacts"]) -> Course:
-        before, receding = mechanism.throat_of(state)
+        posture = mechanism.posture(state)
+        tip = mechanism.evaluated(posture, "throat")
         momentum = mechanism.momentum(state)[0]
-        cone = mechanism.kinematics(state).frame(T)
+        cone = posture.kin.frame(T)
         x, y = ((momentum[k] - passive * v) / active - v for k, v in enumerate((cone.velocity.x, cone.velocity.y)))
         speed = x * cone.cos + y * cone.sin
         reduced = active * passive / (active + passive)
         common = 0.5 * (momentum[0] ** 2 + momentum[1] ** 2) / (active + passive)
-        relative = mechanism.relative_energy(mechanism.posture(state), touching)
-        return Course(before, -receding, speed, 0.5 * reduced * speed**2, common, relative)
+        relative = mechanism.relative_energy(posture, touching)
+        return Course(tip.before, -tip.receding, speed, 0.5 * reduced * speed**2, common, relative)
 
     return jax.vmap(at)(states, closed)
 

@@ -10,14 +10,12 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from ..._types import Scalar
+from ...elements import BufferForce
 from ...hybrid import Kind, Log
+from ..assembled import Assembled, EvaluatedState
 from .assembly import P, T
-from .buffer_force import BufferForce
 from .capture import Docked
 from .outcome import Outcome
-from .posture import Posture
-from .state_layout import LATCH
-from .system import CaptureMechanism
 
 DOUBLINGS, NEWTON_STEPS = 60, 30  # of a stroke from 1e-9 m on, and towards the stroke whose energy is known
 
@@ -28,28 +26,27 @@ class Crossing(NamedTuple):
     ``at``: the posture there, which moves with the parameters; ``time`` [s]; ``occurred``: whether it crossed.
     """
 
-    at: Posture
+    at: EvaluatedState
     time: Float[Array, ""]
     occurred: Bool[Array, ""]
 
 
-def latched(mechanism: CaptureMechanism, log: Log) -> Bool[Array, ""]:
+def latched(mechanism: Assembled, log: Log) -> Bool[Array, ""]:
     """Return whether the latches began to close."""
-    if mechanism.latch is None:
-        return jnp.asarray(False)
-    return mechanism.extra(log.rows[_last(log), 0], "since_crossing") > 0.0
+    latch = mechanism.evaluated(mechanism.posture(log.rows[_last(log), 0]), "latch")
+    return jnp.asarray(False) if latch is None else latch.since > 0.0
 
 
-def crossing(mechanism: CaptureMechanism, log: Log, code: Int[Array, ""]) -> Crossing:
+def crossing(mechanism: Assembled, log: Log, code: Int[Array, ""]) -> Crossing:
     """Return where the tip crossed the capture plane.
 
     ``code``: of the outcome. Without latches a captured run ends there; with them it is the touchdown of theirs.
     """
     last = _last(log)
     end = log.rows[last, 0]
-    if mechanism.latch is None:
+    if mechanism.element("latch") is None:
         return Crossing(mechanism.posture(end), log.time[last], code == Outcome.captured)
-    which = mechanism.contact_names.index(LATCH)
+    which = mechanism.contact_names.index("latch")
     mine = (log.kind == Kind.TOUCHDOWN) & (log.which == which) & (jnp.arange(log.kind.shape[0]) < log.count)
     slot, listed = jnp.argmax(mine), jnp.any(mine)
     row = log.rows[slot, 0]
@@ -58,21 +55,21 @@ def crossing(mechanism: CaptureMechanism, log: Log, code: Int[Array, ""]) -> Cro
     rate = jax.lax.stop_gradient(mechanism.derivative(0.0, row, log.active[slot]))
     state = jnp.where(listed, row + rate * late, end)
     # A log that overflowed does not have the entry; the state says when the latches began to close.
-    since = mechanism.extra(end, "since_crossing")
+    since = mechanism.evaluated(mechanism.posture(end), "latch").since
     return Crossing(mechanism.posture(state), log.time[last] - since, listed | (since > 0.0))
 
 
-def docked(mechanism: CaptureMechanism, start: Posture, log: Log, code: Int[Array, ""], latch_force: Scalar) -> Docked:
+def docked(mechanism: Assembled, start: EvaluatedState, log: Log, code: Int[Array, ""], latch_force: Scalar) -> Docked:
     """Read off what a run says of docking. ``latch_force``: the largest one [N]."""
     last = _last(log)
     end, active = mechanism.posture(log.rows[last, 0]), log.active[last]
     before, left = mechanism.relative_energy(start, jnp.zeros_like(active)), mechanism.relative_energy(end, active)
     cross = crossing(mechanism, log, code)
     known = jnp.where(cross.occurred, 1.0, jnp.nan)
-    tip, cone, probe = mechanism.tip_in_cone(cross.at), cross.at.kin.frame(T), cross.at.kin.frame(P)
+    tip, cone, probe = mechanism.evaluated(cross.at, "throat").tip, cross.at.kin.frame(T), cross.at.kin.frame(P)
     rate = _tip_rate(cross.at)
     unlatched = jnp.where(latched(mechanism, log), 1.0, jnp.nan)
-    passive = mechanism.design.passive.mass
+    passive = mechanism.parts.design.passive.mass
     push = (end.kin.frame(T).velocity - start.kin.frame(T).velocity) * passive
     return Docked(
         latch_time=cross.time * unlatched,
@@ -89,24 +86,24 @@ def docked(mechanism: CaptureMechanism, start: Posture, log: Log, code: Int[Arra
     )
 
 
-def _tip_rate(at: Posture) -> Scalar:
+def _tip_rate(at: EvaluatedState) -> Scalar:
     """How fast the tip's y in the axes of T changes [m/s]."""
     cone = at.kin.frame(T)
-    off = at.centre.place - cone.origin
-    return cone.unturn(at.centre.velocity - cone.velocity_at(off)).y
+    centre = at.contacts[0].centre
+    return cone.unturn(centre.velocity - cone.velocity_at(centre.place - cone.origin)).y
 
 
-def arrest_stroke(mechanism: CaptureMechanism, energy: Float[Array, ""]) -> Float[Array, ""]:
+def arrest_stroke(mechanism: Assembled, energy: Float[Array, ""]) -> Float[Array, ""]:
     """Return the stroke at which axial spring and end stop store an energy [m], √(2 E/k_A) of a linear spring without a
     stop (M179)."""
     energy = jnp.maximum(energy, 1e-30)
-    axial, stop, end = mechanism.axial, mechanism.stop, mechanism.design.buffer.end
+    axial, stop = mechanism.element("buffer").force, mechanism.element("stop")
     if stop is None and not isinstance(axial, BufferForce):
         return jnp.sqrt(2.0 * energy / axial.stiffness)
 
     def stored(stroke: Array) -> Array:
         spring = axial.spring_energy(stroke) if isinstance(axial, BufferForce) else 0.5 * axial.stiffness * stroke**2
-        return jnp.asarray(spring if stop is None else spring + stop.energy(stroke - end))
+        return jnp.asarray(spring if stop is None else spring + stop.law.energy(stroke - stop.place))
 
     def step(_: int, stroke: Array) -> Array:
         value, force = jax.jvp(stored, (stroke,), (jnp.ones(()),))
@@ -118,23 +115,23 @@ def arrest_stroke(mechanism: CaptureMechanism, energy: Float[Array, ""]) -> Floa
     return step(0, jax.lax.stop_gradient(root))  # whose derivative is that of the root
 
 
-def _latch_share(mechanism: CaptureMechanism, end: Posture, largest: Scalar, torn: Bool[Array, ""]) -> Float[Array, ""]:
+def _latch_share(mechanism: Assembled, end: EvaluatedState, largest: Scalar, torn: Bool[Array, ""]) -> Float[Array, ""]:
     """The largest force of the latches over their strength [-].
 
     Of torn ones it is above 1: with the force to which the mass that they hold would have stretched them, had they
     held. It is 1 where they just tear, and its slope leads out of that.
     """
-    latch, at = mechanism.latch, end.latch
-    if latch is None or at is None or latch.latch.strength is None:
+    latch, at = mechanism.element("latch"), mechanism.evaluated(end, "latch")
+    if latch is None or latch.strength is None:
         return jnp.zeros(())
-    force = latch.force(at)
-    size = latch.size(at)
+    force = latch.force(at, jnp.ones(2))
+    size = jnp.sqrt(force.dot(force) + 1e-24)
     pull = force * (-1.0 / size)
-    blocks = {P: at.tip.along(pull), T: at.opposite.along(-pull)}
+    blocks = {P: at.held.along(pull), T: at.opposite.along(-pull)}
     mass = mechanism.system.effective_mass(end.kin, mechanism.system.direction(blocks))
     speed = jnp.maximum(at.velocity.dot(pull), 0.0)
-    stretched = jnp.sqrt(size**2 + latch.latch.stiffness * mass * speed**2)
-    return jnp.where(torn, stretched, largest) / latch.latch.strength
+    stretched = jnp.sqrt(size**2 + latch.stiffness * mass * speed**2)
+    return jnp.where(torn, stretched, largest) / latch.strength
 
 
 def _last(log: Log) -> Int[Array, ""]:

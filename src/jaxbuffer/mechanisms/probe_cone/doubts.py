@@ -8,7 +8,7 @@ import numpy as np
 
 from ...fields import as_typed, get, unit
 from ...value_text import with_unit
-from .assembly import assemble_contact
+from .assembly import tip_on_flanks
 from .design import Design
 
 FAR = 3.0  # a factor between masses from which on the model's other numbers are not to be relied on
@@ -89,7 +89,7 @@ def _line(design: Design, entry: TableValue, ratio: float) -> str:
 
 
 def _restitution(design: Design) -> Iterator[str]:
-    nominal, law = float(np.max(np.asarray(design.contact.restitution))), assemble_contact(design).law
+    nominal, law = float(np.max(np.asarray(design.contact.restitution))), tip_on_flanks(design).law
     if not hasattr(law, "restitution"):
         return
     delivered = float(law.delivered_restitution(MASS, SPEED))

@@ -8,11 +8,10 @@ from jaxtyping import Array, Float
 
 from ...contact.laws import hertz_pressure, yield_pressure
 from ..validity import BEYOND_LAW, ValidityLimit
-from .assembly import assemble_contact
+from .assembly import pin_law, tip_on_flanks
 from .bending import bending_frequencies
 from .capture import Capture
 from .design import Design
-from .hinge_play import pin_law
 from .latch_energy import closing_warnings
 
 DEEP = 0.1  # of the tip's radius: up to here the contact counts as small against the ball
@@ -54,7 +53,7 @@ def limits(design: Design, peak_force: Any, penetration: Any = None) -> list[Val
     """Both limits with what lies beyond them in words; the ``penetration`` follows from the peak force [N] if it is not
     given."""
     if penetration is None:
-        penetration = assemble_contact(design).law.depth(peak_force)
+        penetration = tip_on_flanks(design).law.depth(peak_force)
     ratios = validity(design, np.asarray(penetration), np.asarray(peak_force))
     return [
         ValidityLimit(f"{BEYOND_LAW}the tip goes deeper into a flank than a tenth of its radius", ratios.depth),

@@ -4,13 +4,14 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from ..._types import Scalar
+from ...elements import BufferForce
 from ...hybrid import Log
-from .buffer_force import BufferForce
+from ..assembled import Assembled
 from .docked import Crossing
-from .system import CaptureMechanism
+from .throat import ThroatState
 
 
-def throat(mechanism: CaptureMechanism, log: Log, cross: Crossing, duration: Scalar) -> tuple[Array, Array]:
+def throat(mechanism: Assembled, log: Log, cross: Crossing, duration: Scalar) -> tuple[Array, Array]:
     """How far the tip centre is before the capture plane at the end of the run [m], and how far beyond that plane it
     would be at ``duration``, going on from the end, or from its crossing of the plane, as fast as it goes there [m]:
     positive exactly if it crosses the plane until then.
@@ -19,25 +20,23 @@ def throat(mechanism: CaptureMechanism, log: Log, cross: Crossing, duration: Sca
     crossing it is a jump.
     """
     last = jnp.maximum(log.count - 1, 0)
-    before, receding = mechanism.throat_of(log.rows[last, 0])
-    if mechanism.latch is None:
-        return before, _through(mechanism, log, -(before + receding * (duration - log.time[last])))
-    there, away = mechanism.throat(cross.at.kin, cross.at.tip)
-    return before, _through(mechanism, log, -(there + away * (duration - cross.time)))
+    end = mechanism.evaluated(mechanism.posture(log.rows[last, 0]), "throat")
+    if mechanism.element("latch") is None:
+        return end.before, _through(mechanism, end, -(end.before + end.receding * (duration - log.time[last])))
+    there = mechanism.evaluated(cross.at, "throat")
+    return end.before, _through(mechanism, end, -(there.before + there.receding * (duration - cross.time)))
 
 
-def _through(mechanism: CaptureMechanism, log: Log, beyond: Array) -> Array:
-    """How far the tip is beyond the capture plane; where a free start leads it past the cone, minus how far it is off
-    the rim [m]."""
-    if mechanism.scenario.start != "free":
+def _through(mechanism: Assembled, end: ThroatState, beyond: Array) -> Array:
+    """Return how far the tip is beyond the capture plane; where a free start leads it past the cone, minus how far it
+    is off the rim [m]."""
+    if mechanism.parts.scenario.start != "free":
         return beyond
-    end = mechanism.posture(log.rows[jnp.maximum(log.count - 1, 0), 0])
-    off = mechanism.off_rim(end)
-    return jnp.where(off > 0.0, jnp.minimum(beyond, -off), beyond)
+    return jnp.where(end.off_rim > 0.0, jnp.minimum(beyond, -end.off_rim), beyond)
 
 
 def stroke_margin(
-    mechanism: CaptureMechanism, log: Log, stroke: Float[Array, ""], bottomed: Bool[Array, ""]
+    mechanism: Assembled, log: Log, stroke: Float[Array, ""], bottomed: Bool[Array, ""]
 ) -> Float[Array, ""]:
     """How much stroke is left before the buffer's end [m]; less than zero for a bottomed run.
 
@@ -48,12 +47,13 @@ def stroke_margin(
     """
     last = jnp.maximum(log.count - 1, 0)
     at = mechanism.posture(log.rows[last, 0])
-    axial, buffer = mechanism.axial.springs(at.kin)[0], mechanism.design.buffer
-    mass = mechanism.system.effective_mass(at.kin, mechanism.system.direction(axial.blocks))
-    speed = jnp.maximum(at.stroke_rate, 0.0)
-    if isinstance(mechanism.axial, BufferForce):
-        axial_force = -mechanism.axial.tension(at.kin)
+    buffer, axial = mechanism.parts.design.buffer, mechanism.element("buffer").force
+    mass = mechanism.system.effective_mass(at.kin, mechanism.system.direction(axial.springs(at.kin)[0].blocks))
+    speed = jnp.maximum(mechanism.evaluated(at, "buffer").stroke_rate, 0.0)
+    if isinstance(axial, BufferForce):
+        force = -axial.tension(at.kin)
     else:
-        axial_force = buffer.k_A * buffer.longest_stroke + buffer.c_A * speed
-    force = axial_force + mechanism.stop_force(at, log.active[last])
+        force = buffer.k_A * buffer.longest_stroke + buffer.c_A * speed
+    if (stop := mechanism.element("stop")) is not None:
+        force = force + stop.force(mechanism.evaluated(at, "stop"), mechanism.closed_switches(log.active[last], "stop"))
     return jnp.where(bottomed, -0.5 * mass * speed**2 / force, buffer.longest_stroke - stroke)

@@ -4,13 +4,13 @@ from ...errors import InputError
 from ...fields import replace
 from ..mechanism import Defaults, Floor, Mechanism, RequiredEnd, TuningRules
 from ..registry import register
+from .assembly import assemble
 from .closed_form import first_impact
 from .design import Design, Scenario, check_fit, valid
 from .outcome import Outcome
 from .problem import check_problem, left_open, unfinished
 from .quantities import QUANTITIES
 from .solved import capture
-from .system import CaptureMechanism
 from .view import VIEW
 
 SOFTENERS = ("k_A", "c_A", "k_T", "c_T", "spring_curve", "damper_curve", "preload", "c_A2", "friction")
@@ -41,7 +41,7 @@ PROBE_CONE = register(
         design=Design,
         scenario=Scenario,
         quantities=QUANTITIES,
-        system=CaptureMechanism,
+        system=assemble,
         outcomes=Outcome,
         successes=("captured", "held", "latched"),
         check_fit=check_fit,

@@ -11,7 +11,7 @@ import numpy as np
 from ..quantity import CONTACT_TIME, DISSIPATED, PEAK_FORCE, PEAK_TIME, PENETRATION, Quantity
 from .latch_energy import closing_energy, closing_share, reference_share
 from .law_validity import pressure
-from .oscillators import SLOTS, VEHICLES
+from .shock import SLOTS, VEHICLES
 from .vehicle_forces import peak_vehicle_force
 
 MILLIMETRES = ("mm", 1e3)

@@ -3,23 +3,23 @@
 import jax
 import jax.numpy as jnp
 
+from ..assembled import Assembled
 from ..run import Solved
 from .capture import Capture, FlankImpacts
 from .closed_form import predict
 from .docked import crossing, docked, latched
 from .margins import stroke_margin, throat
 from .outcome import Outcome
-from .system import CaptureMechanism
 
 
-def capture(mechanism: CaptureMechanism, solved: Solved) -> Capture:
+def capture(mechanism: Assembled, solved: Solved) -> Capture:
     """What was solved, as a capture."""
     largest, known, log = solved.common["maxima"], solved.known, solved.log
     stroke = solved.maxima.others["stroke"]
     code = jnp.where((solved.code == Outcome.timeout) & latched(mechanism, log), int(Outcome.latched), solved.code)
     cross = crossing(mechanism, log, code)
     throat_distance, beyond = throat(mechanism, log, cross, solved.duration)
-    before = mechanism.throat(solved.start.kin, solved.start.tip)[0]
+    before = mechanism.evaluated(solved.start, "throat").before
     margin = stroke_margin(mechanism, log, stroke, code == Outcome.bottomed)
     # Before the crossing it is what keeps its square root differentiable.
     latch_force = jnp.where(latched(mechanism, log), largest.get("latch_force", 0.0), 0.0) * known

@@ -6,14 +6,13 @@ import numpy as np
 from ...value_text import percent_text
 from ..energy import energy_text
 from ..quantity import NEGLIGIBLE
+from .assembly import CONTACTS, pin_law
 from .bending import bending_frequencies
 from .capture import Capture
-from .hinge_play import pin_law
 from .label import scenario_label
 from .latch_energy import closing_words
 from .law_validity import warnings
 from .outcome import Outcome
-from .system import CONTACTS
 from .vehicle_forces import larger_than_contact
 
 

@@ -1,6 +1,7 @@
 """What is told of a capture and drawn of it."""
 
 from ..view import Names, View
+from .assembly import CONTACTS
 from .contradictions import contradictions
 from .design import Design
 from .diagnosis import diagnosis
@@ -10,7 +11,6 @@ from .label import scenario_label
 from .law_validity import limits, warnings
 from .panels import panels
 from .summary import first_impact_line, first_impact_record, summary
-from .system import CONTACTS
 from .vehicle_forces import larger_than_contact
 
 

@@ -24,7 +24,7 @@ from ...multibody import (
     TorsionalSpringDamper,
 )
 from ...multibody.flexible import FlexibleBar, deflection, free_bar, stress
-from ..assembled import Assembled, BallContact, Posture, Shown
+from ..assembled import Assembled, BallContact, EvaluatedState, Shown
 from .design import Rod, Slider, SliderCrank, SliderCrankScenario
 from .pins import Pin
 from .shapes import PlanarBody
@@ -117,7 +117,7 @@ def driven(
     return (), motor, torques(motor_torque, of_rate=False)
 
 
-def torques(of: Callable[[Assembled, Posture, Array], Scalar], of_rate: bool) -> tuple[Shown, Shown]:
+def torques(of: Callable[[Assembled, EvaluatedState, Array], Scalar], of_rate: bool) -> tuple[Shown, Shown]:
     """The drive's torque, and its negative, whose largest value is the least torque's."""
     return Shown("drive_torque", of, of_rate), Shown("braking_torque", lambda *at: -of(*at), of_rate)
 
@@ -176,12 +176,12 @@ def ideal_motion(
     )
 
 
-def driven_torque(mechanism: Assembled, at: Posture, rate: Array) -> Scalar:
+def driven_torque(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
     """What keeps the crank's speed steady [N m]: the drive's power over the speed."""
-    return rate[mechanism.drive_work] / at.kin.v[3 * CRANK + 2]
+    return mechanism.drive_power(rate) / at.kin.v[3 * CRANK + 2]
 
 
-def motor_torque(mechanism: Assembled, at: Posture, rate: Array) -> Scalar:
+def motor_torque(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
     """Of a motor whose torque falls with its speed [N m]."""
     constant, damper = mechanism.system.forces[-2:]
     assert isinstance(constant, AppliedTorque) and isinstance(damper, TorsionalSpringDamper)
@@ -197,12 +197,12 @@ def deformations(design: SliderCrank) -> tuple[Shown, ...]:
     return (*depths, *bending, *pushed)
 
 
-def depth(mechanism: Assembled, at: Posture, rate: Array) -> Scalar:
+def depth(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
     """Of the contact that is deepest [m], negative where none touches."""
     return -jnp.min(mechanism.gaps_at(at)[0])
 
 
-def slider_acceleration(mechanism: Assembled, at: Posture, rate: Array) -> Scalar:
+def slider_acceleration(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
     """Its size [m/s²]."""
     return jnp.abs(rate[mechanism.coordinates + 3 * SLIDER])
 
@@ -219,16 +219,16 @@ def eccentricities(design: SliderCrank) -> tuple[Shown, ...]:
     return tuple(shown)
 
 
-def eccentricity(contact: int, sign: float, axis: str) -> Callable[[Assembled, Posture, Array], Scalar]:
+def eccentricity(contact: int, sign: float, axis: str) -> Callable[[Assembled, EvaluatedState, Array], Scalar]:
     """One component of it, from a contact of the pin's; ``sign``: -1 where the ball stands for the bush."""
 
-    def of(mechanism: Assembled, at: Posture, rate: Array) -> Scalar:
-        return sign * getattr(at.centre[contact].place - at.origin[contact].place, axis)
+    def of(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
+        return sign * getattr(at.contacts[contact].centre.place - at.contacts[contact].origin.place, axis)
 
     return of
 
 
-def rod_deflection(mechanism: Assembled, at: Posture, rate: Array) -> Scalar:
+def rod_deflection(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
     """How far the rod's middle is off the line through its ends [m]."""
     if isinstance(mechanism.parts, PlanarBody):
         return jnp.abs(jnp.sum(mechanism.parts.deflection * at.kin.modal(ROD)[0]))
@@ -236,7 +236,7 @@ def rod_deflection(mechanism: Assembled, at: Posture, rate: Array) -> Scalar:
     return jnp.abs(ends_and_middle[1] - 0.5 * (ends_and_middle[0] + ends_and_middle[2]))
 
 
-def rod_stress(mechanism: Assembled, at: Posture, rate: Array) -> Scalar:
+def rod_stress(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
     """Stress along the rod on the surface of its middle [Pa], its size: that of bending, of a shape the whole."""
     if isinstance(mechanism.parts, PlanarBody):
         upper, lower = (jnp.abs(jnp.sum(row * at.kin.modal(ROD)[0])) for row in mechanism.parts.stress)
@@ -246,11 +246,11 @@ def rod_stress(mechanism: Assembled, at: Posture, rate: Array) -> Scalar:
     return jnp.abs(stress(mechanism.parts, at.kin.modal(ROD)[0], (0.5,), edge)[0])
 
 
-def slider_deflection(slider: Slider) -> Callable[[Assembled, Posture, Array], Scalar]:
+def slider_deflection(slider: Slider) -> Callable[[Assembled, EvaluatedState, Array], Scalar]:
     """How far the piston pin is pushed along the slider's line, against the slider's guide [m]."""
     form = slider.form
 
-    def of(mechanism: Assembled, at: Posture, rate: Array) -> Scalar:
+    def of(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
         guide, seat = (at.kin.point(SLIDER, marker).place for marker in (form.first, form.second))
         return jnp.abs(seat.x - guide.x - (form.second.x - form.first.x))
 

@@ -45,20 +45,20 @@ def linearised(
     kin: Kinematics,
     springs: Sequence[SpringTerm],
     contacts: ContactTerm,
-    spin_inertia: Scalar = 1.0,
+    spin_inertia: Float[Array, " spins"] | None = None,
     decay: Float[Array, " rest"] | None = None,
 ) -> Linearisation:
     """How the forces act on the velocities and answer to motion.
 
-    **Arguments:** ``contacts``: those of all pairs together; ``spin_inertia`` [kg m²] of velocities beyond the
-    coordinates' own, if there are any; ``decay``: as of `Linearisation`.
+    **Arguments:** ``contacts``: those of all pairs together; ``spin_inertia`` [kg m²]: of each velocity beyond
+    the coordinates' own, if there are any; ``decay``: as of `Linearisation`.
     """
     n, m = system.coordinates, contacts.normals.shape[1]
     along = [spring.direction[:, None] for spring in springs]
     directions = jnp.concatenate([*along, contacts.normals, contacts.tangents], axis=1)
     response = system.response(kin, directions[:n])
-    if directions.shape[0] > n:
-        response = jnp.concatenate([response, directions[n:] / spin_inertia])
+    if spin_inertia is not None:
+        response = jnp.concatenate([response, directions[n:] / spin_inertia[:, None]])
     return Linearisation(
         directions=directions,
         response=response,

@@ -4,25 +4,28 @@ With what springs and contacts store it is what buffer, contact and latch have t
 together.
 """
 
+from collections.abc import Sequence
+
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..._types import Scalar, stacked
-from ...multibody import Kinematics, System
+from .._types import Scalar, stacked
+from ..multibody import Kinematics, System
 
 
-def rigid_energy(system: System, kin: Kinematics, spin_inertia: Scalar = 0.0, spin: Scalar = 0.0) -> Scalar:
+def rigid_energy(system: System, kin: Kinematics, spins: Sequence[tuple[Scalar, Scalar]] = ()) -> Scalar:
     """Return ½ P²/M + ½ H²/J [J]: the energy of the whole as one rigid body that has its momenta.
 
     Mass, centre of mass and inertia are read off the momenta of rigid motions, so that bodies may be flexible.
 
-    **Arguments:** ``spin_inertia`` [kg m²] and ``spin`` [rad/s]: of a tip that turns by itself.
+    **Arguments:** ``system``; ``kin``; ``spins``: inertia [kg m²] and spin [rad/s] of each ball that turns by itself.
     """
     linear = system.linear_momentum(kin)
-    angular = system.angular_momentum(kin) + spin_inertia * spin
+    angular = system.angular_momentum(kin) + sum(inertia * spin for inertia, spin in spins)
     turning = system.kinematics(kin.q, _turning(system, kin))
     arm = system.linear_momentum(turning)  # M times (-Y, X), of the centre of mass
-    inertia = system.angular_momentum(turning) + spin_inertia  # about the origin
+    # About the origin.
+    inertia = system.angular_momentum(turning) + sum(inertia for inertia, _ in spins)
     mass = sum((body.mass for body in system.bodies), start=jnp.zeros(()))
     centre_x, centre_y = arm[1] / mass, -arm[0] / mass
     angular = angular - (centre_x * linear[1] - centre_y * linear[0])

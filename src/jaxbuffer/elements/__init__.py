@@ -1,0 +1,19 @@
+"""Elements of mechanisms: parts between bodies, each of which says all of itself in one file.
+
+Force elements without a state of their own, and bodies and joints, are those of `jaxbuffer.multibody`.
+"""
+
+from .ball_contact import BallContact as BallContact
+from .ball_contact import BallState as BallState
+from .ball_contact import ContactForces as ContactForces
+from .buffer import Buffer as Buffer
+from .buffer import BufferForce as BufferForce
+from .element import Element as Element
+from .element import Magnitudes as Magnitudes
+from .element import Switch as Switch
+from .latch import Latch as Latch
+from .oscillators import Oscillators as Oscillators
+from .pin import Pin as Pin
+from .spring_damper import SpringDamper as SpringDamper
+from .stop import EndStop as EndStop
+from .thrust import Thrust as Thrust

@@ -1,0 +1,205 @@
+"""The interface of an element: a physical part between bodies that says all of itself in one class."""
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from .._types import Scalar
+from ..hybrid import Followers
+from ..multibody import Kinematics, Load, SpringDirection, System
+from ..plane import Vector
+from .stiff_terms import ContactTerm
+
+ROUNDED_LENGTH = 1e-13  # m, rad: what rounding makes of positions of the order of a metre
+
+Own = Float[Array, " variables"]
+Closed = Float[Array, " switches"]
+
+
+class Switch(NamedTuple):
+    """Something of an element that closes where a gap falls through zero and opens where it rises again.
+
+    - ``name``: of the switch.
+    - ``one_way``: whether it never opens again, as a latch.
+    - ``force``: the observable that is its force, which starts to act where it closes; None if there is none.
+    """
+
+    name: str
+    one_way: bool = False
+    force: str | None = None
+
+
+class Magnitudes(NamedTuple):
+    """What changes of a mechanism's state are compared with: ``speed`` [m/s], ``energy`` [J] and ``momentum`` [N s]."""
+
+    speed: Scalar
+    energy: Scalar
+    momentum: Scalar
+
+
+class Element(eqx.Module):
+    """A physical part between bodies: a buffer, a stop, a latch, a thrust, a pin with play, an oscillator.
+
+    `jaxbuffer.mechanisms.assembled.Assembled` joins elements to a mechanism. It keeps each element's numbers in the
+    state, its switches among the contacts, and the energy that it loses, and hands them back: ``own`` are the numbers,
+    in the order of `variables`, and ``closed`` the switches, 1 where closed and 0 where open. An element looks at its
+    own geometry once, by `evaluate`; ``at`` is what that returns.
+
+    Every method has a default that says "nothing", so that an element defines what it has and no more. Elements have a
+    field ``name``: that of their energies and switches, which in one mechanism tells two of a kind apart.
+    """
+
+    @property
+    def name(self) -> str:
+        """Return what it is called; each class has a field for it."""
+        raise NotImplementedError
+
+    # --- what it adds to the mechanism's state ------------------------------------------------------------------------
+
+    @property
+    def variables(self) -> tuple[str, ...]:
+        """Return the names of its numbers in the state."""
+        return ()
+
+    def start(self, kin: Kinematics) -> Own:
+        """Return their values at t = 0."""
+        return jnp.zeros(len(self.variables))
+
+    def scales(self, size: Magnitudes) -> list[Scalar]:
+        """Return the magnitude below which an error in each of them does not matter."""
+        return []
+
+    @property
+    def switches(self) -> tuple[Switch, ...]:
+        """Return what opens and closes."""
+        return ()
+
+    @property
+    def jumps(self) -> bool:
+        """Return whether the state's rate jumps where a switch closes."""
+        return bool(self.switches)
+
+    # --- one instant --------------------------------------------------------------------------------------------------
+
+    def evaluate(self, kin: Kinematics, own: Own) -> Any:
+        """Return its geometry and motion at one instant, which all that follows is computed from."""
+        return kin
+
+    def gaps(self, at: Any) -> list[tuple[Scalar, Scalar]]:
+        """Return the gap of each switch [m], and how fast it closes [m/s]; of what is over after some time, the time
+        left [s] and how fast that passes."""
+        return []
+
+    def loads(self, at: Any, closed: Closed) -> tuple[Load, ...]:
+        """Return the loads on the bodies."""
+        return ()
+
+    def rates(self, at: Any, closed: Closed) -> list[Scalar]:
+        """Return the rates of its numbers in the state."""
+        return []
+
+    def after_closing(self, at: Any, own: Own, closing: Closed) -> Own:
+        """Return its numbers just after switches have closed. ``closing``: 1 for those that close, 0 for all others."""
+        return own
+
+    # --- energy -------------------------------------------------------------------------------------------------------
+
+    def stored(self, at: Any, closed: Closed) -> Mapping[str, Scalar]:
+        """Return the energy that it stores, by name [J]."""
+        return {}
+
+    @property
+    def loss_names(self) -> tuple[str, ...]:
+        """Return the names of the energies that it loses."""
+        return ()
+
+    def losses(self, at: Any, closed: Closed) -> Mapping[str, Scalar]:
+        """Return the power that it loses, by the names of `loss_names` [W]."""
+        return {}
+
+    def supplied(self, own: Own) -> Mapping[str, Scalar]:
+        """Return the energy that it has put in from outside so far, by name [J]."""
+        return {}
+
+    def impulse(self, own: Own) -> tuple[Vector, Scalar] | None:
+        """Return the impulse [N s] and the angular impulse about the origin [N m s] that it has put in from outside;
+        None where it puts in none."""
+        return None
+
+    @property
+    def balanced(self) -> bool:
+        """Return whether the energies above hold the work of all that it exerts."""
+        return True
+
+    # --- ends of a run, and what is watched ---------------------------------------------------------------------------
+
+    @property
+    def outcomes(self) -> tuple[str, ...]:
+        """Return the outcomes that it may end a run with."""
+        return ()
+
+    def guards(self, at: Any) -> list[Scalar]:
+        """Return for each of them what ends the run where it rises through zero."""
+        return []
+
+    def settled(self, at: Any) -> Any:
+        """Return whether it has done what it does only once: closed a latch, ended a thrust."""
+        return True
+
+    def closed_by_state(self, at: Any) -> list[Scalar]:
+        """Return which switches are closed as far as a state alone can tell, 1 or 0 each."""
+        return [jnp.where(jnp.asarray(gap) <= 0.0, 1.0, 0.0) for gap, _ in self.gaps(at)]
+
+    @property
+    def observed(self) -> tuple[str, ...]:
+        """Return the names of what is watched for its largest value."""
+        return ()
+
+    def observables(self, at: Any, closed: Closed) -> Mapping[str, Scalar]:
+        """Return their values, by name."""
+        return {}
+
+    def negligible(self) -> Mapping[str, Scalar]:
+        """Return of some of them the value that is rounding where nothing acts; of all others it is zero."""
+        return {}
+
+    def recorded(self, at: Any, closed: Closed) -> Mapping[str, Scalar]:
+        """Return what a history shows besides, by name; it replaces an observable of the same name, for a sign, say."""
+        return {}
+
+    # --- time stepping ------------------------------------------------------------------------------------------------
+
+    def springs(self, at: Any, closed: Closed) -> tuple[SpringDirection, ...]:
+        """Return its spring-dampers with their directions frozen: what implicit steps take for stiff."""
+        return ()
+
+    def contact_term(self, system: System, at: Any, closed: Closed) -> ContactTerm | None:
+        """Return a contact's share of the stiff part; None if it has none."""
+        return None
+
+    def stiff_force(self, at: Any, closed: Closed) -> Scalar:
+        """Return the size of its stiff forces [N], of which rounding of positions makes an error in the energy."""
+        return 0.0
+
+    def followers(self, first: int) -> Followers | None:
+        """Return its oscillators for implicit steps; None if it has none. ``first``: where its numbers stand, counted
+        from the end of the velocities."""
+        return None
+
+    @property
+    def sudden(self) -> bool:
+        """Return whether it makes reactions rise within a step from far below their largest value to above it."""
+        return False
+
+    @property
+    def tolerance_share(self) -> float:
+        """Return the share of a run's tolerance that steps keep to: less where its force is not smooth."""
+        return 1.0
+
+    @property
+    def invariant_share(self) -> float:
+        """Return the share of the usual change of energy that a step may make: less where runs are long."""
+        return 1.0

@@ -1,0 +1,225 @@
+"""Latches that close for good where a point crosses a plane, and then hold it in its seat (M175 to M177).
+
+Their forces grow with the share c of M175, from 0 where the point crosses to 1 when they are closed.
+"""
+
+from typing import NamedTuple
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from .._types import Scalar
+from ..multibody import Kinematics, Load, MaterialPoint, Point, SpringDirection, load_at
+from ..plane import Vector
+from .element import ROUNDED_LENGTH, Closed, Element, Magnitudes, Own, Switch
+
+
+class LatchState(NamedTuple):
+    """Latches at one instant.
+
+    - ``since``: time since the point crossed the plane [s].
+    - ``share``: c, how far they are closed [-].
+    - ``share_rate``: ċ [1/s].
+    - ``before``: how far the point is before the plane [m].
+    - ``receding``: how fast that grows [m/s].
+    - ``off_seat``: r, from the seat to the point [m].
+    - ``velocity``: u of the point less that of the other body's material there [m/s].
+    - ``angle``, ``spin``: of the first body against the second [rad, rad/s].
+    - ``held``, ``opposite``: the point on the first body, and the second body's material point there.
+    """
+
+    since: Scalar
+    share: Scalar
+    share_rate: Scalar
+    before: Scalar
+    receding: Scalar
+    off_seat: Vector
+    velocity: Vector
+    angle: Scalar
+    spin: Scalar
+    held: MaterialPoint
+    opposite: MaterialPoint
+
+
+class Latch(Element):
+    """Latches on one body that catch a point of another.
+
+    - ``first``: index of the body that is held; ``point``: the point of it that is.
+    - ``second``: index of the body that holds it, or ``GROUND``.
+    - ``plane``: where along the x axis of the second body's frame the latches begin to close [m].
+    - ``seat``: K, where they hold the point, in the axes of the second body [m] (M175).
+    - ``stiffness`` [N/m], ``damping`` [N s/m]: of the seat, in any direction.
+    - ``turn_stiffness`` [N m/rad], ``turn_damping`` [N m s/rad]: against a turn of the bodies (M176).
+    - ``preload`` [N], ``preload_length`` [m]: a pull to the seat, which is there as soon as the point is off it by more
+      than the length.
+    - ``closing_time``: from crossing the plane to closed [s].
+    - ``strength``: the force at which they tear, "torn" [N]; None: they hold anything.
+    - ``name``: of their energy, and part of the names of force and loss.
+    """
+
+    first: int = eqx.field(static=True)
+    second: int = eqx.field(static=True)
+    point: Point
+    plane: Scalar
+    seat: tuple[Scalar, Scalar]
+    stiffness: Scalar
+    damping: Scalar = 0.0
+    turn_stiffness: Scalar = 0.0
+    turn_damping: Scalar = 0.0
+    preload: Scalar = 0.0
+    preload_length: Scalar = 1e-4
+    closing_time: Scalar = 0.0
+    strength: Scalar | None = None
+    name: str = eqx.field(static=True, default="latch")
+
+    @property
+    def variables(self) -> tuple[str, ...]:
+        return ("since_crossing", "closing_work")
+
+    def scales(self, size: Magnitudes) -> list[Scalar]:
+        return [1.0, size.energy]
+
+    @property
+    def switches(self) -> tuple[Switch, ...]:
+        # The second closes where the latches are closed: there the rate of their share jumps.
+        return (Switch(self.name, one_way=True), Switch(f"{self.name} closed", one_way=True))
+
+    def evaluate(self, kin: Kinematics, own: Own) -> LatchState:
+        other, body, held = kin.frame(self.second), kin.frame(self.first), kin.point(self.first, self.point)
+        off_origin = held.place - other.origin
+        local = other.unturn(off_origin)
+        moves = other.unturn(held.velocity - other.velocity)
+        opposite = kin.point(self.second, (local.x, local.y))
+        share, rate = self._share(jnp.asarray(own[0], float))
+        return LatchState(
+            since=own[0],
+            share=share,
+            share_rate=rate,
+            before=self.plane - local.x,
+            receding=-jnp.asarray(moves.x + other.spin * local.y),
+            off_seat=off_origin - other.turn(Vector(*self.seat)),
+            velocity=held.velocity - opposite.velocity,
+            angle=body.angle - other.angle,
+            spin=body.spin - other.spin,
+            held=held,
+            opposite=opposite,
+        )
+
+    def _share(self, since: Float[Array, ""]) -> tuple[Scalar, Scalar]:
+        """Return c and ċ [1/s]: with a closing time of zero the latches are closed at once."""
+        time = jnp.asarray(self.closing_time, float)
+        at_once = time == 0.0
+        rate = 1.0 / jnp.where(at_once, 1.0, time)  # a division by zero that is not taken would still give NaN slopes
+        x = jnp.clip(since * rate, 0.0, 1.0)
+        share = jnp.where(at_once, 1.0, x * x * (3.0 - 2.0 * x))
+        return share, jnp.where(at_once, 0.0, 6.0 * x * (1.0 - x) * rate)
+
+    def gaps(self, at: LatchState) -> list[tuple[Scalar, Scalar]]:
+        return [(at.before, -at.receding), (self.closing_time - at.since, jnp.where(at.since > 0.0, 1.0, 0.0))]
+
+    def rates(self, at: LatchState, closed: Closed) -> list[Scalar]:
+        return [closed[0], closed[0] * at.share_rate * self._closed_energy(at)]
+
+    def after_closing(self, at: LatchState, own: Own, closing: Closed) -> Own:
+        # Latches that close in no time store their energy at once, and nothing but the closing has put it in.
+        at_once = (closing[0] > 0.5) & (jnp.asarray(self.closing_time) == 0.0)
+        return own.at[1].add(jnp.where(at_once, at.share * self._closed_energy(at), 0.0))
+
+    # --- forces and energies ------------------------------------------------------------------------------------------
+
+    def force(self, at: LatchState, closed: Closed) -> Vector:
+        """Return the force on the point that is held [N] (M175)."""
+        return self._closed_force(at) * -(closed[0] * at.share)
+
+    def _closed_force(self, at: LatchState) -> Vector:
+        """Return what closed latches would exert, away from the seat [N]."""
+        length = self.preload_length
+        pull = self.preload / jnp.sqrt(at.off_seat.dot(at.off_seat) + length * length)
+        return at.off_seat * (self.stiffness + pull) + at.velocity * self.damping
+
+    def _closed_energy(self, at: LatchState) -> Scalar:
+        """Return what closed latches would store [J]."""
+        square, length = at.off_seat.dot(at.off_seat), self.preload_length
+        spring = 0.5 * self.stiffness * square + 0.5 * self.turn_stiffness * at.angle**2
+        return spring + self.preload * (jnp.sqrt(square + length * length) - length)
+
+    def loads(self, at: LatchState, closed: Closed) -> tuple[Load, ...]:
+        force = self.force(at, closed)
+        moment = -closed[0] * at.share * (self.turn_stiffness * at.angle + self.turn_damping * at.spin)
+        none = Vector(0.0, 0.0)
+        turning = Load(self.first, none, moment), Load(self.second, none, -moment)
+        return load_at(at.held, force), load_at(at.opposite, -force), *turning
+
+    def stored(self, at: LatchState, closed: Closed) -> dict[str, Scalar]:
+        return {self.name: closed[0] * at.share * self._closed_energy(at)}
+
+    @property
+    def loss_names(self) -> tuple[str, ...]:
+        return (f"{self.name}_damper",)
+
+    def losses(self, at: LatchState, closed: Closed) -> dict[str, Scalar]:
+        power = self.damping * at.velocity.dot(at.velocity) + self.turn_damping * at.spin**2
+        return {f"{self.name}_damper": closed[0] * at.share * power}
+
+    def supplied(self, own: Own) -> dict[str, Scalar]:
+        return {f"{self.name}_closing": own[1]}
+
+    # --- ends, and what is watched ------------------------------------------------------------------------------------
+
+    @property
+    def outcomes(self) -> tuple[str, ...]:
+        return () if self.strength is None else ("torn",)
+
+    def guards(self, at: LatchState) -> list[Scalar]:
+        if self.strength is None:
+            return []
+        # Before they close, their share is zero but where they close at once, and then they act from the crossing on.
+        return [_size(self._closed_force(at) * at.share) - self.strength]
+
+    def settled(self, at: LatchState) -> Scalar:
+        return (at.since > 0.0) & (at.since >= self.closing_time)
+
+    def closed_by_state(self, at: LatchState) -> list[Scalar]:
+        # The point may come back out of the plane a little: whether the latches close is seen in the time since then.
+        return [jnp.where(at.since > 0.0, 1.0, 0.0), super().closed_by_state(at)[1]]
+
+    @property
+    def observed(self) -> tuple[str, ...]:
+        return (f"{self.name}_force",)
+
+    def observables(self, at: LatchState, closed: Closed) -> dict[str, Scalar]:
+        return {f"{self.name}_force": _size(self.force(at, closed))}
+
+    def negligible(self) -> dict[str, Scalar]:
+        return {f"{self.name}_force": ROUNDED_LENGTH * self.stiffness}
+
+    def recorded(self, at: LatchState, closed: Closed) -> dict[str, Scalar]:
+        return {f"{self.name}_closed": closed[0] * at.share}
+
+    # --- time stepping ------------------------------------------------------------------------------------------------
+
+    def springs(self, at: LatchState, closed: Closed) -> tuple[SpringDirection, ...]:
+        """Return a spring along x, one along y, and one against a turn."""
+        length, share = self.preload_length, closed[0] * at.share
+        pull = self.preload / jnp.sqrt(at.off_seat.dot(at.off_seat) + length * length)
+        stiffness, damping = share * (self.stiffness + pull), share * self.damping
+        straight = [
+            SpringDirection({self.first: at.held.along(x), self.second: at.opposite.along(-x)}, stiffness, damping)
+            for x in (Vector(1.0, 0.0), Vector(0.0, 1.0))
+        ]
+        turning = {self.first: (0.0, 0.0, 1.0), self.second: (0.0, 0.0, -1.0)}
+        return *straight, SpringDirection(turning, share * self.turn_stiffness, share * self.turn_damping)
+
+    def stiff_force(self, at: LatchState, closed: Closed) -> Scalar:
+        return _size(self.force(at, closed))
+
+    @property
+    def invariant_share(self) -> float:
+        """Return less than one: until the bodies are at rest there are hundreds of long steps, whose errors add up."""
+        return 0.4
+
+
+def _size(force: Vector) -> Scalar:
+    """Return the size of a force [N], with a derivative also where it is zero."""
+    return jnp.sqrt(force.dot(force) + 1e-24)

@@ -1,0 +1,95 @@
+"""Oscillators on bodies, which their motion shakes and which do not act back (M180).
+
+They stand for equipment. What one feels is the largest absolute acceleration of its mass until the run ends.
+"""
+
+from typing import NamedTuple
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from .._types import Scalar, stacked
+from ..hybrid import Followers
+from ..multibody import Kinematics
+from .element import ROUNDED_LENGTH, Closed, Element, Magnitudes, Own
+
+
+class OscillatorState(NamedTuple):
+    """All oscillators at one instant, twice each, for both axes.
+
+    - ``deflection``: [m].
+    - ``velocity``: absolute velocity of the mass [m/s].
+    - ``base``: velocity of what carries it [m/s].
+    """
+
+    deflection: Float[Array, " axes"]
+    velocity: Float[Array, " axes"]
+    base: Float[Array, " axes"]
+
+
+class Oscillators(Element):
+    """Oscillators on the centres of mass of bodies, each swinging in any direction of the plane.
+
+    - ``bodies``: which body carries each.
+    - ``frequencies``: of each [Hz].
+    - ``names``: of each, as the quantity that is watched.
+    - ``damping``: ζ of all, the share of the critical one [-].
+    """
+
+    bodies: tuple[int, ...] = eqx.field(static=True)
+    frequencies: tuple[Scalar, ...]
+    names: tuple[str, ...] = eqx.field(static=True)
+    damping: Scalar = 0.05
+    name: str = eqx.field(static=True, default="oscillators")
+
+    @property
+    def rates_of_axes(self) -> Float[Array, " axes"]:
+        """Return ω of each oscillator, twice, for both axes [rad/s]."""
+        return 2.0 * jnp.pi * stacked([frequency for frequency in self.frequencies for _ in range(2)])
+
+    @property
+    def axes(self) -> int:
+        """Return the number of deflections; as many velocities follow."""
+        return 2 * len(self.bodies)
+
+    @property
+    def variables(self) -> tuple[str, ...]:
+        axes = [f"{name}_{axis}" for name in self.names for axis in "xy"]
+        return (*(f"{it}_deflection" for it in axes), *(f"{it}_velocity" for it in axes))
+
+    def start(self, kin: Kinematics) -> Own:
+        return jnp.concatenate([jnp.zeros(self.axes), self._base(kin)])
+
+    def scales(self, size: Magnitudes) -> list[Scalar]:
+        return [*(size.speed / self.rates_of_axes), *[size.speed] * self.axes]
+
+    def _base(self, kin: Kinematics) -> Float[Array, " axes"]:
+        return jnp.concatenate([kin.v[3 * body : 3 * body + 2] for body in self.bodies])
+
+    def evaluate(self, kin: Kinematics, own: Own) -> OscillatorState:
+        return OscillatorState(own[: self.axes], own[self.axes :], self._base(kin))
+
+    def acceleration(self, at: OscillatorState) -> Float[Array, " axes"]:
+        """Return the absolute accelerations of the masses [m/s²] (M180)."""
+        rates = self.rates_of_axes
+        return -rates * (2.0 * self.damping * (at.velocity - at.base) + rates * at.deflection)
+
+    def rates(self, at: OscillatorState, closed: Closed) -> list[Scalar]:
+        return [*(at.velocity - at.base), *self.acceleration(at)]
+
+    @property
+    def observed(self) -> tuple[str, ...]:
+        return self.names
+
+    def observables(self, at: OscillatorState, closed: Closed) -> dict[str, Scalar]:
+        of = self.acceleration(at)
+        return {name: jnp.sqrt(of[2 * k] ** 2 + of[2 * k + 1] ** 2 + 1e-24) for k, name in enumerate(self.names)}
+
+    def negligible(self) -> dict[str, Scalar]:
+        sizes = ROUNDED_LENGTH * self.rates_of_axes[::2] ** 2
+        return dict(zip(self.names, sizes, strict=True))
+
+    def followers(self, first: int) -> Followers:
+        shaken_by = tuple(3 * body + axis for body in self.bodies for axis in range(2))
+        return Followers(first, shaken_by, self.rates_of_axes, self.damping)

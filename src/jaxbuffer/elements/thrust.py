@@ -1,0 +1,73 @@
+"""A thrust that pushes a body along an axis of its own for a while (M178)."""
+
+from typing import NamedTuple
+
+import equinox as eqx
+import jax.numpy as jnp
+
+from .._types import Scalar
+from ..multibody import Kinematics, Load
+from ..plane import Frame, Vector
+from .element import Closed, Element, Magnitudes, Own, Switch
+
+
+class ThrustState(NamedTuple):
+    """A thrust at one instant: the ``frame`` of the body that it pushes, and the ``time`` since the start [s]."""
+
+    frame: Frame
+    time: Scalar
+
+
+class Thrust(Element):
+    """A force through the centre of mass of a body, along an axis of its frame, from the start for some time.
+
+    - ``body``: its index.
+    - ``size``: F [N].
+    - ``time``: how long it pushes [s].
+    - ``axis``: unit vector in the axes of the body [-].
+    - ``name``: of the energy that it puts in; its switch, which closes where it ends, is the name with " over".
+    """
+
+    body: int = eqx.field(static=True)
+    size: Scalar
+    time: Scalar
+    axis: tuple[float, float] = eqx.field(static=True, default=(1.0, 0.0))
+    name: str = eqx.field(static=True, default="thrust")
+
+    @property
+    def variables(self) -> tuple[str, ...]:
+        return ("time", "work", "impulse_x", "impulse_y", "impulse_turn")
+
+    def scales(self, size: Magnitudes) -> list[Scalar]:
+        return [1.0, size.energy, size.momentum, size.momentum, size.momentum]
+
+    @property
+    def switches(self) -> tuple[Switch, ...]:
+        return (Switch(f"{self.name} over", one_way=True),)
+
+    def evaluate(self, kin: Kinematics, own: Own) -> ThrustState:
+        return ThrustState(kin.frame(self.body), own[0])
+
+    def gaps(self, at: ThrustState) -> list[tuple[Scalar, Scalar]]:
+        return [(self.time - at.time, 1.0)]
+
+    def force(self, at: ThrustState, closed: Closed) -> Vector:
+        """Return the force [N]."""
+        along = Vector(at.frame.cos, at.frame.sin) if self.axis == (1.0, 0.0) else at.frame.turn(Vector(*self.axis))
+        return along * (self.size * (1.0 - closed[0]))
+
+    def loads(self, at: ThrustState, closed: Closed) -> tuple[Load, ...]:
+        return (Load(self.body, self.force(at, closed), jnp.zeros(())),)
+
+    def rates(self, at: ThrustState, closed: Closed) -> list[Scalar]:
+        force = self.force(at, closed)
+        return [1.0, force.dot(at.frame.velocity), force.x, force.y, at.frame.origin.cross(force)]
+
+    def supplied(self, own: Own) -> dict[str, Scalar]:
+        return {self.name: own[1]}
+
+    def impulse(self, own: Own) -> tuple[Vector, Scalar]:
+        return Vector(own[2], own[3]), own[4]
+
+    def settled(self, at: ThrustState) -> Scalar:
+        return at.time >= self.time

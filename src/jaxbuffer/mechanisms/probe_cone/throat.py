@@ -1,0 +1,77 @@
+"""Where the tip is in the cone, and the ends of a run that follow: captured behind the throat, or escaped (M65)."""
+
+from typing import NamedTuple
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array
+
+from ..._types import Scalar
+from ...elements import Element
+from ...multibody import Kinematics, Point
+from ...plane import Vector
+from .design import Design, Scenario
+
+
+class ThroatState(NamedTuple):
+    """The tip's centre in the cone at one instant.
+
+    - ``before``: how far it is before the capture plane [m].
+    - ``receding``: how fast that grows [m/s].
+    - ``tip``: in the axes of the cone [m].
+    - ``off_rim``: how much farther than the cone's rim it is from the axis [m]; below zero within.
+    """
+
+    before: Scalar
+    receding: Scalar
+    tip: Vector
+    off_rim: Scalar
+
+
+class Throat(Element):
+    """The capture plane behind the throat, and the way back out of the cone; it exerts nothing.
+
+    - ``design``, ``scenario``: whose cone, tip and start it is.
+    - ``cone_body``, ``tip_body``, ``tip_point``: the bodies, and the tip's centre on its body.
+    - ``captures``: whether the run ends behind the throat; not where latches have still to hold the tip.
+    """
+
+    design: Design
+    scenario: Scenario
+    tip_point: Point
+    tip_body: int = eqx.field(static=True)
+    cone_body: int = eqx.field(static=True)
+    captures: bool = eqx.field(static=True)
+    name: str = eqx.field(static=True, default="throat")
+
+    @property
+    def plane(self) -> Scalar:
+        """Return where the capture plane is along the axis of the cone [m]."""
+        return -self.design.cone.offset - self.design.probe.tip_radius * jnp.sin(self.design.cone.half_angle)
+
+    def evaluate(self, kin: Kinematics, own: Array) -> ThroatState:
+        frame, centre, cone = kin.frame(self.cone_body), kin.point(self.tip_body, self.tip_point), self.design.cone
+        tip = frame.unturn(centre.place - frame.origin)
+        moves = frame.unturn(centre.velocity - frame.velocity)
+        return ThroatState(
+            before=self.plane - tip.x,
+            receding=-jnp.asarray(moves.x + frame.spin * tip.y),
+            tip=tip,
+            off_rim=jnp.abs(tip.y) - (cone.throat_radius + cone.length * jnp.sin(cone.half_angle)),
+        )
+
+    @property
+    def outcomes(self) -> tuple[str, ...]:
+        return ("captured", "escaped") if self.captures else ("escaped",)
+
+    def guards(self, at: ThroatState) -> list[Scalar]:
+        cone, free = self.design.cone, self.scenario.start == "free"
+        retreat = 2.0 * cone.length - self.design.probe.tip_radius * jnp.sin(cone.half_angle)
+        escaped = at.before - (retreat + self.scenario.standoff if free else retreat)
+        if free:  # past the mouth outside the rim the tip has missed the cone; behind a flank the contact means nothing
+            mouth = -cone.offset - cone.length * jnp.cos(cone.half_angle)
+            escaped = jnp.where(jnp.asarray(at.off_rim) > 0.0, jnp.maximum(escaped, at.tip.x - mouth), escaped)
+        return [-at.before, escaped] if self.captures else [escaped]
+
+    def recorded(self, at: ThroatState, closed: Array) -> dict[str, Scalar]:
+        return {"throat_distance": at.before}

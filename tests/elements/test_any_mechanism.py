@@ -1,0 +1,120 @@
+"""Every element in a mechanism that is not the docking probe: two free bodies and a third that nothing holds."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from jaxbuffer.contact import BallPair, Hole, KelvinVoigt, RegularisedCoulomb, Segment
+from jaxbuffer.contact.laws import Hertz, HuntCrossley
+from jaxbuffer.elements import BallContact, Buffer, BufferForce, EndStop, Latch, Oscillators, Pin, SpringDamper, Thrust
+from jaxbuffer.mechanisms.assembled import Assembled
+from jaxbuffer.multibody import AxialSpringDamper, Body, System, TorsionalSpringDamper
+
+Q = jnp.array([0.0, 0.0, 0.1, 1.0, 0.2, -0.05, 0.5, 1.0, 0.3])
+V = jnp.array([0.2, -0.1, 0.3, -0.1, 0.15, -0.2, 0.05, -0.3, 0.4])
+AXIAL = AxialSpringDamper(0, 1, (0.1, 0.0), (-0.1, 0.0), 300.0, 4.0, free_length=0.9)
+REAL = BufferForce(1, 2, (0.0, 0.1), (0.0, -0.1), 200.0, 3.0, 0.85, preload=2.0, quadratic=5.0, friction=0.4)
+STOPS = (
+    EndStop(AXIAL, KelvinVoigt(1e4, 20.0), 0.05),
+    EndStop(AXIAL, KelvinVoigt(2e4, 10.0), 0.01, rebound=True, name="rebound"),
+)
+LATCH = Latch(
+    2, 1, (0.1, 0.0), plane=0.3, seat=(0.2, 0.1), stiffness=50.0, damping=2.0, turn_stiffness=3.0, preload=1.0
+)
+BUSH = BallPair(0.02, Hole(0.0, 0.0, 0.021), jnp.ones(1), Hertz(1e5), RegularisedCoulomb(0.0, 1.0))
+PIN = Pin(BallContact(0, 2, BUSH, (0.3, 0.2), (-0.2, -0.6)))
+ELEMENTS = {
+    "buffer": (Buffer(AXIAL),),
+    "real buffer": (Buffer(REAL, name="real", lost_in="damper"),),
+    "stops": STOPS,
+    "latch": (LATCH,),
+    "thrust": (Thrust(1, 7.0, 2.0, axis=(0.6, 0.8)),),
+    "pin": (PIN,),
+    "torsional spring": (SpringDamper(TorsionalSpringDamper(0, 2, 5.0, 0.3)),),
+    "all": (
+        Buffer(AXIAL),
+        *STOPS,
+        LATCH,
+        Thrust(1, 7.0, 2.0),
+        PIN,
+        SpringDamper(TorsionalSpringDamper(0, 2, 5.0, 0.3)),
+        Oscillators((0, 2), (3.0, 8.0), ("first", "second")),
+    ),
+}
+
+
+def ball(body, carrier, spin_inertia):
+    wall = Segment(0.0, -3.0, 0.0, 1.0, 6.0)
+    pair = BallPair(1.2, wall, -1.0, HuntCrossley(1e3, 0.7), RegularisedCoulomb(0.3, 0.1))
+    return BallContact(body, carrier, pair, spin_inertia=spin_inertia)
+
+
+def mechanism(elements=(), contacts=()):
+    system = System((Body(2.0, 0.3), Body(3.0, 0.5), Body(1.0, 0.1)))
+    return Assembled(system, Q, V, contacts, elements=elements, energy_size=1.0, momentum_size=1.0)
+
+
+def conserved(assembled, state, active):
+    """Rates of both momenta less what came from outside, and of all energies together [N, N m, W]."""
+    rate = assembled.derivative(0.0, state, active)
+    momenta = jax.jvp(assembled.momentum, (state,), (rate,))[1]
+    energy = lambda y: assembled.energy_at(assembled.posture(y), active).total  # noqa: E731
+    return [*momenta[0], momenta[1], jax.jvp(energy, (state,), (rate,))[1]]
+
+
+@pytest.mark.parametrize("name", ELEMENTS)
+def test_it_acts_on_two_bodies_and_its_energies_are_its_powers(name):
+    assembled = mechanism(ELEMENTS[name])
+    state, _ = assembled.start()
+    for element in assembled.elements:
+        if isinstance(element, Latch):  # half closed
+            state = state.at[assembled.places[f"element {assembled.elements.index(element)}"].start].set(0.4)
+    active = jnp.asarray([float(name != "thrust over") for name in assembled.contact_names])
+    found = jax.jit(lambda y: conserved(assembled, y, active))(state)
+    force = jnp.max(jnp.abs(assembled.derivative(0.0, state, active)[9:18]))
+    assert float(force) > 0.1
+    assert_allclose(found, 0.0, atol=1e-11 * float(force) + 1e-12)
+
+
+@pytest.mark.parametrize("spins", [(None, None), (0.2, None), (None, 0.3), (0.2, 0.3)], ids=str)
+def test_balls_that_spin_freely_or_not_in_any_order(spins):
+    assembled = mechanism(contacts=(ball(0, 1, spins[0]), ball(2, 1, spins[1])))
+    state, _ = assembled.start()
+    turning = jnp.asarray([1.5, -0.7][: assembled.spins])
+    state = state.at[assembled.places["spins"]].set(turning)
+    active = jnp.ones(2)
+    at = assembled.posture(state)
+    assert np.all(np.asarray(assembled.gaps_at(at)[0]) < 0.0), "both press"
+    assert_allclose(conserved(assembled, state, active), 0.0, atol=1e-9)
+    # The stiff part's columns are what closes the gaps and what slips, spins included.
+    stiff = assembled.linearisation(0.0, state, active)
+    velocities = state[9 : 18 + assembled.spins]
+    speeds = stiff.directions.T @ velocities
+    assert_allclose(speeds[:2], assembled.gaps_at(at)[1], rtol=1e-12)
+    assert_allclose(speeds[2:], [it.approach.slip[0] for it in at.contacts], rtol=1e-12)
+
+
+def test_the_stiff_part_is_that_of_the_equations():
+    """Springs, stops, latch and pin against the Jacobian by velocities, in which nothing geometric counts."""
+    assembled = mechanism((Buffer(AXIAL), *STOPS, LATCH))
+    state, _ = assembled.start()
+    state = state.at[assembled.places["element 3"].start].set(0.4)
+    active = jnp.ones(assembled.contact_count)
+    stiff = assembled.linearisation(0.0, state, active)
+    exact = jax.jacfwd(lambda y: assembled.derivative(0.0, y, active))(state)[9:18, 9:18]
+    assert_allclose(
+        -stiff.response @ stiff.damping @ stiff.directions.T, exact, atol=1e-9 * float(jnp.abs(exact).max())
+    )
+
+
+def test_switches_whose_force_is_watched_come_first():
+    assembled = mechanism((LATCH, *STOPS, Thrust(1, 7.0, 2.0)))
+    names = ("stop", "rebound", "latch", "latch closed", "thrust over")
+    assert assembled.contact_names == names
+    assert assembled.one_way == (False, False, True, True, True)
+    assert assembled.observed == ("stop_force", "rebound_force", "latch_force")
+    closed = jnp.asarray([1.0, 0.0, 0.0, 1.0, 0.0])
+    assert_allclose(assembled.closed_switches(closed, "latch"), [0.0, 1.0])
+    assert_allclose(assembled.closed_switches(closed, "stop"), [1.0])
