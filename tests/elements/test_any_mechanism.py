@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from jaxbuffer import InputError
 from jaxbuffer.contact import BallPair, Hole, KelvinVoigt, RegularisedCoulomb, Segment
 from jaxbuffer.contact.laws import Hertz, HuntCrossley
 from jaxbuffer.elements import BallContact, Buffer, BufferForce, EndStop, Latch, Oscillators, Pin, SpringDamper, Thrust
@@ -118,3 +119,11 @@ def test_switches_whose_force_is_watched_come_first():
     closed = jnp.asarray([1.0, 0.0, 0.0, 1.0, 0.0])
     assert_allclose(assembled.closed_switches(closed, "latch"), [0.0, 1.0])
     assert_allclose(assembled.closed_switches(closed, "stop"), [1.0])
+
+
+def test_two_parts_of_one_name_are_refused():
+    with pytest.raises(InputError, match="2 elements are called 'stop': give each a name of its own"):
+        mechanism((STOPS[0], EndStop(AXIAL, KelvinVoigt(1e4, 20.0), 0.07)))
+    with pytest.raises(InputError, match="2 observables are called 'stroke'"):
+        mechanism((Buffer(AXIAL), Buffer(AXIAL, name="other")))
+    assert mechanism((Buffer(AXIAL), Buffer(AXIAL, name="other", stroke="other_stroke"))).observed[-1] == "other_stroke"

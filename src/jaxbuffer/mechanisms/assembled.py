@@ -1,6 +1,7 @@
 """Any planar mechanism with contacts: bodies and joints, force elements, balls on flanks and in holes, and elements."""
 
 import math
+from collections import Counter
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
@@ -14,6 +15,7 @@ from ..elements import BallContact as BallContact
 from ..elements import BallState, ContactForces, Element, Magnitudes
 from ..elements.element import ROUNDED_LENGTH
 from ..elements.stiff_terms import ContactTerm, SpringTerm, inverse_masses, linearised
+from ..errors import InputError
 from ..hybrid import Linearisation
 from ..multibody import Kinematics, Motion, SpringDirection, System
 from .energy import Energy
@@ -105,6 +107,18 @@ class Assembled(ContactSystem):
     lost_in: str | None = eqx.field(static=True, default="dampers")
     listed: tuple[tuple[str, ...], tuple[str, ...]] = eqx.field(static=True, default=((), ()))
     rings: bool = eqx.field(static=True, default=True)
+
+    def __check_init__(self) -> None:
+        """Raise `InputError` where two parts have one name: what one of them shows would hide what the other does."""
+        named = {
+            "elements are called": [element.name for element in self.elements],
+            "contacts are called": self.contact_names,
+            "observables are called": self.observed,
+        }
+        for what, names in named.items():
+            for name, count in Counter(names).items():
+                if count > 1:
+                    raise InputError(f"{count} {what} {name!r}: give each a name of its own")
 
     # --- the state's layout -------------------------------------------------------------------------------------------
 

@@ -11,6 +11,7 @@ from jaxtyping import Float
 from .._types import Axes, Figure
 from ..errors import InputError, check_type
 from ..mechanisms.drawing import Band, Drawing
+from ..mechanisms.parts_drawing import drawing_of
 from ..mechanisms.run import Run
 from ..run.instants import at_times
 from .layout import legend_below
@@ -48,8 +49,7 @@ def scene(run: Run, times: Sequence[float] | np.ndarray) -> Scene:
     """A run's drawing at some times [s]; those outside the run are its ends."""
     check_type("run", run, Run, "a run, such as jb.simulate(jb.table2(), history=True)")
     instants = at_times(run, np.asarray(times, float))
-    mechanism = run.mechanism
-    drawing = mechanism.view.drawing(run.design, mechanism.view.names(run.design).bodies)
+    drawing = drawing_of(run.mechanism, run.design, run.scenario)
     frames = drawing.frames(instants)
     force = np.asarray(run.history.contact_force)  # type: ignore[union-attr]
     peak = float(np.max(np.hypot(force, np.asarray(run.history.friction_force)), initial=0.0))  # type: ignore[union-attr]
