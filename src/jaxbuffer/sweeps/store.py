@@ -81,6 +81,7 @@ class SweepStore(BlockStore[Block]):
             files[self.file(name, block)] = full = np.full(self.cut.block, EMPTY[kind], kind)
             full[inside] = values.reshape(block.shape)
         files[self.file(CHECKSUM, block)] = np.array([checksum], "<u8")
+        # All files of a block are written together, so that an error names the store and not one of its columns.
         with naming(self.path):
             zarr_format.write(files)
 
@@ -148,6 +149,7 @@ class Saver:
         """Store the blocks in which runs were finished since the last time, if that is long enough ago or ``now``."""
         if not now and time.monotonic() < self.due:
             return
+        # The runs are marked as stored after they are written: an error in between has them written again.
         new = np.flatnonzero(self.finished & ~self.stored)
         for number in self.sweep.cut.numbers(new):
             self.store.write_columns(*self._block(int(number)))
@@ -189,6 +191,7 @@ def begun(path: Path, sweep: BlockSweep, settings: Settings, made_on: Mapping[st
             KIND: json.dumps(dict(made_on), sort_keys=True),
             **head.described(),
         }
+        # Readers find all arrays in this one file, and need not look for each.
         metadata[zarr_format.ALL] = {"zarr_consolidated_format": 1, "metadata": dict(metadata)}
         write_all({draft / name: json.dumps(it).encode() for name, it in metadata.items()})
     return SweepStore(head, path, types, sweep.cut)
@@ -302,7 +305,7 @@ def is_unfinished(path: Path) -> bool:
 
 
 def _is_whole(store: SweepStore, number: int) -> bool:
-    """Whether every run of a block is there."""
+    """Return whether every run of a block is there."""
     region = store.cut.region(number)
     inside = tuple(slice(part.stop - part.start) for part in region)
     try:
