@@ -29,7 +29,7 @@ class SchedulerGone(ConnectionError):
 
 @contextlib.contextmanager
 def connected(where: Any, workers: int | None = None) -> Iterator[Client]:
-    """A client until the end of the block, and so long the cluster, if it is one of our own.
+    """Connect a client until the end of the block, and so long keep the cluster, if it is one of our own.
 
     **Arguments:**
 
