@@ -74,7 +74,7 @@ def remove_stale(folder: Path, names: Collection[str]) -> None:
 
 
 def _is_of(kind: str, path: Path) -> bool:
-    """Whether a file is of this kind of result: runs and tunings both have a force.json and a history.csv."""
+    """Return whether a file is of this kind of result: runs and tunings both have a force.json and a history.csv."""
     if kind not in ("run", "tuned") or path.name not in ("force.json", "history.csv"):
         return True
     return (kind == "tuned") == _is_of_tuning(path)

@@ -31,13 +31,13 @@ class Window(NamedTuple):
     factor: float
 
     def inside(self, time: np.ndarray) -> np.ndarray:
-        """Which times [s] are in it."""
+        """Return which times [s] are in it."""
         return (time >= self.start) & (time <= self.end)
 
 
 @styled
 def run_figure(run: Run) -> Figure:
-    """Contact force with its peak enlarged, and the mechanism's own panels over time.
+    """Draw the contact force with its peak enlarged, and the mechanism's own panels over time.
 
     **Arguments:** ``run``: one simulated with ``history=True``.
     """
@@ -74,7 +74,8 @@ def run_figure(run: Run) -> Figure:
 
 
 def between_steps(run: Run, to_end: bool = False) -> Run:
-    """The run with a history at many instants between its steps too, where steps are long or a contact is closed.
+    """Return the run with a history at many instants between its steps too, where steps are long or a contact is
+    closed.
 
     ``to_end``: whether curves go on to the end of the run, also where the contacts end early.
     """
@@ -86,7 +87,7 @@ def between_steps(run: Run, to_end: bool = False) -> Run:
 
 
 def _forces(force: Axes, zoom: Axes | None, run: Run, window: Window) -> None:
-    """The contact force over the run, and around its peak if there is one."""
+    """Draw the contact force over the run, and around its peak if there is one."""
     history, names = _history(run), run.mechanism.view.names(run.design)
     peak, at = float(run.peak_force), float(run.peak_time)
     (unit, factor), time = newtons(peak), np.asarray(history.time)
@@ -108,7 +109,7 @@ def _forces(force: Axes, zoom: Axes | None, run: Run, window: Window) -> None:
 
 
 def _draw(axes: Axes, time: np.ndarray, panel: Panel, window: Window) -> None:
-    """One panel of the mechanism's own; paths are drawn whole."""
+    """Draw one panel of the mechanism's own; paths are drawn whole."""
     inside = window.inside(time)
     over = window.factor * time[inside]
     if panel.stacked:
@@ -139,7 +140,7 @@ def _draw(axes: Axes, time: np.ndarray, panel: Panel, window: Window) -> None:
 
 
 def _level(axes: Axes, level: Level) -> None:
-    """A horizontal line, its name on it at the right end."""
+    """Draw a horizontal line, its name on it at the right end."""
     colour, dashes = (RED, "-") if level.limit else (GREY, "--") if level.label else ("black", "-")
     axes.axhline(level.value, color=colour, linestyle=dashes, linewidth=0.8)
     if level.label:
@@ -152,14 +153,17 @@ def _level(axes: Axes, level: Level) -> None:
 
 
 def _pulse(axes: Axes, run: Run, factor: float) -> None:
-    """Contact forces over time from the run's peak, as wide as the impact that holds it; ``factor``: of the unit in
-    which they are drawn a newton has so many."""
+    """Draw contact forces over time from the run's peak, as wide as the impact that holds it.
+
+    ``factor``: how many of the unit in which they are drawn a newton has.
+    """
     history, at = _history(run), float(run.peak_time)
     pulse = pulse_around(
         np.asarray(history.time), np.asarray(history.contact_force)[:, max(int(run.peak_contact), 0)], at
     )
     room = 0.25 * (pulse.end - pulse.start)
     first, last = max(pulse.start - room, float(history.time[0])), min(pulse.end + room, float(history.time[-1]))
+    # With the peak itself, which evenly spaced instants would miss.
     time = np.union1d(np.linspace(first, last, DENSE), [at])
     force = np.asarray(at_times(run, time).contact_force)
     unit, many = unit_by_size(last - first, TIME_UNITS[1:], 0.1)
@@ -169,7 +173,8 @@ def _pulse(axes: Axes, run: Run, factor: float) -> None:
 
 
 def first_contact(run: Run) -> float:
-    """From when time axes go [s]: a little before the first contact, or from the start if that is not much earlier."""
+    """Return from when time axes go [s]: a little before the first contact, or from the start if that is not much
+    earlier."""
     times = touching(run)
     if not times.size:
         return 0.0

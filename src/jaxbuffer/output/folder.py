@@ -67,24 +67,24 @@ class Results:
 
     @property
     def tuned(self) -> Record | None:
-        """Of `jaxbuffer tune`, the record of tuned.json."""
+        """Return the record of tuned.json, which `jaxbuffer tune` writes; None where there is none."""
         return self.records.get("tuned")
 
     @property
     def sensitivity(self) -> Record | None:
-        """Of `jaxbuffer sensitivity`, the record of sensitivity.json."""
+        """Return the record of sensitivity.json, which `jaxbuffer sensitivity` writes; None where there is none."""
         return self.records.get("sensitivity")
 
     @property
     def mechanism(self) -> Mechanism:
-        """Whose results they are."""
+        """Return the mechanism whose results they are."""
         kinds = [record["kind"] for record in self.records.values() if "kind" in record]
         kinds += [data.attrs["kind"] for data in (self.run, self.sweep) if data is not None]
         return mechanism_named(kinds[0]) if kinds else mechanism_of(self.design)
 
     @property
     def success(self) -> str | None:
-        """How its runs should end, in a word; None where any end will do."""
+        """Return how its runs should end, in a word; None where any end will do."""
         return self.mechanism.success if self.design is None else self.mechanism.success_of(self.design)
 
     def __repr__(self) -> str:
@@ -96,7 +96,7 @@ class Results:
         return summary_html(repr(self))
 
     def _lines(self) -> dict[str, str]:
-        """A line for each thing there is."""
+        """Return a line for each thing there is."""
         lines = {}
         if self.run is not None:
             steps = f"history of {self.run.sizes['step']} steps" if "step" in self.run.sizes else "no history"
@@ -119,7 +119,7 @@ class Results:
 
 
 def load(folder: str | Path) -> Results:
-    """What a folder holds that `--output` named.
+    """Return what a folder holds that `--output` named.
 
     **Arguments:**
 
@@ -213,17 +213,18 @@ def _two_searches(folder: Path, records: Mapping[str, Record]) -> list[str]:
 
 
 def _records(folder: Path) -> dict[str, Record]:
-    """Every JSON record there is; a run's is named after what its mechanism calls it."""
+    """Return every JSON record there is; a run's is named after what its mechanism calls it."""
     records = {name: _record(folder / file) for name, file in {**RECORDS, **BESIDE}.items()}
     for mechanism in all_mechanisms():
         run = _record(folder / f"{mechanism.view.run_name}.json")
+        # Several mechanisms may call their runs by the same word.
         if run is not None and run.get("kind") == mechanism.name:
             records["run"] = run
     return {name: record for name, record in records.items() if record is not None}
 
 
 def _run(folder: Path) -> Dataset | None:
-    """The run in a folder, named after what its mechanism calls it."""
+    """Return the run in a folder, named after what its mechanism calls it."""
     names = [f"{mechanism.view.run_name}{SUFFIX}" for mechanism in all_mechanisms()]
     files = [folder / name for name in dict.fromkeys(names) if (folder / name).is_file()]
     if len(files) > 1:

@@ -27,7 +27,8 @@ NEAR = 0.06  # of an axis: points less apart have their numbers in one text
 
 @styled
 def tune_figure(tuned: Tuned, worst: Sequence[Run] = ()) -> Figure:
-    """Peak force in every scenario before and after, variables in their bounds, what is limited, the search.
+    """Draw the peak force in every scenario before and after, variables in their bounds, what is limited, and the
+    search.
 
     **Arguments:** ``tuned``; ``worst``: runs with histories of `worst_case`, with the design before and after, whose
     force is drawn over time; none: that panel is left out.
@@ -63,19 +64,20 @@ def tune_figure(tuned: Tuned, worst: Sequence[Run] = ()) -> Figure:
 
 
 def _objective_text(problem: Any, objective: Any) -> str:
-    """An objective in words."""
+    """Return an objective in words."""
     return str(problem.worded(objective)).replace("_", " ").replace("cases", "scenarios")
 
 
 def worst_case(tuned: Tuned) -> int:
-    """Which scenario has the largest contact force with the tuned design."""
+    """Return which scenario has the largest contact force with the tuned design."""
     return int(np.argmax(tuned.after.peak_force))
 
 
 def _cases(axes: Axes, tuned: Tuned) -> None:
-    """A row for each scenario, or for those with the largest peaks: its peak force before and after."""
+    """Draw a row for each scenario, or for those with the largest peaks: its peak force before and after."""
     problem, floor = tuned.problem, tuned.floor
     count = len(problem.cases)
+    # Those with the largest peaks, in the order of the problem.
     drawn = np.sort(np.argsort(-tuned.after.peak_force, kind="stable")[:MOST])
     row = np.arange(len(drawn))
     peaks = [point.peak_force[drawn] for point in (tuned.before, tuned.after)]
@@ -102,7 +104,7 @@ def _cases(axes: Axes, tuned: Tuned) -> None:
 
 
 def _force(axes: Axes, tuned: Tuned, worst: Sequence[Run]) -> None:
-    """Contact force over time in the worst scenario."""
+    """Draw the contact force over time in the worst scenario."""
     until = max(last_contact(run) for run in worst)
     unit, factor = seconds(until)
     for (name, colour, _), run in zip(POINTS, worst, strict=True):
@@ -119,7 +121,7 @@ def _force(axes: Axes, tuned: Tuned, worst: Sequence[Run]) -> None:
 
 
 def _variables(axes: Axes, tuned: Tuned) -> None:
-    """Where each variable stands between its bounds, before and after, with its value."""
+    """Draw where each variable stands between its bounds, before and after, with its value."""
     variables = tuned.problem.variables
     row = np.arange(len(variables))
     values = [[float(get(design, v.path)) for v in variables] for design in (tuned.problem.design, tuned.design)]
@@ -152,8 +154,8 @@ class Row(NamedTuple):
 
 
 def _rows(tuned: Tuned) -> list[Row]:
-    """The largest of each quantity over the scenarios, or the least of one with a lower limit alone: of those that are
-    limited, or not zero throughout."""
+    """Return the largest of each quantity over the scenarios, or the least of one with a lower limit alone: of those
+    that are limited, or not zero throughout."""
     problem, rows = tuned.problem, []
     allowed = {**problem.mechanism.always(problem.design), **problem.limits.at_most}
     largest = np.maximum(np.max(tuned.before.quantities, axis=0), np.max(tuned.after.quantities, axis=0))
@@ -173,7 +175,8 @@ def _rows(tuned: Tuned) -> list[Row]:
 
 
 def _limits(axes: Axes, tuned: Tuned) -> None:
-    """The worst of each quantity over the scenarios in shares of its limit, or of what it was where it has none."""
+    """Draw the worst of each quantity over the scenarios in shares of its limit, or of what it was where it has none.
+    """
     rows = _rows(tuned)
     row = np.arange(len(rows))
     for (name, colour, marker), side in zip(POINTS, ("before", "after"), strict=True):
@@ -201,7 +204,7 @@ def _share(row: Row, value: float) -> float:
 
 
 def _search(axes: Axes, tuned: Tuned, stage: int) -> None:
-    """Every design tried in a stage, and the best so far among those within all limits."""
+    """Draw every design tried in a stage, and the best so far among those within all limits."""
     from matplotlib.ticker import MaxNLocator
 
     records = [it for it in tuned.records if it["stage"] == stage]
@@ -236,8 +239,8 @@ def _search(axes: Axes, tuned: Tuned, stage: int) -> None:
 
 @styled
 def front_figure(front: Front) -> Figure:
-    """The first objective over each other one: the front, its points that did not converge, and those that another one
-    is better than."""
+    """Draw the first objective over each other one: the front, its points that did not converge, and those that another
+    one is better than."""
     others = front.objectives[1 : PANELS + 1]
     figure, grid = panels(6.4 * len(others), 4.6, 1, len(others))
     drawn = [shown(front.problem.catalogue[name]) for name in front.objectives]
@@ -245,6 +248,7 @@ def front_figure(front: Front) -> Figure:
     for axes, k in zip(grid[0], range(1, len(front.objectives)), strict=False):
         name, other, scale = drawn[k]
         order = [i for i in np.argsort(values[:, k]) if front.kept[i]]
+        # With more objectives a front is a surface, of which a panel shows a projection: no line joins its points.
         line = "-" if len(front.objectives) == 2 else ""
         axes.plot(scale * values[order, k], factor * values[order, 0], "o", linestyle=line, color=BLUE, label="front")
         if unsure := [i for i in order if not front.points[i].converged]:

@@ -34,7 +34,8 @@ MANY = 4  # variables that are named
 
 
 def badges(every: Sequence[Results], others: Sequence[Results] = ()) -> list[Cell]:
-    """What one asks first. ``others``: folders of which the first with limits lends them to those that have none."""
+    """Return the badges of what one asks first. ``others``: folders of which the first with limits lends them to those
+    that have none."""
     groups = [(*_of_tuning(results, others), *_of_run(results, others), *_of_many(results)) for results in every]
     return [badge for badges in groups for badge in badges]
 
@@ -56,7 +57,8 @@ def _of_tuning(results: Results, others: Sequence[Results]) -> list[Cell]:
 
 
 def _of_objective(results: Results, others: Sequence[Results], feasible: bool) -> Cell:
-    """The objective before and after. A higher one is no fault: limits that the start breaks may cost that much."""
+    """Return the objective before and after. A higher one is no fault: limits that the start breaks may cost that much.
+    """
     tuned = results.tuned or {}
     before, after, unit = (tuned[f"objective_{name}"] for name in ("before", "after", "unit"))
     text = f"{words(tuned['objective'])}: {table_text(before)} → {table_text(after)}{unit_text(unit)}"
@@ -70,7 +72,7 @@ def _of_objective(results: Results, others: Sequence[Results], feasible: bool) -
 
 
 def _of_limits(results: Results, counts: LimitCounts) -> Cell:
-    """Which limits are broken, or how sure it is that all are kept, and how many runs have the strictest end."""
+    """Return which limits are broken, or how sure it is that all are kept, and how many runs have the strictest end."""
     missed = [f"{counts.missed} of {counts.runs} not {words(counts.success or '')}"] if counts.missed else []
     count = end_count(results)
     reached = [] if count is None else [str(count)]
@@ -86,13 +88,14 @@ def _broken(counts: LimitCounts) -> list[str]:
 
 
 def _nearly(counts: LimitCounts) -> list[str]:
-    """What is kept, but not for certain."""
+    """Return what is kept, but not for certain."""
     by_verdict = {"at the limit": counts.at_limit, "not known": counts.unknown}
     return [f"{count} {what}" for what, count in by_verdict.items() if count]
 
 
 def _of_search(tuned: Record) -> list[Cell]:
-    """Whether a search converged, and whether another one found the same (``borne_out``, where it is recorded)."""
+    """Return badges for a search that did not converge, and for one whose result no other search found (``borne_out``,
+    where it is recorded)."""
     if not tuned["feasible"]:
         return []
     texts = [] if tuned.get("converged", True) else [STOPPED.get(tuned.get("ended", ""), "the search did not converge")]
@@ -103,6 +106,7 @@ def _of_search(tuned: Record) -> list[Cell]:
 def _of_run(results: Results, others: Sequence[Results]) -> list[Cell]:
     record, derived, cells = results.records.get("run"), results.sensitivity, []
     if record is not None:
+        # A folder with a tuning has its limits in the badges of that.
         counts = limit_counts(results, others) if results.tuned is None else None
         end = ended(results.mechanism, record["outcome"])
         phrases, mark = _with_limits(counts, end.mark)
@@ -118,7 +122,7 @@ def _of_run(results: Results, others: Sequence[Results]) -> list[Cell]:
 
 
 def _with_limits(counts: LimitCounts | None, mark: str) -> tuple[list[str], str]:
-    """What to say of a run's limits, and how to mark a run that ended as ``mark`` says."""
+    """Return what to say of a run's limits, and how to mark a run that ended as ``mark`` says."""
     if counts is None:
         return [], mark
     if counts.faults:
@@ -149,14 +153,15 @@ def _of_many(results: Results) -> list[Cell]:
 
 
 def abstract(every: Sequence[Results]) -> list[str]:
-    """A few sentences on each result, the folder's name before them where several have results of its kind."""
+    """Return a few sentences on each result, the folder's name before them where several have results of its kind."""
     kinds = (_tuning, _run, _sensitivity, _sweep, _sample, _front)
     by_kind = [[(results, text) for results in every if (text := kind(results, every))] for kind in kinds]
     return [f"{results.folder}: {text}" if len(some) > 1 else text for some in by_kind for results, text in some]
 
 
 def _tuning(results: Results, every: Sequence[Results]) -> str:
-    """From where to where the objective went, whether limits are kept, by which numbers, and how the search ended."""
+    """Return from where to where the objective went, whether limits are kept, by which numbers, and how the search
+    ended."""
     tuned, mechanism = results.tuned, results.mechanism
     if tuned is None:
         return ""
@@ -178,7 +183,7 @@ def _tuning(results: Results, every: Sequence[Results]) -> str:
 
 
 def _objective(mechanism: Mechanism, tuned: Record) -> str:
-    """From where to where the objective went; only where to, if runs of the start failed."""
+    """Return from where to where the objective went; only where to, if runs of the start failed."""
     before, after = tuned["objective_before"], tuned["objective_after"]
     symbol, factor = tuned["objective_unit"], 1.0
     known = mechanism.quantities.get(tuned["objective"].partition(",")[0])
@@ -194,7 +199,7 @@ def _objective(mechanism: Mechanism, tuned: Record) -> str:
 
 
 def _variables(mechanism: Mechanism, tuned: Record) -> str:
-    """What became of the variables that changed, the first ones."""
+    """Return what became of the variables that changed, the first ones."""
     usual, texts = mechanism.design(), list[str]()
     moved = [it for it in tuned["variables"] if not same(it["before"], it["value"])]
     for it in moved[:MANY]:
@@ -224,12 +229,12 @@ def _run(results: Results, every: Sequence[Results]) -> str:
 
 
 def _larger(record: Record) -> str:
-    """What of a run is larger than its contact force, to go on with."""
+    """Return what of a run is larger than its contact force, to go on with."""
     return f"; {text}" if (text := record.get("larger_force")) else ""
 
 
 def _sensitivity(results: Results, every: Sequence[Results]) -> str:
-    """Which number moves the first quantity most."""
+    """Return which number moves the first quantity most."""
     record, mechanism = results.sensitivity, results.mechanism
     if record is None or not record["derivatives"]:
         return ""
@@ -244,7 +249,7 @@ def _sensitivity(results: Results, every: Sequence[Results]) -> str:
 
 
 def _sweep(results: Results, every: Sequence[Results]) -> str:
-    """How the runs ended, how far the largest force goes, and how many runs are safe."""
+    """Return how the runs ended, how far the largest force goes, and how many runs are safe."""
     if results.sweep is None:
         return ""
     over = " and ".join(swept_fields(results))
@@ -260,7 +265,7 @@ def _sweep(results: Results, every: Sequence[Results]) -> str:
 
 
 def _sample(results: Results, every: Sequence[Results]) -> str:
-    """How the runs ended, and whose scatter matters most for each quantity."""
+    """Return how the runs ended, and whose scatter matters most for each quantity."""
     record, mechanism = results.records.get("sample"), results.mechanism
     if record is None:
         return ""
@@ -277,7 +282,7 @@ def _sample(results: Results, every: Sequence[Results]) -> str:
 
 
 def _share(row: Record) -> str:
-    """What a number alone has of a quantity's variance, and what it has in all."""
+    """Return what a number alone has of a quantity's variance, and what it has in all."""
     alone, total = row["first_order [-]"], row["total [-]"]
     if alone is None or not alone > 0.0:
         return "alone it scatters nothing, only together with others"
@@ -285,7 +290,7 @@ def _share(row: Record) -> str:
 
 
 def _front(results: Results, every: Sequence[Results]) -> str:
-    """How many designs are on a front, and between which ends it trades."""
+    """Return how many designs are on a front, and between which ends it trades."""
     record, mechanism = results.records.get("front"), results.mechanism
     if record is None:
         return ""
@@ -303,7 +308,7 @@ def _front(results: Results, every: Sequence[Results]) -> str:
 
 
 def _ended(mechanism: Mechanism, counts: Mapping[str, Any]) -> str:
-    """How many runs ended as they should."""
+    """Return how many runs ended as they should."""
     should, every = mechanism.successes or (mechanism.outcomes.time_is_up(),), sum(counts.values())
     good = sum(counts.get(name, 0) for name in should)
     ends = [words(name) for name in should if name in counts] or [words(should[0])]

@@ -24,7 +24,7 @@ Row = list[str | Cell]
 
 
 def _value(value: float | None, limit: Limit, factor: float) -> str:
-    """A value beside its limit: with as many digits as tell it from a bound that it breaks."""
+    """Return a value beside its limit: with as many digits as tell it from a bound that it breaks."""
     if value is None or limit.keeps(value):
         return table_text(None if value is None else factor * value)
     text = table_text(factor * value)
@@ -50,7 +50,7 @@ class LimitCheck:
 
     @property
     def limits(self) -> list[Limit]:
-        """Upper limits, those that always hold first, lower ones, and that of the impacts."""
+        """Return upper limits, those that always hold first, lower ones, and that of the impacts."""
         always = [name for name in self.mechanism.tuning.always if name in self.values[0]]
         most = self.source.get("most_impacts")
         named = limits_of(self.mechanism, self.source, [*always, *limited(self.source)])
@@ -58,27 +58,30 @@ class LimitCheck:
 
     @property
     def end(self) -> RequiredEnd | None:
-        """The end that the limits ask for beside success, or that a limited quantity waits for; None for none."""
+        """Return the end that the limits ask for beside success, or that a limited quantity waits for; None for none.
+        """
         return required_end(self.mechanism, self.source)
 
     @property
     def missed(self) -> list[int]:
-        """The scenarios that do not end as they must, that of the smallest margin first where margins are known."""
+        """Return the scenarios that do not end as they must, that of the smallest margin first where margins are known.
+        """
         margin, end = self.mechanism.tuning.margin or "", self.end
         successes = self.mechanism.successes if end is None else end.outcomes
         successes = () if self.success is None else successes
+        # A failed run ends in no way that will do, also where any end would.
         failed = [name for name in self.mechanism.outcomes.__members__ if self.mechanism.outcomes[name].failed]
         missed = [k for k, it in enumerate(self.outcomes) if (successes and it not in successes) or it in failed]
         return sorted(missed, key=lambda k: float(self.values[k].get(margin) or 0.0))
 
     @property
     def keeping(self) -> list[bool]:
-        """Of each scenario, whether its run ends as it must and keeps every limit."""
+        """Return for each scenario whether its run ends as it must and keeps every limit."""
         missed, limits = set(self.missed), self.limits
         return [k not in missed and not any(_breaks(case, it) for it in limits) for k, case in enumerate(self.values)]
 
     def title(self, name: str) -> tuple[str, str, float]:
-        """A quantity's title, its unit in figures, and how many of those its own unit is."""
+        """Return a quantity's title, its unit in figures, and how many of those its own unit is."""
         if name == IMPACTS:
             return name, "-", 1
         title, symbol, factor = in_figures(self.mechanism, name, self.source.get("quantities", {}))
@@ -86,7 +89,7 @@ class LimitCheck:
 
 
 def limit_check(results: Results, every: Sequence[Results] = (), side: str = "after") -> LimitCheck | None:
-    """A folder's tuning, or else its run, with the limits it is held against; None where there are none.
+    """Return a folder's tuning, or else its run, with the limits it is held against; None where there are none.
 
     **Arguments:** ``every``: folders of which the first with limits lends them to a folder that has none; ``side`` of
     a tuning: "after", or "before" for the design it began with.
@@ -122,7 +125,10 @@ def required_success(results: Results, source: Record) -> str | None:
 
 def end_count(results: Results, side: str = "after") -> EndCount | None:
     """Return in how many runs of a folder the strictest end was reached that its design can have; None where there is
-    none. ``side``: of a tuning, as of `limit_check`."""
+    none.
+
+    ``side``: of a tuning, as of `limit_check`.
+    """
     design = results.design
     if design is None:
         return None
@@ -136,8 +142,8 @@ def end_count(results: Results, side: str = "after") -> EndCount | None:
 
 
 def repeats_tuning(results: Results, every: Sequence[Results]) -> bool:
-    """Whether a folder's run is one of the scenarios of a tuning among ``every``, of the tuned design and held against
-    the same limits: what is said of the tuning's limits holds for it."""
+    """Return whether a folder's run is one of the scenarios of a tuning among ``every``, of the tuned design and held
+    against the same limits: what is said of the tuning's limits holds for it."""
     run = results.records.get("run")
     if run is None or results.tuned is not None:
         return False
@@ -152,18 +158,19 @@ def _is_a_case(run: Record, tuned: Record) -> bool:
     if not all(same(design.get(name), value) for name, value in run["design"].items()):
         return False
     return any(
+        # A run simulates the design as drawn, which a case with factors does not.
         not case.get("factors") and all(same(case.get(name), value) for name, value in run["scenario"].items())
         for case in tuned["scenarios"]
     )
 
 
 def source_of_limits(every: Sequence[Results]) -> Record | None:
-    """The record of the first folder that has limits of its own."""
+    """Return the record of the first folder that has limits of its own."""
     return next((_limiting(results) for results in every if _has_limits(results)), None)
 
 
 def _limiting(results: Results) -> Record | None:
-    """The record of a folder's tuning, or else of its run."""
+    """Return the record of a folder's tuning, or else of its run."""
     return results.tuned if results.tuned is not None else results.records.get("run")
 
 
@@ -172,8 +179,8 @@ def _has_limits(results: Results) -> bool:
 
 
 def elsewhere(results: Results, scenario: Record) -> list[str]:
-    """A line that says in which scenarios of a tuning its limited quantities and the peak force are largest, where a
-    run of another ``scenario`` is shown; no line where it is one of those."""
+    """Return a line that says in which scenarios of a tuning its limited quantities and the peak force are largest,
+    where a run of another ``scenario`` is shown; no line where it is one of those."""
     if results.tuned is None:
         return []
     mechanism, cases = results.mechanism, [by_name(case["after"]) for case in results.tuned["scenarios"]]
@@ -188,8 +195,8 @@ def elsewhere(results: Results, scenario: Record) -> list[str]:
 
 
 def case_labels(results: Results, among: Sequence[Any] = ()) -> list[str]:
-    """A tuning's scenarios in words, told apart from those ``among`` which they stand (default: its own), with where
-    the built mechanism differs from the drawn one."""
+    """Return a tuning's scenarios in words, told apart from those ``among`` which they stand (default: its own), with
+    where the built mechanism differs from the drawn one."""
     cases = [] if results.tuned is None else results.tuned["scenarios"]
     met = [scenario_of(results.mechanism, case) for case in cases]
     others = list(among) or met
@@ -201,7 +208,7 @@ def case_labels(results: Results, among: Sequence[Any] = ()) -> list[str]:
 
 
 def limits(results: Results, every: Sequence[Results] = (), named: bool = False) -> Section | None:
-    """What the study limits, of the tuning or of the run; None where nothing is limited.
+    """Return what the study limits, of the tuning or of the run; None where nothing is limited.
 
     **Arguments:** ``every``: as of `limit_check`; ``named``: whether the table's caption names the folder.
     """
@@ -238,12 +245,12 @@ class LimitCounts(NamedTuple):
 
     @property
     def faults(self) -> int:
-        """Of both kinds."""
+        """Return how many faults of both kinds there are."""
         return self.broken + self.missed
 
 
 def limit_counts(results: Results, every: Sequence[Results] = ()) -> LimitCounts | None:
-    """How a folder stands to its limits; None where nothing is limited. ``every``: as of `limit_check`."""
+    """Return how a folder stands to its limits; None where nothing is limited. ``every``: as of `limit_check`."""
     check = limit_check(results, every)
     if check is None:
         return None
@@ -273,7 +280,7 @@ def _breaks(case: Mapping[str, Any], limit: Limit) -> bool:
 
 
 def _rows(check: LimitCheck) -> list[Row]:
-    """A row for each limit, and how runs must end."""
+    """Return a row for each limit, and how runs must end."""
     rows, success = [_row(check, limit) for limit in check.limits], check.success
     if success is not None:
         missed, every = check.missed, len(check.outcomes)
@@ -289,8 +296,8 @@ def limited(source: Record) -> list[str]:
 
 
 def limits_of(mechanism: Mechanism, source: Record, among: Container[str] | None = None) -> list[Limit]:
-    """Upper limits, those that always hold before the others, and lower ones; on quantities ``among`` some, or else on
-    those that the study limits."""
+    """Return upper limits, those that always hold before the others, and lower ones; on quantities ``among`` some, or
+    else on those that the study limits."""
     among = limited(source) if among is None else among
     every = both_sides({**mechanism.tuning.always, **source["limits"]}, source.get("lower_limits", {}))
     return [limit for limit in every if limit.name in among]
@@ -312,7 +319,8 @@ def _row(check: LimitCheck, limit: Limit) -> Row:
 
 
 def _beyond(check: LimitCheck) -> list[Row]:
-    """Every broken limit of every scenario: first runs that end otherwise than they must, then the farthest beyond."""
+    """Return every broken limit of every scenario: first runs that end otherwise than they must, then the farthest
+    beyond."""
     success = words(check.success or "")
     missed: list[Row] = [[check.labels[k], "end", "-", words(check.outcomes[k]), success, "–"] for k in check.missed]
     excesses: list[tuple[float, Row]] = []
@@ -329,7 +337,7 @@ def _beyond(check: LimitCheck) -> list[Row]:
 
 
 def _summed(check: LimitCheck, beyond: Sequence[Row]) -> str:
-    """In one sentence, how many scenarios break which limit."""
+    """Return in one sentence how many scenarios break which limit."""
     counts = Counter(str(row[1]) if row[1] != "end" else f"not {words(check.success or '')}" for row in beyond)
     text = "; ".join(f"{name} in {count}" for name, count in counts.items())
     return f"Limits are broken, of {len(check.labels)} scenarios: {text}. The table below names them, the worst first."
