@@ -61,8 +61,8 @@ def scene(run: Run, times: Sequence[float] | np.ndarray) -> Scene:
 
 
 def magnifications(run: Run, drawing: Drawing, wide: float) -> list[tuple[Band, float]]:
-    """Return the parts whose bending would not be seen in a picture ``wide`` [m], and a round factor by which it would.
-    """
+    """Return the parts whose bending would not be seen in a picture ``wide`` [m], and a round factor by which it
+    would."""
     bands = [shape for shape in drawing.shapes if isinstance(shape, Band)]
     factors = []
     for band in bands:
@@ -163,8 +163,8 @@ def clock(time: float, end: float, more: int = 0) -> str:
 
 
 def whole(axes: Axes, at: Scene, k: int) -> dict[str, Any]:
-    """Draw the whole mechanism at the k-th time, with a frame around what the detail shows; return the legend's parts.
-    """
+    """Draw the whole mechanism at the k-th time, with a frame around what the detail shows; return the legend's
+    parts."""
     frames, ((left, low), (right, high)) = at.frames[k], at.views[k]
     named = sketch(axes, at.drawing.shapes, frames)
     for (band, times), (colour, dashes) in zip(at.magnified, BENT, strict=False):
@@ -198,8 +198,8 @@ def closer(axes: Axes, at: Scene, k: int) -> dict[str, Any]:
 
 
 def _half(at: Scene, k: int) -> float:
-    """Return half the width of the detail at the k-th time [m]: as wide as to show what the ball may touch next, too.
-    """
+    """Return half the width of the detail at the k-th time [m]: as wide as to show what the ball may touch next,
+    too."""
     detail, frames = at.drawing.detail, at.frames[k]
     assert detail is not None
     middle = detail.centre.at(frames)

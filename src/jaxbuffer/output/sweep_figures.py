@@ -105,8 +105,8 @@ def _said(axis: Axis, value: Any) -> str:
 
 
 def _places(axis: Axis) -> np.ndarray:
-    """Return where an axis' values stand in a figure: numbers where they are, angles in degrees, choices side by side.
-    """
+    """Return where an axis' values stand in a figure: numbers where they are, angles in degrees, choices side by
+    side."""
     return in_figures(axis.unit, axis.typed)[1] * axis.values if axis.unit else np.arange(float(len(axis)))
 
 

@@ -25,8 +25,8 @@ def sweep_record(swept: Sweep, envelope: SafeRectangle | None) -> dict[str, Any]
 
 
 def _field(axis: Any) -> dict[str, str]:
-    """Return a swept or sampled field: its path, the unit of its numbers, and the one in which people are shown them.
-    """
+    """Return a swept or sampled field: its path, the unit of its numbers, and the one in which people are shown
+    them."""
     return {"path": axis.path, "unit": axis.unit, "shown_in": axis.typed or axis.unit}
 
 

@@ -175,8 +175,8 @@ def _rows(tuned: Tuned) -> list[Row]:
 
 
 def _limits(axes: Axes, tuned: Tuned) -> None:
-    """Draw the worst of each quantity over the scenarios in shares of its limit, or of what it was where it has none.
-    """
+    """Draw the worst of each quantity over the scenarios in shares of its limit, or of what it was where it has
+    none."""
     rows = _rows(tuned)
     row = np.arange(len(rows))
     for (name, colour, marker), side in zip(POINTS, ("before", "after"), strict=True):

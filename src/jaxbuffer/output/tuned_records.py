@@ -18,8 +18,8 @@ from .records import Table, json_number, limits_record
 
 
 def tuned_record(tuned: Tuned) -> dict[str, Any]:
-    """Return the result: problem, objective, floor, evidence, and every scenario before and after at tight tolerance.
-    """
+    """Return the result: problem, objective, floor, evidence, and every scenario before and after at tight
+    tolerance."""
     problem, (start, end) = tuned.problem, tuned.objective
     scenarios = zip(problem.cases, _cases(tuned, tuned.before), _cases(tuned, tuned.after), strict=True)
     floors = _floors(tuned)

@@ -89,8 +89,8 @@ def scaled(axes: Axes, which: str, scale: str, low: float, high: float) -> None:
 
 
 def outcome_marks(mechanism: Any) -> dict[str, tuple[str, str]]:
-    """Return marker and colour of each outcome that is neither a failure nor what should be: the same in every figure.
-    """
+    """Return marker and colour of each outcome that is neither a failure nor what should be: the same in every
+    figure."""
     aims = mechanism.successes or (mechanism.outcomes.time_is_up(),)
     ended = [outcome.name for outcome in mechanism.outcomes if not outcome.failed and outcome.name not in aims]
     return {name: (MARKERS[k % len(MARKERS)], ENDED[k % len(ENDED)]) for k, name in enumerate(ended)}

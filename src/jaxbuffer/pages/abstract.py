@@ -57,8 +57,8 @@ def _of_tuning(results: Results, others: Sequence[Results]) -> list[Cell]:
 
 
 def _of_objective(results: Results, others: Sequence[Results], feasible: bool) -> Cell:
-    """Return the objective before and after. A higher one is no fault: limits that the start breaks may cost that much.
-    """
+    """Return the objective before and after. A higher one is no fault: limits that the start breaks may cost that
+    much."""
     tuned = results.tuned or {}
     before, after, unit = (tuned[f"objective_{name}"] for name in ("before", "after", "unit"))
     text = f"{words(tuned['objective'])}: {table_text(before)} → {table_text(after)}{unit_text(unit)}"

@@ -213,8 +213,8 @@ def _limits_of(results: Results, every: Sequence[Results]) -> dict[tuple[str, bo
 
 
 def _shown(every: Sequence[Results], name: str) -> tuple[str, str, float]:
-    """Return a quantity's title, unit in figures and factor; one that a study has made may be known to one folder only.
-    """
+    """Return a quantity's title, unit in figures and factor; one that a study has made may be known to one folder
+    only."""
     own: dict[str, Any] = {}
     for results in every:
         own |= (results.tuned or results.records.get("run") or {}).get("quantities", {})

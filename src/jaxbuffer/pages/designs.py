@@ -17,8 +17,8 @@ Rows = list[list[str]]
 
 
 def requirements(first: Results, every: Sequence[Results]) -> Section | None:
-    """Return what is asked of the page's tuning, or else of its run; limits come from the first folder that has some.
-    """
+    """Return what is asked of the page's tuning, or else of its run; limits come from the first folder that has
+    some."""
     mechanism, tuned = first.mechanism, first.tuned
     run = first.records.get("run")
     rows = _limits(first, source_of_limits([first, *every]))

@@ -100,8 +100,8 @@ def envelope_in_words(envelope: Record) -> list[str]:
 
 
 def not_found(envelope: Record, axes: Sequence[Record]) -> list[str]:
-    """Return on which sides the largest safe rectangle ends where the sweep does, as a warning; none where on no side.
-    """
+    """Return on which sides the largest safe rectangle ends where the sweep does, as a warning; none where on no
+    side."""
     values = {axis["path"]: axis["values"] for axis in axes}
     sides = [
         f"{field_name(part['path'])} {where} {_end(part[end], part)}"

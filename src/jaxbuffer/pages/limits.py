@@ -58,14 +58,14 @@ class LimitCheck:
 
     @property
     def end(self) -> RequiredEnd | None:
-        """Return the end that the limits ask for beside success, or that a limited quantity waits for; None for none.
-        """
+        """Return the end that the limits ask for beside success, or that a limited quantity waits for; None for
+        none."""
         return required_end(self.mechanism, self.source)
 
     @property
     def missed(self) -> list[int]:
-        """Return the scenarios that do not end as they must, that of the smallest margin first where margins are known.
-        """
+        """Return the scenarios that do not end as they must, that of the smallest margin first where margins are
+        known."""
         margin, end = self.mechanism.tuning.margin or "", self.end
         successes = self.mechanism.successes if end is None else end.outcomes
         successes = () if self.success is None else successes

@@ -59,8 +59,8 @@ class Evaluation(NamedTuple):
 
     @property
     def quantities(self) -> Float[np.ndarray, "cases quantities"]:
-        """Return the quantities of each load case, in the order of `Problem.names`: the peak force, then the ``rest``.
-        """
+        """Return the quantities of each load case, in the order of `Problem.names`: the peak force, then the
+        ``rest``."""
         return np.column_stack([self.peak_force, self.rest])
 
     @property

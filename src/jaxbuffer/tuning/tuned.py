@@ -99,8 +99,8 @@ class Tuned(Saved):
 
     @property
     def feasible(self) -> bool:
-        """Return whether every constraint holds in the result, in every load case and in every corner of what scatters.
-        """
+        """Return whether every constraint holds in the result, in every load case and in every corner of what
+        scatters."""
         return self.goal.feasible(self.after) and (self.corners is None or self.corners.hold)
 
     @property
