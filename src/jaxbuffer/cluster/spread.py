@@ -61,6 +61,7 @@ class _UnderWay:
     def fill(self, tasks: Iterator[Any]) -> None:
         """Hand out as many tasks as are good to have waiting."""
         if time.monotonic() >= self.due:
+            # Workers may come and go during a sweep: room and differences are those of the workers there are now.
             self.workers.look()
             self.room, self.due = AHEAD * max(1, self.workers.threads), time.monotonic() + PERIOD
         while len(self.tasks) < self.room and (task := next(tasks, None)) is not None:

@@ -48,6 +48,7 @@ def frames_of(run: Run) -> Frames:
         window = max(pulse.start - room, 0.0), min(pulse.end + room, busy)
         # Windows of slow motion must not overlap, because time would go back between them.
         apart = all(window[1] < other[0] or window[0] > other[1] for other in slow)
+        # Slow motion must show at least twice as many frames as even ones would.
         if len(slow) < IMPACTS and apart and 0.0 < window[1] - window[0] < 0.5 * SLOW * even:
             slow.append(window)
     times, steps, at = [], [], 0.0

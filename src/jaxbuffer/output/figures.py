@@ -43,6 +43,7 @@ def run_figure(run: Run) -> Figure:
     """
     mechanism, end = run.mechanism, float(_history(run).time[-1])
     to_end = any(panel.to_end for panel in mechanism.view.panels(run))
+    # Steps are long in flight and few in an impact: lines through them alone would have corners.
     run = between_steps(run, to_end)
     others = mechanism.view.panels(run)
     touched = float(run.peak_force) > 0.0  # else there is no peak to look at
@@ -66,6 +67,7 @@ def run_figure(run: Run) -> Figure:
     window = Window(start, until, *seconds(until))
     _forces(force, zoom, run, window)
     for axes, panel in zip(rest, others, strict=False):
+        # Some panels tell of the time before or after the contacts, too; the others end with these.
         shown = window if not panel.to_end else Window(start, end, *seconds(end))
         _draw(axes, np.asarray(_history(run).time), panel, shown._replace(start=0.0) if panel.whole else shown)
     for axes in rest[len(others) :]:
@@ -158,6 +160,7 @@ def _pulse(axes: Axes, run: Run, factor: float) -> None:
     ``factor``: how many of the unit in which they are drawn a newton has.
     """
     history, at = _history(run), float(run.peak_time)
+    # The contact of the peak tells how wide the impact is; others may be closed for longer.
     pulse = pulse_around(
         np.asarray(history.time), np.asarray(history.contact_force)[:, max(int(run.peak_contact), 0)], at
     )

@@ -52,6 +52,7 @@ def scene(run: Run, times: Sequence[float] | np.ndarray) -> Scene:
     drawing = mechanism.view.drawing(run.design, mechanism.view.names(run.design).bodies)
     frames = drawing.frames(instants)
     force = np.asarray(run.history.contact_force)  # type: ignore[union-attr]
+    # One length for all arrows: those of different times can be compared.
     peak = float(np.max(np.hypot(force, np.asarray(run.history.friction_force)), initial=0.0))  # type: ignore[union-attr]
     views = _views(drawing, frames)
     larger = magnifications(run, drawing, float(views[0, 1, 0] - views[0, 0, 0]))
@@ -131,6 +132,7 @@ def motion_figure(run: Run, times: Sequence[float] | None = None) -> Figure:
         named |= whole(grid[k, 0], at, k)
         grid[k, 0].set_title(said(at, k))
         if detail is not None:
+            # Where both name a part, the entry of the whole stays.
             named = closer(grid[k, 1], at, k) | named
     legend_below(figure, list(named.values()), list(named))
     arrows = ". Arrows: contact force" if at.drawing.touches else ""
@@ -218,6 +220,7 @@ def telling_times(run: Run, count: int = PANELS) -> Float[np.ndarray, " times"]:
         if len(peaks) < count - 2 and all(abs(pulse.peak - other) > APART * busy for other in peaks):
             peaks.append(pulse.peak)
     chosen = list(peaks)
+    # Start and end come first: evenly spaced times only fill up what is left.
     for time in [0.0, end, *np.linspace(0.0, busy, count + 1)]:
         if len(chosen) < count and all(abs(time - other) > APART * busy for other in chosen):
             chosen.append(float(time))

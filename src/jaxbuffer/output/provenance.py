@@ -53,6 +53,7 @@ def _quoted(word: str) -> str:
     own = home()
     if own is None or not own.is_absolute() or own == Path(own.anchor):  # what is in "/" names no user
         return shlex.quote(word)
+    # An option's value may be a path, too: --output=/home/me/results.
     option, equals, path = word.partition("=") if word.startswith("-") else ("", "", word)
     inside = path.removeprefix(str(own))
     if inside == path or inside[:1] not in ("", "/"):  # /home/me is no folder above /home/menu

@@ -80,6 +80,7 @@ def fine_times(run: Run, even: int = EVEN, until: float = np.inf) -> Float[np.nd
     # The more such steps there are, the fewer parts each has, so that the total stays about the same.
     parts = int(np.clip(MOST // max(first.size, 1), 1, FINE))
     inside = time[first] + np.outer(np.arange(1, parts) / parts, step[first])
+    # A run without an impact has no time of the peak.
     peak = np.clip(np.nan_to_num(float(run.peak_time)), time[0], time[-1])
     return np.unique(np.concatenate([time, spread, inside.ravel(), [peak]]))
 

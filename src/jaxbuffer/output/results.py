@@ -61,6 +61,7 @@ def run_files(
         f"{name}{SUFFIX}": lambda: content(run.to_xarray()),
         **field_files(run),
     }
+    # All others draw or list values over time.
     without_history = (f"{name}.json", f"{name}.txt", f"{name}{SUFFIX}")
     return files if run.history is not None else {file: files[file] for file in without_history}
 

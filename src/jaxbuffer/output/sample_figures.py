@@ -52,6 +52,7 @@ def sample_figure(sample: Sample) -> Figure:
             label(axes, "", below, "", legend=False)
         row[0].set_ylabel(f"{title}\n[{unit}]")
     legend_below(figure, *grid[0, 0].get_legend_handles_labels())
+    # Failed runs have no values, and are missing in every panel.
     lost = int(np.sum(sample.done & ~sample.solved))
     parts = [f"Sample of {len(sample.grid)} {mechanism.view.run_name}s, {_worded(sample.grid.method)}"]
     parts += [f"{lost} failed"] if lost else []

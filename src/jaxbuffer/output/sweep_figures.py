@@ -43,6 +43,7 @@ def sweep_figure(swept: Sweep) -> Figure:
     axes = swept.grid.axes
     moving = [k for k, axis in enumerate(axes) if len(axis) > 1]
     numbers = [k for k in moving if axes[k].unit]
+    # A map needs two numbers: choices have no order along an axis.
     if len(numbers) < 2:
         along = (numbers or moving or [0])[0]
         return _lines(swept, along, [k for k in moving if k != along])
@@ -141,6 +142,7 @@ def _mapped(swept: Sweep) -> list[str]:
     """Return the quantities that are drawn of a sweep: of those of its mechanism the ones that some run has."""
     varied = [] if swept.grid is None else [axis.path for axis in swept.grid.axes]
     names = swept.mechanism.defaults_for(swept.design, varied).mapped
+    # A quantity of a part that the design does not have is NaN in all runs.
     known = [name for name in names if np.isfinite(swept.shaped(name)).any()]
     return known or list(names[:1])
 
@@ -163,6 +165,7 @@ def _logarithmic(swept: Sweep, name: str, values: np.ndarray) -> dict[str, Any]:
 
 def _slices(swept: Sweep, moving: list[int]) -> Figure:
     """Draw maps over the two longest fields; the values of the others are spread over the panels."""
+    # Maps are over numbers only; choices are among what is spread over the panels.
     numbers = [k for k in moving if swept.grid.axes[k].unit]
     across, up = sorted(sorted(numbers, key=lambda k: -len(swept.grid.axes[k]))[:2])
     others = [k for k in moving if k not in (across, up)]
@@ -205,6 +208,7 @@ def _map(
         return face[np.ix_(right, upwards)].T
 
     x, y = _places(first)[right], _places(second)[upwards]
+    # Failed runs have no value: their cells stay empty, and their marks are seen.
     cells = np.ma.masked_invalid(flat(values))
     image = axes.pcolormesh(edges(x, first.scale), edges(y, second.scale), cells, cmap="viridis", **limits)
     outcomes = flat(_outcomes(swept))
@@ -330,6 +334,7 @@ def _border(axes: Axes, safe: np.ndarray, right: np.ndarray, top: np.ndarray) ->
 def _reasons(axes: Axes, rectangle: SafeRectangle, x: np.ndarray, y: np.ndarray) -> None:
     """Draw a mark on each run that is not safe, for the first thing that it breaks."""
     reasons = rectangle.reasons
+    # Failures first, so that a study's own limits do not change their marks.
     names = sorted(set(reasons[reasons != ""]), key=lambda reason: (not reason.startswith("failed"), reason))
     for reason, marker in reason_marks(rectangle.swept.mechanism, names).items():
         rows, columns = np.nonzero(reasons == reason)

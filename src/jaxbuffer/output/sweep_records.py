@@ -19,6 +19,7 @@ from .records import Table
 
 def sweep_record(swept: Sweep, envelope: SafeRectangle | None) -> dict[str, Any]:
     """Return how many runs ended how, and what is safe; the runs themselves are in sweep.nc."""
+    # Runs that were given one by one have no grid: their numbers are in sweep.nc.
     places = () if swept.grid is None else swept.grid.axes
     axes = [{**_field(it), "values": np.asarray(it.values).tolist(), "scale": it.scale} for it in places]
     return _of_many(swept, {"axes": axes, "envelope": None if envelope is None else _envelope(envelope)})

@@ -39,6 +39,7 @@ def tune_figure(tuned: Tuned, worst: Sequence[Run] = ()) -> Figure:
     stages = sorted({it["stage"] for it in tuned.records})
     draws = [_variables, _limits, *(lambda axes, tuned, stage=stage: _search(axes, tuned, stage) for stage in stages)]
     limits = _rows(tuned)
+    # All rows are as high as the label with the most lines.
     each = LINE * (1 + max(it.text.count("\n") for it in limits)) + 0.06
     right = [0.4 * len(problem.variables) + 0.9, each * len(limits) + 0.9, *(2.3 for _ in stages)]
     rows = ROW * min(len(problem.cases), MOST) + 1.0
@@ -96,6 +97,7 @@ def _cases(axes: Axes, tuned: Tuned) -> None:
     names = [problem.cases[k].label(problem.cases) for k in drawn]
     numbered = max(map(len, names)) > LONGEST  # scenarios of a sample differ in many numbers
     axes.set_yticks(row, [str(k + 1) for k in drawn] if numbered else names)
+    # The axis goes down, so that the first scenario stands at the top.
     axes.set_ylim(len(row) - 0.4, -0.6)
     axes.set_xlim(left=0.0)
     some = f", the {MOST} of {count} scenarios where it is largest" if count > MOST else ""
@@ -136,6 +138,7 @@ def _variables(axes: Axes, tuned: Tuned) -> None:
     ends = [[tuned.problem.shown(v.path, end)[0] for end in (v.low, v.high)] for v in variables]
     names = [f"{v.path}\n{range_text(low, high, '', 4)}" for v, (low, high) in zip(variables, ends, strict=True)]
     axes.set_yticks(row, names, fontsize=SMALL)
+    # The room beyond the high bound is for the values' texts.
     axes.set_xlim(-0.03, 1.75)
     axes.set_xticks([0.0, 0.5, 1.0], ["low", "middle", "high"])
     axes.set_ylim(len(row) - 0.5, -0.5)
@@ -157,6 +160,7 @@ def _rows(tuned: Tuned) -> list[Row]:
     """Return the largest of each quantity over the scenarios, or the least of one with a lower limit alone: of those
     that are limited, or not zero throughout."""
     problem, rows = tuned.problem, []
+    # A limit of the problem is checked to be no higher than what always holds, and takes its place.
     allowed = {**problem.mechanism.always(problem.design), **problem.limits.at_most}
     largest = np.maximum(np.max(tuned.before.quantities, axis=0), np.max(tuned.after.quantities, axis=0))
     for k, name in enumerate(problem.names):
@@ -221,6 +225,7 @@ def _search(axes: Axes, tuned: Tuned, stage: int) -> None:
         if some:
             x, y = [it["evaluation"] for it in some], [factor * it["objective"] for it in some]
             axes.plot(x, y, marker, color=colour, markersize=4, label=name)
+    # Infinity stands for an infeasible design, which is never the best so far.
     best = np.minimum.accumulate([factor * it["objective"] if it["feasible"] else np.inf for it in records])
     known = np.isfinite(best)
     if np.any(known):

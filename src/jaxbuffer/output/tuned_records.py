@@ -177,6 +177,7 @@ def front_rows(front: Front) -> Table:
     header += [f"{v.path} [{unit(problem.design, v.path)}]" for v in problem.variables]
     rows: list[Sequence[Any]] = []
     for k, (point, values, limits) in enumerate(zip(front.points, front.values, front.limits, strict=True)):
+        # A point without a limit has an infinite one, which JSON lacks.
         finite = [None if np.isinf(limit) else float(limit) for limit in limits]
         status = [
             json_number(point.residual),

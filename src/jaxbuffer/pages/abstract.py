@@ -45,6 +45,7 @@ def _of_tuning(results: Results, others: Sequence[Results]) -> list[Cell]:
     if tuned is None:
         return []
     counts = limit_counts(results, others)
+    # A folder without limits is held against another's, which its design may break though its own search was feasible.
     feasible = tuned["feasible"] and (counts is None or not counts.faults)
     force = _of_objective(results, others, feasible)
     if fails_in_corners_alone(results, others):
@@ -186,6 +187,7 @@ def _objective(mechanism: Mechanism, tuned: Record) -> str:
     """Return from where to where the objective went; only where to, if runs of the start failed."""
     before, after = tuned["objective_before"], tuned["objective_after"]
     symbol, factor = tuned["objective_unit"], 1.0
+    # Only an objective of a single quantity with a weight of 1 has that quantity's name and unit.
     known = mechanism.quantities.get(tuned["objective"].partition(",")[0])
     if known is not None and known.unit == symbol:
         symbol, factor = known.in_figures
@@ -240,6 +242,7 @@ def _sensitivity(results: Results, every: Sequence[Results]) -> str:
         return ""
     name = record["derivatives"][0]["quantity"]
     rows = [row for row in record["derivatives"] if row["quantity"] == name and row["elasticity [-]"] is not None]
+    # The first quantity may change sign, and has no elasticities then.
     if not rows:
         return ""
     most, verdict = max(rows, key=lambda row: abs(row["elasticity [-]"])), rows[0]["verdict"]
@@ -302,6 +305,7 @@ def _front(results: Results, every: Sequence[Results]) -> str:
         values = [by_name(point)[f"worst {name}"] for point in points]
         known = mechanism.quantities.get(name)
         symbol, factor = ("", 1.0) if known is None else known.in_figures
+        # Two ends that read the same are said once.
         ends = dict.fromkeys(f"{factor * end:.4g}" for end in (min(values), max(values)))
         text += f" The worst {title(mechanism, name)} on it is {' to '.join(ends)}{unit_text(symbol)}."
     return text + (f" {open_ends} of them did not converge." if open_ends else "")

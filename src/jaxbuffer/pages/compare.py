@@ -31,6 +31,7 @@ def comparison(every: Sequence[Results]) -> Page:
 
     **Raises:** `InputError` for folders of different mechanisms, or where there is nothing to compare.
     """
+    # Quantities and fields of different mechanisms cannot stand in one row.
     kinds = {results.mechanism.name for results in every}
     if len(kinds) > 1:
         raise InputError(f"the folders hold results of different mechanisms: {', '.join(sorted(kinds))}")
@@ -171,10 +172,12 @@ def _beside(values: Sequence[Any], merit: bool = True) -> list[Cell]:
     difference."""
     first, cells = values[0], [Cell(table_text(values[0]))]
     for value in values[1:]:
+        # Two values that read as zero differ by rounding only.
         if same(value, first) or table_text(value) == table_text(first) == "0":
             cells.append(Cell(table_text(value)))
             continue
         numbers = all(isinstance(x, (int, float)) and not isinstance(x, bool) for x in (value, first))
+        # A relative difference from zero has no meaning.
         change = _change(first, value) if numbers and merit and abs(first) > ROUNDING else ""
         cells.append(Cell(f"{table_text(value)}{change}", "changed"))
     return cells
@@ -244,6 +247,7 @@ def by_scenario(every: Sequence[Results], folders: Sequence[str], name: str, fol
     rows: list[list[str | Cell]] = []
     for case, label in met.items():
         known = [value for values in columns if (value := values.get(case, UNKNOWN)[0]) is not None]
+        # A value that stands alone in its row is not the lowest of anything.
         least = min(known) if len(known) > 1 else None
         rows.append([label, *(_cell(values.get(case, UNKNOWN), least, factor) for values in columns)])
     caption = f"{title[:1].upper()}{title[1:]} [{symbol}] after tuning, by scenario"

@@ -66,6 +66,7 @@ def _range(met: Sequence[Any], usual: Part, path: str, typed: str) -> list[str]:
     values, symbol = [get(one, path) for one in met], unit(usual, path)
     if not symbol or any(value is None for value in values):
         return [field_name(path), ", ".join(dict.fromkeys(map(table_text, values)))]
+    # Angles are in degrees on a page, whatever they were typed in.
     ends = (as_typed(float(end), symbol, "" if symbol == "rad" else typed) for end in (min(values), max(values)))
     low, high = (said(*end) for end in ends)
     return [field_name(path), low if low == high else f"{low} to {high}"]
@@ -92,6 +93,7 @@ def design(results: Results) -> Section | None:
     for path in paths(default):
         before = get(default, path)
         value = get(results.design, path)
+        # A design does not say which of its numbers were typed: what equals the default counts as default.
         source = "tuned" if path in tuned else "default" if same(value, before) else "given"
         symbol, as_shown = unit(default, path), typed.get(path, "")
         (number, symbol_shown), (usually, _) = (_shown(it, symbol, as_shown) for it in (value, before))

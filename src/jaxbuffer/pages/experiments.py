@@ -74,6 +74,7 @@ def outcome_counts(results: Results) -> dict[str, int]:
     if "outcome" in results.sweep:
         names, counts = np.unique(results.sweep.outcome.values.astype(str), return_counts=True)
         return dict(zip(map(str, names), map(int, counts), strict=True))
+    # A store has the outcomes as numbers only: their words are in the mechanism.
     codes, counts = np.unique(results.sweep.code.values, return_counts=True)
     words = [results.mechanism.outcomes(int(code)).name if code >= 0 else OPEN for code in codes]
     return dict(zip(words, map(int, counts), strict=True))
@@ -126,6 +127,7 @@ def _end(value: float, field: Record) -> str:
 def _ends(field: Record) -> str:
     """Return the range of a swept field: "0.1 to 0.2 m/s"."""
     low, high = (_end(field[end], field) for end in ("low", "high"))
+    # The unit is said once, behind the high end; a degree sign belongs to each number.
     return f"{low if low.endswith('°') else low.partition(' ')[0]} to {high}"
 
 

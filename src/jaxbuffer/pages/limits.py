@@ -51,6 +51,7 @@ class LimitCheck:
     @property
     def limits(self) -> list[Limit]:
         """Return upper limits, those that always hold first, lower ones, and that of the impacts."""
+        # What always holds can be judged only where its quantity was recorded.
         always = [name for name in self.mechanism.tuning.always if name in self.values[0]]
         most = self.source.get("most_impacts")
         named = limits_of(self.mechanism, self.source, [*always, *limited(self.source)])
@@ -97,6 +98,7 @@ def limit_check(results: Results, every: Sequence[Results] = (), side: str = "af
     record, mechanism = _limiting(results), results.mechanism
     limiting = next((it for it in (results, *every) if _has_limits(it)), results)
     source = _limiting(limiting)
+    # A tuning without limits still says how runs must end; a run without any is held against nothing.
     if record is None or source is None or (results.tuned is None and not _has_limits(limiting)):
         return None
     name = "" if limiting is results else str(limiting.folder)
@@ -152,6 +154,7 @@ def repeats_tuning(results: Results, every: Sequence[Results]) -> bool:
 
 def _is_a_case(run: Record, tuned: Record) -> bool:
     own, others = ([of.get(name) or None for name in LIMITS] for of in (run, tuned))
+    # A run without limits of its own is held against the tuning's.
     if any(own) and own != others:
         return False
     design = tuned["design"]
@@ -187,6 +190,7 @@ def elsewhere(results: Results, scenario: Record) -> list[str]:
     met, labels = [scenario_of(mechanism, case) for case in results.tuned["scenarios"]], case_labels(results)
     names = dict.fromkeys(["peak_force", *results.tuned["limits"]])
     own = results.tuned.get("quantities", {})
+    # A value that is not known counts as zero, so that it is never the largest.
     largest = {name: max(range(len(cases)), key=lambda k: cases[k][name] or 0.0) for name in names}
     if scenario_of(mechanism, scenario) in [met[k] for k in largest.values()]:
         return []
@@ -332,6 +336,7 @@ def _beyond(check: LimitCheck) -> list[Row]:
                 share = limit.margin(value)
                 by = "–" if share is None else percent_text(-share, ".3g")
                 row: Row = [where, name, symbol, _value(value, limit, factor), limit.bound_text(factor=factor), by]
+                # Sorted by margin below: the most negative one is the farthest beyond.
                 excesses.append((share or 0.0, row))
     return [*missed, *(row for _, row in sorted(excesses, key=lambda it: it[0]))]
 

@@ -46,6 +46,7 @@ def differing(records: Sequence[tuple[str, Record]]) -> list[str]:
     """Return a warning for each program of which not all results were made by the same version."""
     makers: dict[str, dict[str, list[str]]] = {}
     for name, record in records:
+        # Records without `made` name the version of jaxbuffer alone.
         versions = {"jaxbuffer": record.get("jaxbuffer", UNRECORDED), **record.get(MADE, {}).get("versions", {})}
         for program, version in versions.items():
             makers.setdefault(program, {}).setdefault(version, []).append(name)

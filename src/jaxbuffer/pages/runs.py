@@ -51,6 +51,7 @@ def once(names: Sequence[str], *runs: Mapping[str, Any]) -> list[str]:
     names_by_value: dict[Any, str] = {}
     for name in names:
         values = tuple(run.get(name) for run in runs)
+        # Margins are told apart by their values, all other quantities by their names.
         names_by_value.setdefault((values, None) if name.endswith(MARGIN) else name, name)
     return [*names_by_value.values()]
 
@@ -88,6 +89,7 @@ def what_to_change(results: Results, every: Sequence[Results]) -> str:
         record = other.sensitivity
         if record is None or not record.get("advice"):
             continue
+        # Derivatives hold where they were taken: advice counts for this very run alone.
         if all(same(record[part].get(name), value) for part, known in run.items() for name, value in known.items()):
             heading, *lines = record["advice"]
             question = heading.removeprefix("What to change first, ").rstrip(":")
@@ -129,6 +131,7 @@ def scenarios(results: Results) -> Section | None:
     holds = not corners_verdict(tuned)
     text = [f"The scenarios are {tuned['sample']['count']} samples of what scatters, which are no bound.", said[-1]]
     of_corners = said[:-1]
+    # Corners that hold are a fact among others; those that do not are a warning.
     text, warnings = ([text[0], *of_corners, text[1]], []) if holds else (text, of_corners)
     return Section("Scenarios", [*reached, *text], curves=curves, tables=tables, warnings=warnings)
 

@@ -101,6 +101,7 @@ def _until_broken(results: Results, of_quantity: Rows, source: Record | None) ->
 
 def _smallest(value: float, limit: Limit, rows: Sequence[Record]) -> Cell:
     """Return the number that alone would have to change least, by (limit / value - 1) / elasticity."""
+    # Without a value or an elasticity no relative change leads to the limit.
     known = [row for row in rows if value and row["elasticity [-]"]]
     changes = [((limit.bound / value - 1.0) / row["elasticity [-]"], row["parameter"]) for row in known]
     change, path = min(changes, key=lambda it: abs(it[0]), default=(math.inf, ""))

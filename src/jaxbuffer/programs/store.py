@@ -83,6 +83,7 @@ def made_private(folder: Path) -> str:
 def _make(folder: Path) -> None:
     """Make the folder and those above it, for the owner only whatever the process's mask is."""
     missing = [place for place in (folder, *folder.parents) if not place.is_symlink() and not place.exists()]
+    # One by one: `mkdir` with parents gives those the process's own mode.
     for place in reversed(missing):
         place.mkdir(mode=0o700, exist_ok=True)
 

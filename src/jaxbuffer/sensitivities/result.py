@@ -181,6 +181,7 @@ def advice(result: Sensitivity) -> list[str]:
     if name is None or name not in result.quantities or run.outcome.failed or mechanism.succeeded(run.code):
         return []
     i = result.quantities.index(name)
+    # d margin / d ln parameter: changes are relative, so that parameters in different units can be compared.
     per_share = result.gradients[i] * result.values
     with np.errstate(divide="ignore", invalid="ignore"):
         change = -result.results[i] / per_share
@@ -253,4 +254,5 @@ def sensitivity_rows(result: Sensitivity) -> tuple[list[str], list[Sequence[Any]
 
 def _number(value: Any) -> float | None:
     number = float(value)
+    # JSON has no NaN and no infinity.
     return number if math.isfinite(number) else None

@@ -163,6 +163,7 @@ def span(where: str, table: Mapping[str, Any], unit: str, most: int = MOST) -> S
     if count > most:
         raise InputError(f"{where}: count = {count:.4g} is out of range; allowed: [1, {most:.0e}]")
     check_choice(f"{where}: scale", scale, SCALES)
+    # Both ends have a unit or none: one alone would leave open what the other is in.
     ends = [table[name] for name in SPAN[:2]]
     check_units_agree(where, ends, lambda low, high: f'{{from = "{low}", to = "{high}", count = {count}}}')
     start, stop = (_number(f"{where}: {name}", end, unit) for name, end in zip(SPAN, ends, strict=False))
@@ -174,6 +175,7 @@ def span(where: str, table: Mapping[str, Any], unit: str, most: int = MOST) -> S
 
 
 def _listed(path: str, given: Any, unit: str) -> tuple[float, ...]:
+    # A masked entry is no measurement, and its number would be lost in a plain list.
     check_masks(f"sweep.{path}", given)
     values = _as_list(in_unit(f"sweep.{path}", given, unit) if unit_of_library(given) is not None else given)
     if not values:

@@ -258,6 +258,7 @@ def resumed(path: Path, sweep: BlockSweep, settings: Settings) -> tuple[SweepSto
     store = SweepStore(head, path, column_types(sweep.mechanism), cut)
     store.check_identity(identity(settings, sweep))
     remove_all_drafts(path)  # what killed processes left half written
+    # How large blocks are depends on the threads there were: a store goes on with those that it was begun with.
     sweep.cut = cut
     return store, made_on
 
@@ -300,6 +301,7 @@ def is_unfinished(path: Path) -> bool:
         cut = Cut(tuple(described["shape"]), tuple(described["chunks"]))
     except (OSError, ValueError, KeyError, TypeError, IndexError):
         return False
+    # Outcomes alone tell, which are read without identity and token.
     store = SweepStore(Head({}, ""), path, {"code": "<i8"}, cut)
     return not all(_is_whole(store, number) for number in range(len(cut)))
 
@@ -325,6 +327,7 @@ def opened(path: Path) -> Dataset:
     import xarray as xr  # takes a third of a second, which a sweep that is not read is spared
 
     try:
+        # With masks xarray would take -1, the fill value of whole numbers, for missing and turn them all into floats.
         return xr.open_zarr(path, mask_and_scale=False).drop_vars(CHECKSUM)
     except Exception as error:  # no store at all, or metadata cut short: all mean the same
         raise InputError(f"{path} is damaged or no store of jaxbuffer: {error}") from None

@@ -71,6 +71,7 @@ def _variables(sweep: RunTable, dims: tuple[str, ...], shape: tuple[int, ...]) -
         quantity = mechanism.quantities[name]
         variables[name] = labelled(sweep.columns[name], quantity.unit, quantity.description)
     names = sweep.contacts()
+    # A failed run, and one without an impact, has no contact with the largest force.
     where = [
         names[k] if solved and k >= 0 else "" for k, solved in zip(sweep.columns[contact], sweep.solved, strict=True)
     ]

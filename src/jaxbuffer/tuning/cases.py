@@ -176,6 +176,7 @@ class Scatter:
         """Return each row of numbers at every scenario, all rows of the first one first."""
         split, names, cases = len(self.fields), [*self.distributions], list[Case]()
         for case, row in itertools.product(scenarios, rows.tolist()):
+            # The scenario's numbers come first in each row, as in `distributions`.
             scenario = dataclasses.replace(case.scenario, **dict(zip(self.fields, row[:split], strict=True)))
             drawn = dict(zip(names[split:], row[split:], strict=True))
             factors = dict(case.factors)

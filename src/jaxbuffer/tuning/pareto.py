@@ -164,6 +164,7 @@ def pareto(
         if limits is None:
             front = _between_ends(search, points, finished)
         else:
+            # The loosest limits first, as between ends: the search begins with the last row, the tightest.
             rows = np.array(list(itertools.product(*(sorted(limits[name], reverse=True) for name in names[1:]))), float)
             front = search.front(rows, None, problem.design, finished)
     front = dataclasses.replace(front, identity=identity)
@@ -232,6 +233,7 @@ def limits_between(ends: Float[np.ndarray, "k k-1"], points: int) -> list[np.nda
 
     ``ends``: their values [units of the objectives], of the first objective's end, then of the others' in order.
     """
+    # Each objective is least at its own end: the diagonal.
     high, low = np.fmax.reduce(ends), np.diag(ends[1:])
     # A limit is positive: where an objective can be brought to zero, the tightest is a share of its largest value.
     tightest = np.where(low > 0.0, low * (1.0 + ROOM), ROOM * high)

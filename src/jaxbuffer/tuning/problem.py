@@ -174,6 +174,7 @@ class Problem:
         for variable in given:
             check_type("variable", variable, Variable, "Variable('buffer.k_A', 100.0, 2000.0)")
             check_path(self.design, variable.path)
+        # Units are read before the bounds become numbers, which no longer tell.
         typed = {v.path: symbol for v in given if (symbol := typed_unit((v.low, v.high)))}
         object.__setattr__(self, "variables", tuple(v.read(self.design) for v in given))
         object.__setattr__(self, "units", {**typed, **self.units})
@@ -257,6 +258,7 @@ class Problem:
     @property
     def _tuned(self) -> tuple[str, ...]:
         names = [name for name in self.mechanism.tuned if self.mechanism.has(name, self.design)]
+        # First, because an `Evaluation` has the peak force apart from the rest.
         return (PEAK_FORCE, *(name for name in names if name != PEAK_FORCE))
 
     @property
@@ -406,6 +408,7 @@ class Settings(Part):
         first design and ``iterations``."""
         if self.starts == 1:
             return 1 + self.iterations
+        # A round after the first follows one design near the best and at least one from anywhere.
         followed = max(2, self.searches) * (1 + self.iterations)
         return self.searches * (1 + self.iterations) + (self.rounds - 1) * followed + self.rounds * self.starts
 

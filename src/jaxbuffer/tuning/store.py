@@ -120,6 +120,7 @@ class TuningStore:
                 self._resume(folder, identity)
             else:
                 self.states = StateStore(Head(identity, uuid.uuid4().hex), folder)
+                # The previous state of an earlier run is none of this one's.
                 (folder / PREVIOUS).unlink(missing_ok=True)
                 write(folder / LOG, b"")
                 self.keep({})
@@ -223,6 +224,7 @@ def record_of(goal: Goal, point: Evaluation, number: int, stage: int, search: in
         "objective": goal.value(point),
         "unit": goal.objective.unit(problem.catalogue),
         "feasible": goal.feasible(point),
+        # The excess of a value that is not known is infinite, which JSON lacks.
         "excess": excess if np.isfinite(excess := float(np.sum(goal.excess(point)))) else None,
         "obstacle": goal.obstacle(point),
         "radius": None if branch is None else branch.radius,

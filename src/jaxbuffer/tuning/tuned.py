@@ -89,6 +89,7 @@ class Tuned(Saved):
     @property
     def screened(self) -> int:
         """Return how many of the captures were solved without derivatives."""
+        # A lone start needs no screening, and is run with derivatives at once.
         alone = self.settings.starts == 1
         return 0 if alone else len(self.problem.cases) * sum(it["status"] == "start" for it in self.records)
 
@@ -109,6 +110,7 @@ class Tuned(Saved):
         result."""
         points = (self.before, self.after)
         slopes = [slope for point in points for slope in (point.quantities_slope[point.solved], point.margin_slope)]
+        # Slopes must be exactly zero in all cases of both designs: a small one is an effect.
         still = np.all([np.all(slope == 0.0, axis=tuple(range(slope.ndim - 1))) for slope in slopes], axis=0)
         return tuple(path for path, none in zip(self.problem.paths, still, strict=True) if none)
 
@@ -229,6 +231,7 @@ def tuned_parts(tuned: Tuned) -> list[str | Table]:
     lines += [f"limit {line}" for line in broken_limits(tuned.goal, tuned.after)]
     broken = tuned.goal.broken(tuned.after)
     lines += [f"broken: {line}" for line in broken[:SHOWN]]
+    # A slice of one: the line is there only where some are left out.
     lines += [f"and {len(broken) - SHOWN} more" for _ in broken[SHOWN : SHOWN + 1]]
     tables = [_tuned_objective(tuned), _tuned_cases(tuned), _left_open(tuned), _tuned_variables(tuned)]
     first = headline(tuned.message, tuned.goal.feasible(tuned.after), tuned.end_count(tuned.after))
@@ -279,6 +282,7 @@ def unasked_end(tuned: Tuned) -> list[str]:
     problem, before, after = tuned.problem, tuned.end_count(tuned.before), tuned.end_count(tuned.after)
     if before is None or after is None or after.complete or after.name == problem.success:
         return []
+    # Where no end is asked for, none is missed.
     if not problem.limits.captured:
         return []
     earlier = f", {before.reached} before" if before.reached != after.reached else ""
@@ -325,6 +329,7 @@ def _tuned_cases(tuned: Tuned) -> Table:
     problem, before, after = tuned.problem, tuned.before, tuned.after
     mechanism, catalogue, count = problem.mechanism, problem.catalogue, len(problem.cases)
     title = "Scenarios" if count <= SHOWN else f"The {SHOWN} of {count} scenarios with the largest peak force"
+    # Without the first, the peak force, which has columns of its own.
     usual = [name for name in mechanism.defaults_for(problem.design).mapped[1:3] if name in problem.names]
     others = list(problem.quantities)[:OWN] or usual
     headings = (f"{catalogue[name].title} [{catalogue[name].in_figures[0]}]" for name in others)
@@ -405,6 +410,7 @@ def tuning_history(tuned: Tuned) -> tuple[list[str], list[Sequence[Any]]]:
     rows: list[Sequence[Any]] = []
     for it in tuned.records:
         row = [it[name] for name in plain] + [it[name] for name in numbers]
+        # A time that one scenario waited for in vain has no worst value.
         row += [None if None in it[name] else max(it[name]) for name in worst]
         rows.append([*row, *(it["values"][v.path] for v in problem.variables)])
     return header, rows
