@@ -79,8 +79,7 @@ def write(path: Path, content: str | bytes, overwrite: bool = True) -> None:
                 draft.replace(path)
             else:
                 _link(draft, path)
-            # The new name is an entry of the folder, which a power failure could lose though the file itself is on
-            # disk.
+            # The new name is an entry of the folder: a power failure could lose it though the file is on disk.
             _sync(path.parent)
     finally:
         with contextlib.suppress(OSError):
@@ -275,8 +274,7 @@ class Lock:
             self._check_owner(folder)
             Lock.unlocked.add(self.path)
         try:
-            # Its former owner may have removed the file after it was opened here: a lock on that one would keep nobody
-            # out.
+            # Its former owner may have removed the file after it was opened here: a lock on it would be no lock.
             current = os.stat(self.path).st_ino == os.fstat(self.descriptor).st_ino
         except FileNotFoundError:
             current = False

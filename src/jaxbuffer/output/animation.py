@@ -62,8 +62,7 @@ def frames_of(run: Run) -> Frames:
         even = (end - busy) / EVEN
         times.append(np.arange(busy, end - 0.5 * even, even))
         steps.append(np.full(len(times[-1]), even))
-    # The last instant is added, which a range leaves out; slowness is the time a frame is shown for over the time it
-    # spans.
+    # A range leaves out its end. A frame is slower by the time for which it is shown over the time that it spans.
     return Frames(np.append(np.concatenate(times), end), 1.0 / (RATE * np.append(np.concatenate(steps), even)))
 
 

@@ -200,8 +200,7 @@ def closer(axes: Axes, at: Scene, k: int) -> dict[str, Any]:
 
 
 def _half(at: Scene, k: int) -> float:
-    """Return half the width of the detail at the k-th time [m]: as wide as to show what the ball may touch next,
-    too."""
+    """Return half the width of the detail at the k-th time [m], wide enough to show what the ball may touch next."""
     detail, frames = at.drawing.detail, at.frames[k]
     assert detail is not None
     middle = detail.centre.at(frames)
@@ -239,7 +238,10 @@ def _instant(at: Scene, k: int) -> Any:
 def _views(
     drawing: Drawing, frames: Float[np.ndarray, "times frames 3"], magnified: Sequence[tuple[Band, float]] = ()
 ) -> Float[np.ndarray, "times 2 2"]:
-    """Return what is seen at each time: all of one size; of one place too, unless the mechanism travels."""
+    """Return the view at each time, lower left and upper right corner [m].
+
+    All views have one size, and one place too unless the mechanism travels.
+    """
     corners = np.array([bounds(drawing, each) for each in frames])
     for band, times in magnified:
         lines = np.array([band.bent(each, times) for each in frames])

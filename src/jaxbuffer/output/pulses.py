@@ -26,8 +26,10 @@ class Pulse(NamedTuple):
 
 
 def pulses(run: Run) -> list[Pulse]:
-    """Return the pulses of the impacts that a run with a history lists, in their order; and the run's peak, if no
-    impact has it."""
+    """Return the pulses of the impacts that a run with a history lists, in their order.
+
+    The run's peak is added where no impact has it.
+    """
     history, hits = run.history, run.impacts
     assert history is not None
     time, force = np.asarray(history.time), np.asarray(history.contact_force)
@@ -50,7 +52,7 @@ def pulses(run: Run) -> list[Pulse]:
 
 
 def touching(run: Run) -> Float[np.ndarray, " n"]:
-    """Return when a contact is closed, of the times of a run's history [s]."""
+    """Return the times of a run's history at which a contact is closed [s]."""
     assert run.history is not None
     return np.asarray(run.history.time)[np.any(np.asarray(run.history.contact_force) > 0.0, axis=1)]
 
@@ -65,8 +67,10 @@ def last_contact(run: Run) -> float:
 
 
 def fine_times(run: Run, even: int = EVEN, until: float = np.inf) -> Float[np.ndarray, " n"]:
-    """Return the times [s] through which forces are drawn smoothly: a run's own steps, evenly spread ones, parts of
-    each shorter step in which a contact is closed, as an impact has a handful of steps only, and the peak's.
+    """Return the times [s] through which forces are drawn smoothly.
+
+    These are a run's own steps, evenly spread times, the time of the peak, and parts of each shorter step in which a
+    contact is closed, because an impact has a handful of steps only.
 
     **Arguments:** ``run``: one simulated with ``history=True``; ``even``: how many evenly spread ones, ``until``: the
     last of them [s].

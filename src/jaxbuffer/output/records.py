@@ -82,7 +82,7 @@ def run_record(run: Run, constraints: Constraints | None = None, trust: Trust | 
 
 
 def limits_record(limits: Limits, own: Mapping[str, Derived]) -> dict[str, Any]:
-    """Return what is limited, and what the own quantities among it are."""
+    """Return the limits, and what the own quantities are that they may be on."""
     return {
         "limits": dict(limits.at_most),
         "lower_limits": dict(limits.at_least),

@@ -58,5 +58,5 @@ def _bars(axes: Axes, result: Sensitivity, i: int) -> None:
 
 
 def _names(paths: Sequence[str], order: np.ndarray, values: np.ndarray) -> list[str]:
-    """Return the parameters in the bars' order; of one without an elasticity it says so."""
+    """Return the parameters in the bars' order; "(none)" follows one without an elasticity."""
     return [paths[k] if np.isfinite(values[k]) else f"{paths[k]} (none)" for k in order]

@@ -139,7 +139,7 @@ def _maps(swept: Sweep, across: int, up: int) -> Figure:
 
 
 def _mapped(swept: Sweep) -> list[str]:
-    """Return the quantities that are drawn of a sweep: of those of its mechanism the ones that some run has."""
+    """Return the mechanism's mapped quantities that some run has."""
     varied = [] if swept.grid is None else [axis.path for axis in swept.grid.axes]
     names = swept.mechanism.defaults_for(swept.design, varied).mapped
     # A quantity of a part that the design does not have is NaN in all runs.
@@ -243,8 +243,10 @@ def _drawn(swept: Sweep, name: str) -> tuple[str, str, float]:
 
 
 def _marks(swept: Sweep) -> dict[str, tuple[str, str, str]]:
-    """Return marker, colour in lines and colour in maps of each outcome that is not what should be, and of successes
-    other than the first that occurs: of what is latched where others are held."""
+    """Return marker, colour in lines and colour in maps of each outcome that is not what should be.
+
+    Successes other than the best that occurs are marked, too: latched where other runs are held.
+    """
     ended = outcome_marks(swept.mechanism).items()
     ranked = success_marks(_successes(swept))
     lesser = {name: (*ranked[name], "white") for name in [*ranked][1:]}
@@ -287,8 +289,10 @@ def _title(swept: Sweep) -> str:
 
 @styled
 def envelope_figure(rectangle: SafeRectangle) -> Figure:
-    """Draw a cell for each run: safe ones blue, the others marked with what they break; angles in degrees, the rest as
-    typed."""
+    """Draw a cell for each run: safe ones blue, the others marked with what they break.
+
+    Angles are in degrees, all other numbers as typed.
+    """
     figure, ((axes,),) = panels(8.0, 6.0, 1, 1)
     (first, second), (x, y) = rectangle.axes, rectangle.values
     (across, over), (up, above) = (in_figures(axis.unit, axis.typed) for axis in rectangle.axes)

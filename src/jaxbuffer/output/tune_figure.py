@@ -157,8 +157,10 @@ class Row(NamedTuple):
 
 
 def _rows(tuned: Tuned) -> list[Row]:
-    """Return the largest of each quantity over the scenarios, or the least of one with a lower limit alone: of those
-    that are limited, or not zero throughout."""
+    """Return the largest of each quantity over the scenarios, or the least of one with a lower limit alone.
+
+    Quantities that are not limited and zero throughout are left out.
+    """
     problem, rows = tuned.problem, []
     # A limit of the problem is checked to be no higher than what always holds, and takes its place.
     allowed = {**problem.mechanism.always(problem.design), **problem.limits.at_most}
@@ -244,8 +246,10 @@ def _search(axes: Axes, tuned: Tuned, stage: int) -> None:
 
 @styled
 def front_figure(front: Front) -> Figure:
-    """Draw the first objective over each other one: the front, its points that did not converge, and those that another
-    one is better than."""
+    """Draw the first objective over each other one.
+
+    Marked are the front, its points that did not converge, and those that another one is better than.
+    """
     others = front.objectives[1 : PANELS + 1]
     figure, grid = panels(6.4 * len(others), 4.6, 1, len(others))
     drawn = [shown(front.problem.catalogue[name]) for name in front.objectives]

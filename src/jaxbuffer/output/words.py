@@ -27,8 +27,10 @@ def shown(quantity: Any) -> tuple[str, str, float]:
 
 
 def in_figures(unit: str, typed: str = "") -> tuple[str, float]:
-    """Return a field's unit in figures, and how many of those one of its own is: angles are shown in degrees, the rest
-    in the unit that it was ``typed`` in, "" for its own."""
+    """Return a field's unit in figures, and how many of those one of its own is.
+
+    Angles are shown in degrees, all else in the unit that it was ``typed`` in, "" for its own.
+    """
     if unit == "rad":
         return "°", 180.0 / math.pi
     factor, symbol = as_typed(1.0, unit, typed)
@@ -97,7 +99,7 @@ def outcome_marks(mechanism: Any) -> dict[str, tuple[str, str]]:
 
 
 def success_marks(names: Sequence[str]) -> dict[str, tuple[str, str]]:
-    """Return marker and colour of each success, the best first: of those that are held, latched and captured, say."""
+    """Return marker and colour of each success, the best first: held before latched before captured, say."""
     return {name: SUCCESSES[k % len(SUCCESSES)] for k, name in enumerate(names)}
 
 

@@ -34,8 +34,10 @@ MANY = 4  # variables that are named
 
 
 def badges(every: Sequence[Results], others: Sequence[Results] = ()) -> list[Cell]:
-    """Return the badges of what one asks first. ``others``: folders of which the first with limits lends them to those
-    that have none."""
+    """Return the badges of the page: for each folder what a reader asks first.
+
+    ``others``: folders of which the first with limits provides those for folders that have none.
+    """
     groups = [(*_of_tuning(results, others), *_of_run(results, others), *_of_many(results)) for results in every]
     return [badge for badges in groups for badge in badges]
 
@@ -45,7 +47,7 @@ def _of_tuning(results: Results, others: Sequence[Results]) -> list[Cell]:
     if tuned is None:
         return []
     counts = limit_counts(results, others)
-    # A folder without limits is held against another's, which its design may break though its own search was feasible.
+    # A folder without limits must keep another's, which its design may break though its own search was feasible.
     feasible = tuned["feasible"] and (counts is None or not counts.faults)
     force = _of_objective(results, others, feasible)
     if fails_in_corners_alone(results, others):
@@ -58,8 +60,10 @@ def _of_tuning(results: Results, others: Sequence[Results]) -> list[Cell]:
 
 
 def _of_objective(results: Results, others: Sequence[Results], feasible: bool) -> Cell:
-    """Return the objective before and after. A higher one is no fault: limits that the start breaks may cost that
-    much."""
+    """Return a badge with the objective before and after.
+
+    A higher one is no fault where the start breaks limits, because to keep them may cost that much.
+    """
     tuned = results.tuned or {}
     before, after, unit = (tuned[f"objective_{name}"] for name in ("before", "after", "unit"))
     text = f"{words(tuned['objective'])}: {table_text(before)} → {table_text(after)}{unit_text(unit)}"
@@ -73,7 +77,8 @@ def _of_objective(results: Results, others: Sequence[Results], feasible: bool) -
 
 
 def _of_limits(results: Results, counts: LimitCounts) -> Cell:
-    """Return which limits are broken, or how sure it is that all are kept, and how many runs have the strictest end."""
+    """Return a badge that says which limits are broken, or how sure it is that all are kept, and how many runs have the
+    strictest end."""
     missed = [f"{counts.missed} of {counts.runs} not {words(counts.success or '')}"] if counts.missed else []
     count = end_count(results)
     reached = [] if count is None else [str(count)]

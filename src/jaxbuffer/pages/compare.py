@@ -81,12 +81,13 @@ def _contents(results: Results) -> str:
 
 
 def _limits(every: Sequence[Results]) -> list[tuple[Results, Section]]:
-    """Return which limits each folder keeps; one without limits is held against those of the first that has some."""
+    """Return a section for each folder that says which limits it keeps, its own or those of the first folder that has
+    some."""
     return [(results, section) for results in every if (section := limits(results, every, named=True)) is not None]
 
 
 def _with_differences(sections: list[Section], every: Sequence[Results]) -> list[Section]:
-    """Return the sections, the first of which says on what the folders are held against different limits."""
+    """Return the sections with a warning in the first one where the folders' limits differ."""
     differences = differing(every)
     if not differences or not sections:
         return sections
@@ -168,8 +169,10 @@ def _runs(every: Sequence[Results], folders: Sequence[str]) -> list[Table]:
 
 
 def _beside(values: Sequence[Any], merit: bool = True) -> list[Cell]:
-    """Return values in a row; those that differ from the first are marked, numbers of ``merit`` with the relative
-    difference."""
+    """Return the cells of a row of values, in which those that differ from the first are marked.
+
+    Numbers of ``merit`` have the relative difference behind them.
+    """
     first, cells = values[0], [Cell(table_text(values[0]))]
     for value in values[1:]:
         # Two values that read as zero differ by rounding only.
@@ -208,7 +211,7 @@ def differing(every: Sequence[Results]) -> list[str]:
 
 
 def _limits_of(results: Results, every: Sequence[Results]) -> dict[tuple[str, bool], Limit]:
-    """Return what a folder is held against, by the quantity's name and whether it is a lower limit."""
+    """Return the limits that a folder is checked against, by the quantity's name and whether it is a lower limit."""
     check = limit_check(results, every)
     if check is None:
         return {}
@@ -232,8 +235,10 @@ def limited_by_scenario(every: Sequence[Results]) -> list[Table]:
 
 
 def by_scenario(every: Sequence[Results], folders: Sequence[str], name: str, folded: bool = False) -> Table:
-    """Return a quantity in each scenario that any folder has met: red where it breaks its limit; the lowest one of a
-    row in green, if its run keeps all limits."""
+    """Return a table of a quantity in each scenario that any folder has met.
+
+    A value that breaks its limit is red; the lowest of a row is green if its run keeps all limits.
+    """
     mechanism = every[0].mechanism
     columns = [_cells(it, every, name) for it in every]
     # The labels tell all folders' scenarios apart.
@@ -278,8 +283,8 @@ def _cases(results: Results) -> list[Record]:
 
 
 def _case(mechanism: Mechanism, record: Record) -> str:
-    """Return all fields of a scenario, and where the built mechanism differs from the drawn one: the same text for the
-    same case."""
+    """Return a text that is the same for the same case: all fields of a scenario, and where the built mechanism differs
+    from the drawn one."""
     scenario = scenario_of(mechanism, record)
     fields = [f"{words(name)} {table_text(getattr(scenario, name))} {unit(scenario, name)}" for name in paths(scenario)]
     return ", ".join([*fields, *(f"{factor:.4g} {path}" for path, factor in record.get("factors", {}).items())])

@@ -17,7 +17,7 @@ Rows = list[list[str]]
 
 
 def requirements(first: Results, every: Sequence[Results]) -> Section | None:
-    """Return what is asked of the page's tuning, or else of its run; limits come from the first folder that has
+    """Return a section on what the page's tuning, or else its run, must do; limits come from the first folder that has
     some."""
     mechanism, tuned = first.mechanism, first.tuned
     run = first.records.get("run")

@@ -1,4 +1,4 @@
-"""What is held against limits, a run or every scenario of a tuning, and how it stands to them."""
+"""Limits, and whether a run or every scenario of a tuning keeps them."""
 
 import dataclasses
 from collections import Counter
@@ -65,7 +65,7 @@ class LimitCheck:
 
     @property
     def missed(self) -> list[int]:
-        """Return the scenarios that do not end as they must, that of the smallest margin first where margins are
+        """Return the numbers of the scenarios that do not end as they must, the smallest margin first where margins are
         known."""
         margin, end = self.mechanism.tuning.margin or "", self.end
         successes = self.mechanism.successes if end is None else end.outcomes
@@ -90,15 +90,15 @@ class LimitCheck:
 
 
 def limit_check(results: Results, every: Sequence[Results] = (), side: str = "after") -> LimitCheck | None:
-    """Return a folder's tuning, or else its run, with the limits it is held against; None where there are none.
+    """Return a folder's tuning, or else its run, with the limits that it must keep; None where there are none.
 
-    **Arguments:** ``every``: folders of which the first with limits lends them to a folder that has none; ``side`` of
+    **Arguments:** ``every``: folders of which the first with limits provides those for a folder without; ``side`` of
     a tuning: "after", or "before" for the design it began with.
     """
     record, mechanism = _limiting(results), results.mechanism
     limiting = next((it for it in (results, *every) if _has_limits(it)), results)
     source = _limiting(limiting)
-    # A tuning without limits still says how runs must end; a run without any is held against nothing.
+    # A tuning without limits still says how runs must end; a run without any has nothing to keep.
     if record is None or source is None or (results.tuned is None and not _has_limits(limiting)):
         return None
     name = "" if limiting is results else str(limiting.folder)
@@ -144,8 +144,10 @@ def end_count(results: Results, side: str = "after") -> EndCount | None:
 
 
 def repeats_tuning(results: Results, every: Sequence[Results]) -> bool:
-    """Return whether a folder's run is one of the scenarios of a tuning among ``every``, of the tuned design and held
-    against the same limits: what is said of the tuning's limits holds for it."""
+    """Return whether a folder's run is one of the scenarios of a tuning among ``every``.
+
+    The designs must be the same, and the limits too: what is said of the tuning's limits then holds for the run.
+    """
     run = results.records.get("run")
     if run is None or results.tuned is not None:
         return False
@@ -154,7 +156,7 @@ def repeats_tuning(results: Results, every: Sequence[Results]) -> bool:
 
 def _is_a_case(run: Record, tuned: Record) -> bool:
     own, others = ([of.get(name) or None for name in LIMITS] for of in (run, tuned))
-    # A run without limits of its own is held against the tuning's.
+    # A run without limits of its own must keep those of the tuning.
     if any(own) and own != others:
         return False
     design = tuned["design"]
@@ -182,8 +184,10 @@ def _has_limits(results: Results) -> bool:
 
 
 def elsewhere(results: Results, scenario: Record) -> list[str]:
-    """Return a line that says in which scenarios of a tuning its limited quantities and the peak force are largest,
-    where a run of another ``scenario`` is shown; no line where it is one of those."""
+    """Return a line that says in which scenarios of a tuning its limited quantities and the peak force are largest.
+
+    There is no line where the run that is shown, of ``scenario``, is one of those.
+    """
     if results.tuned is None:
         return []
     mechanism, cases = results.mechanism, [by_name(case["after"]) for case in results.tuned["scenarios"]]
@@ -199,8 +203,10 @@ def elsewhere(results: Results, scenario: Record) -> list[str]:
 
 
 def case_labels(results: Results, among: Sequence[Any] = ()) -> list[str]:
-    """Return a tuning's scenarios in words, told apart from those ``among`` which they stand (default: its own), with
-    where the built mechanism differs from the drawn one."""
+    """Return a tuning's scenarios in words, with where the built mechanism differs from the drawn one.
+
+    They are told apart from the scenarios ``among`` which they are shown, by default each other.
+    """
     cases = [] if results.tuned is None else results.tuned["scenarios"]
     met = [scenario_of(results.mechanism, case) for case in cases]
     others = list(among) or met
@@ -300,8 +306,10 @@ def limited(source: Record) -> list[str]:
 
 
 def limits_of(mechanism: Mechanism, source: Record, among: Container[str] | None = None) -> list[Limit]:
-    """Return upper limits, those that always hold before the others, and lower ones; on quantities ``among`` some, or
-    else on those that the study limits."""
+    """Return upper limits, those that always hold before the others, and then lower ones.
+
+    They are those on quantities ``among`` some, by default on those that the study limits.
+    """
     among = limited(source) if among is None else among
     every = both_sides({**mechanism.tuning.always, **source["limits"]}, source.get("lower_limits", {}))
     return [limit for limit in every if limit.name in among]

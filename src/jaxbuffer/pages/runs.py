@@ -46,8 +46,7 @@ def run(results: Results, first: Results) -> Section | None:
 
 
 def once(names: Sequence[str], *runs: Mapping[str, Any]) -> list[str]:
-    """Return the names; of several margins of equal value in all ``runs`` the first alone, because what is left is then
-    the same."""
+    """Return the names; of several margins of equal value in all ``runs`` only the first, because they say the same."""
     names_by_value: dict[Any, str] = {}
     for name in names:
         values = tuple(run.get(name) for run in runs)
@@ -82,8 +81,10 @@ def diagnosis(results: Results, every: Sequence[Results]) -> Section | None:
 
 
 def what_to_change(results: Results, every: Sequence[Results]) -> str:
-    """Return the numbers whose relative change moves the mechanism's margin most, to first order; "" where no
-    sensitivities of the margin at this run are among the folders."""
+    """Return the numbers whose relative change moves the mechanism's margin most, to first order.
+
+    The text is "" where no folder has sensitivities of the margin at this run.
+    """
     run = {part: results.records["run"][part] for part in ("design", "scenario")}
     for other in every:
         record = other.sensitivity

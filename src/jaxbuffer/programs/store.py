@@ -60,8 +60,10 @@ def folder() -> Path | None:
 
 
 def made_private(folder: Path) -> str:
-    """Make the folder where it is missing, readable by its owner only; return "" if nobody else can write there, else
-    what is wrong and how to mend it.
+    """Make the folder where it is missing, readable by its owner only, and return what is wrong with it and how to mend
+    it.
+
+    The text is "" if nobody else can write there.
 
     Where a link is on the way, what counts is where it leads; the folder itself must not be one. Windows, which has no
     such modes, leaves it to the home folder's own protection.

@@ -170,9 +170,11 @@ def shown_unit(catalogue: Catalogue, name: str) -> tuple[str, float]:
 
 
 def advice(result: Sensitivity) -> list[str]:
-    """Return a line for each parameter, the least relative change first: by how much it would have to change, to first
-    order, for the mechanism's margin to be zero. There are no lines where the margin was not asked for, or the run
-    succeeded.
+    """Return a line for each parameter that says by how much it would have to change for the mechanism's margin to be
+    zero.
+
+    The least relative change, to first order, comes first. There are no lines where the margin was not asked for, or
+    the run succeeded.
 
     The change is -margin / (d margin / d ln parameter); the margin of a successful run is positive.
     """

@@ -62,8 +62,10 @@ class RunTable(Saved):
 
     @property
     def verdicts(self) -> list[str]:
-        """Return how far the numbers of each run can be trusted, in a word as of `jb.trust`; "" for a run that failed,
-        and where no verdict was asked for."""
+        """Return how far the numbers of each run can be trusted, in a word as of `jb.trust`.
+
+        It is "" for a run that failed, and where no verdict was asked for.
+        """
         return [VERDICTS[index] if index >= 0 else "" for index in self.columns["trust"]]
 
     def doubts(self, where: str) -> list[str]:

@@ -97,8 +97,10 @@ class Grid:
         return ", ".join(shown)
 
     def batches(self, design: Part, scenario: Part) -> list[Batch]:
-        """Return all runs: a batch for each combination of choices, which change the program, with an array (n,) for
-        each field of the grid that is a number."""
+        """Return all runs, a batch for each combination of choices, because these change the program.
+
+        Each field of the grid that is a number has an array (n,) in a batch.
+        """
         chosen, columns = [axis for axis in self.axes if not axis.unit], self.columns()
         numbers = {axis.path: columns[axis.path] for axis in self.axes if axis.unit}
         made = []

@@ -66,9 +66,10 @@ class Sweep(RunTable):
         return dataclasses.replace(self, columns=columns)
 
     def to_xarray(self) -> Dataset:
-        """Return the sweep as labelled arrays, each with its unit in the attribute ``units``: over a grid a dimension
-        for each field, named by its dotted path, with its values; else along ``run``, counted from 0, with the numbers
-        of design and scenario that differ as coordinates.
+        """Return the sweep as labelled arrays, each with its unit in the attribute ``units``.
+
+        Over a grid they have a dimension for each field, named by its dotted path, with its values; else one dimension,
+        ``run``, counted from 0, with the numbers of design and scenario that differ as coordinates.
 
         Numbers are NaN where a run failed; ``outcome`` is in words, "not computed" where the sweep was interrupted.
 
@@ -86,8 +87,10 @@ class Sweep(RunTable):
         return sweep_dataset(self)
 
     def to_pandas(self) -> DataFrame:
-        """Return a row for each run that was computed, as in sweep.csv: the numbers that differ, the outcome and the
-        results, columns named with their units."""
+        """Return a row for each run that was computed, as in sweep.csv.
+
+        The columns are the numbers that differ, the outcome and the results, named with their units.
+        """
         return frame(*sweep_rows(self))
 
     def __repr__(self) -> str:

@@ -61,8 +61,10 @@ class StoredSweep:
         return {self.mechanism.outcomes(code).name: count for code, count in sorted(self.codes.items())}
 
     def to_xarray(self) -> Dataset:
-        """Return the sweep as labelled arrays that are read when they are used: a dimension for each field of a grid,
-        else ``run``, with units; `code` is the outcome, -1 where there is none yet."""
+        """Return the sweep as labelled arrays that are read when they are used, with units.
+
+        They have a dimension for each field of a grid, else ``run``; `code` is the outcome, -1 where there is none yet.
+        """
         self._check()
         return opened(self.store)
 

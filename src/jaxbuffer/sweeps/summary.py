@@ -72,8 +72,10 @@ def _outcomes(sweep: RunTable) -> Table:
 
 
 def summary(sweep: RunTable, title: str, fields: Mapping[str, str], file: str) -> list[str | Table]:
-    """Return what was run, how it ended, the spread of every quantity, the worst and the best run, the limits of
-    validity that runs exceed, and the runs that failed.
+    """Return what was run, how it ended and what it found, as texts and tables.
+
+    They have the outcomes, the spread of every quantity, the worst and the best run, the limits of validity that runs
+    exceed, and the runs that failed.
 
     ``fields``: what differs between the runs, by its path, in words; ``file``: where all runs can be looked up.
     """

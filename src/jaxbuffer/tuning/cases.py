@@ -148,7 +148,7 @@ class Scatter:
             if value is None or isinstance(value, (str, bool, Curve)):
                 raise InputError(f"sample: {path} = {value!r} is not a number that can scatter")
         self.corners(scenarios)  # raises for ends of a range that a scenario does not allow
-        # Shares of a whole are sampled, and the quantiles at them taken: so samples are even for every distribution.
+        # Quantiles of evenly spread shares, so that each distribution is met evenly.
         shares = scipy.stats.qmc.LatinHypercube(len(self.distributions), rng=self.seed).random(self.count).T
         spread = [d.at(s) for d, s in zip(self.distributions.values(), shares, strict=True)]
         return self._at(scenarios, np.array(spread).T)

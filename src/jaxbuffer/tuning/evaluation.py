@@ -151,8 +151,7 @@ def _gather(problem: Problem, scaled: np.ndarray, cases: Sequence[Case], runs: l
     """
     factors = [dict(case.factors) for case in cases]
     values = problem.values(scaled)
-    # The chain rule from a built mechanism's number to the scaled variable: by the load case's factor and the
-    # variable's scale.
+    # The chain rule from a built number to the scaled variable: by the load case's factor and the variable's scale.
     stretch = np.array(
         [[v.slope(x) * f.get(v.path, 1.0) for v, x in zip(problem.variables, values, strict=True)] for f in factors]
     )
@@ -193,8 +192,7 @@ def _by_field(problem: Problem, stacked: dict[str, np.ndarray], lost: np.ndarray
     numbers = ("peaks", "rest", "margin", "first", "peaks_slope", "rest_slope", "margin_slope")
     run = {name: stacked[name].copy() for name in numbers}
     for array in run.values():
-        # NaN times a weight of zero would still be NaN in sums over the load cases; `solved` says which numbers there
-        # are.
+        # NaN times a weight of zero would still be NaN in a sum; `solved` says which numbers there are.
         array[lost] = 0.0
     run["margin"][lost] = LOST
     ended_otherwise = (lost | ~problem.mechanism.succeeded(code)) & (

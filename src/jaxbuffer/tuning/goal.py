@@ -266,8 +266,7 @@ class Goal:
             lines.append(f"not {problem.success} ({self.lack(evaluation, k, cases)})")
         elif not evaluation.succeeded[k] and (self.must_succeed or problem.limits.captured):
             lines.append(outcome.reason)
-        # A search counts the duration for a time that a run waited for in vain; here it is not known, and keeps no
-        # limit.
+        # A search takes the duration for a time that a run waited for in vain; here that is unknown and keeps no limit.
         known = np.where(problem.known(evaluation.code[k : k + 1])[0], evaluation.quantities[k], np.nan)
         values = dict(zip(problem.names, known.tolist(), strict=True))
         return lines + self.limits.broken(values, int(evaluation.impacts[k]), problem.catalogue)

@@ -90,8 +90,7 @@ class Objective:
         """
         if self.over == "mean":
             return 1.0 / cases
-        # In the worst share all load cases have the same weight; one alone has all of it if the share is less than one
-        # case.
+        # A case's weight in the mean over the worst share; all of it where the share is less than one case.
         return 1.0 if self.over == "worst" else min(1.0, 1.0 / ((1.0 - self.level) * cases))
 
     def vector(self, names: Iterable[str]) -> Float[np.ndarray, " quantities"]:

@@ -404,8 +404,10 @@ class Settings(Part):
 
     @property
     def most_evaluations(self) -> int:
-        """Return how many designs are evaluated at most in one stage: in each round ``starts``, and of every search its
-        first design and ``iterations``."""
+        """Return how many designs are evaluated at most in one stage.
+
+        Each round has ``starts``, and every search its first design and ``iterations``.
+        """
         if self.starts == 1:
             return 1 + self.iterations
         # A round after the first follows one design near the best and at least one from anywhere.

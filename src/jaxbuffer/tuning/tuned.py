@@ -116,8 +116,10 @@ class Tuned(Saved):
 
     @property
     def why(self) -> list[str]:
-        """Return a line for each limit that an infeasible result breaks, the worst first: in how many scenarios, how
-        far, and which variables hold it back to first order; none for a feasible one."""
+        """Return a line for each limit that an infeasible result breaks, the worst first; none for a feasible one.
+
+        A line says in how many scenarios, how far, and which variables hold the result back to first order.
+        """
         lines = [str(limit) for limit in broken_limits(self.goal, self.after)]
         if self.corners is not None and not self.corners.hold:
             lines.append(self.corners.verdict)
@@ -125,8 +127,10 @@ class Tuned(Saved):
 
     @property
     def above_floor(self) -> float:
-        """Return how far the worst peak is above the floor of its own first impacts, relative [-]; NaN without a floor,
-        and where nothing touches."""
+        """Return how far the worst peak is above the floor of its own first impacts, relative [-].
+
+        It is NaN without a floor, and where nothing touches.
+        """
         above = (
             None if self.floor is None else relative_change(self.floor.highest, float(np.max(self.after.peak_force)))
         )
@@ -261,8 +265,10 @@ def _tuned_objective(tuned: Tuned) -> Table:
 
 
 def tuned_warnings(tuned: Tuned) -> list[str]:
-    """Return a line for each validity limit that the tuned design exceeds, what the runs leave open, and each variable
-    that changes nothing."""
+    """Return a line for each validity limit that the tuned design exceeds.
+
+    Lines follow on what the runs leave open, and on each variable that changes nothing.
+    """
     problem = tuned.problem
     count: dict[str, int] = {}
     for case, peak in zip(problem.cases, tuned.after.peak_force, strict=True):
