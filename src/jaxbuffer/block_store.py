@@ -104,8 +104,10 @@ class BlockStore(Generic[B]):
         """Return a positive whole number that differs for other numbers, and for those of another block or store."""
         whose = f"{identity_text(self.head.identity)} {self.head.token} {self._name(block)}\n"
         content = hashlib.blake2b(whose.encode(), digest_size=8)
+        # Sorted: the order in which a reader lists the arrays must not change the checksum.
         for name in sorted(arrays):
             values = arrays[name]
+            # Name, type and shape count too: the same bytes under another name or in another shape are another block.
             content.update(f"{name} {values.dtype.str} {values.shape}\n".encode())
             content.update(np.ascontiguousarray(values).tobytes())
         return int.from_bytes(content.digest(), "little") or 1  # 0 is what a missing number is read as

@@ -74,10 +74,12 @@ def write(path: Path, content: str | bytes, overwrite: bool = True) -> None:
         with naming(path):
             # A path's bytes that are no UTF-8 are surrogates in Python, which UTF-8 has not: written as \udc80.
             _fill(draft, content.encode(errors="backslashreplace") if isinstance(content, str) else content)
+            # A rename replaces the file in one step: nobody ever reads half of it.
             if overwrite:
                 draft.replace(path)
             else:
                 _link(draft, path)
+            # The new name is an entry of the folder: a power failure could lose it though the file is on disk.
             _sync(path.parent)
     finally:
         with contextlib.suppress(OSError):
@@ -123,6 +125,7 @@ def whole_folder(path: Path) -> Iterator[Path]:
         except BaseException:
             shutil.rmtree(draft, ignore_errors=True)
             raise
+        # A rename does not replace a folder that has files, so that the former one leaves its name first.
         if path.exists():
             path.rename(former)
         draft.rename(path)
@@ -131,7 +134,7 @@ def whole_folder(path: Path) -> Iterator[Path]:
 
 
 def checksum(content: bytes) -> str:
-    """Return what is another text for a content that has been damaged."""
+    """Return a checksum of a content: a text that is another one if the content has been damaged."""
     return hashlib.blake2b(content, digest_size=16).hexdigest()
 
 
@@ -218,6 +221,7 @@ def remove_all_drafts(folder: Path) -> None:
 def _is_alive(process: str) -> bool:
     """Return whether a process of this number is at work on this machine."""
     try:
+        # Signal 0 only asks whether the process exists.
         os.kill(int(process), 0)
     except (ValueError, OverflowError, ProcessLookupError):
         return False
@@ -270,6 +274,7 @@ class Lock:
             self._check_owner(folder)
             Lock.unlocked.add(self.path)
         try:
+            # Its former owner may have removed the file after it was opened here: a lock on it would be no lock.
             current = os.stat(self.path).st_ino == os.fstat(self.descriptor).st_ino
         except FileNotFoundError:
             current = False
@@ -305,6 +310,7 @@ class Lock:
         if self.descriptor >= 0:
             Lock.of_command.pop(self.path, None)
             Lock.unlocked.discard(self.path)
+            # Removed while it is still locked: afterwards the file could be that of the next owner.
             self.path.unlink(missing_ok=True)
             os.close(self.descriptor)
             self.descriptor = -1

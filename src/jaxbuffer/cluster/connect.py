@@ -29,7 +29,7 @@ class SchedulerGone(ConnectionError):
 
 @contextlib.contextmanager
 def connected(where: Any, workers: int | None = None) -> Iterator[Client]:
-    """A client until the end of the block, and so long the cluster, if it is one of our own.
+    """Connect a client until the end of the block, and so long keep the cluster, if it is one of our own.
 
     **Arguments:**
 
@@ -87,11 +87,13 @@ def _remote(address: str) -> Iterator[Client]:
     for name in [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]:
         logging.getLogger(name).setLevel(logging.CRITICAL)  # what it has to say, we say in a line
     try:
+        # Dask's default client stays what it is: the user may have one of their own.
         client = Client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError) as error:
         raise InputError(f"no scheduler answers at {address}: {error}") from None
     try:
         yield client
     finally:
+        # A scheduler that is gone must not hide the error that its end has caused.
         with contextlib.suppress(OSError, TimeoutError):
             client.close(timeout=5)

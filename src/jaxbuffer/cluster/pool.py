@@ -15,14 +15,18 @@ class ClusterPool:
     """The workers of a client, or of a scheduler by its address, until `close`."""
 
     def __init__(self, where: Any, workers: int | None = None) -> None:
+        # The client is closed where no worker fits, and stays open otherwise.
         with contextlib.ExitStack() as stack:
             self.client = stack.enter_context(connected(where, workers))
             self.workers = Workers(self.client)
             self._open = stack.pop_all()
 
     def map(self, function: Callable[[Any], R], items: Iterable[Any]) -> list[R]:
-        """What the function returns for each item, in their order. Both are sent: a function by its name, or a
-        `functools.partial` of one."""
+        """Return what the function returns for each item, in their order.
+
+        Both are sent: a function by its name, or a `functools.partial` of one.
+        """
+        # Results come as they are done; the numbers bring them back into the order of the items.
         results = spread(self.client, self.workers, _numbered, function, iter([*enumerate(items)]))
         return [result for _, result in sorted(results, key=lambda it: it[0])]
 

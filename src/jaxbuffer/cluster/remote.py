@@ -17,14 +17,15 @@ class Refused(NamedTuple):
 
 
 def looked_at(cache: str | None, dask_worker: Any) -> dict[str, str]:
-    """`prepared`, as `distributed.Client.run` calls it."""
+    """Return what this worker computes with: `prepared`, as `distributed.Client.run` calls it."""
     from ..programs.process import prepared  # imports JAX, which a scheduler is spared
 
     return prepared(dask_worker.address, cache)
 
 
 def checked(expected: str, packed: bytes, task: bytes) -> Any:
-    """The work on a task, if this worker is of the kind expected; else what differs.
+    """Return the result of the work on a task, if this worker is of the kind expected; else a `Refused` with what
+    differs.
 
     **Arguments:** ``expected``: kind and folder of compiled programs, as JSON; ``packed``: the work, a function, and
     its first argument; ``task``: its second one.
@@ -34,6 +35,7 @@ def checked(expected: str, packed: bytes, task: bytes) -> Any:
 
     kind, cache = json.loads(expected)
     address = get_worker().address
+    # A worker that came after the task was handed out may have got it: each checks itself before it computes.
     differs = differing(kind, prepared(address, cache))
     if differs:
         return Refused(address, differs)
@@ -43,5 +45,8 @@ def checked(expected: str, packed: bytes, task: bytes) -> Any:
 
 @functools.lru_cache(maxsize=8)
 def _opened(packed: bytes) -> Any:
-    """The same objects for all tasks that share them: a program that is made for one is found again by the next."""
+    """Unpickle the work, and return the same objects to all tasks that share them.
+
+    A program that is made for one task is found again by the next.
+    """
     return loads(packed)

@@ -28,7 +28,7 @@ class TaskEndsWorkers(OSError):
 def spread(
     client: Client, workers: Workers, work: Callable[[Any, Any], R], common: Any, tasks: Iterator[Any]
 ) -> Generator[R, None, None]:
-    """What the work finds for each task, as they are done; nothing of it is kept here.
+    """Yield the result of the work on each task, as they are done; no result is kept here.
 
     **Arguments:** ``work``: a function of ``common`` and a task, all of which are pickled for the workers; it may be
     called again for a task that it has done, if its worker ends before it could tell.
@@ -59,8 +59,9 @@ class _UnderWay:
         return bool(self.tasks)
 
     def fill(self, tasks: Iterator[Any]) -> None:
-        """As many as are good to have waiting."""
+        """Hand out as many tasks as are good to have waiting."""
         if time.monotonic() >= self.due:
+            # Workers may come and go during a sweep: room and differences are those of the workers there are now.
             self.workers.look()
             self.room, self.due = AHEAD * max(1, self.workers.threads), time.monotonic() + PERIOD
         while len(self.tasks) < self.room and (task := next(tasks, None)) is not None:
@@ -74,6 +75,7 @@ class _UnderWay:
         if self.client.status != "running":
             raise SchedulerGone
         key = (self.name, self.count)  # one group of tasks for the scheduler, which has a record of each group
+        # Other workers are allowed: one that comes later may fit, and `checked` refuses on one that does not.
         future = self.client.submit(
             checked, *arguments, key=key, pure=False, workers=confined, allow_other_workers=confined is not None
         )
@@ -81,7 +83,7 @@ class _UnderWay:
         self.watch.add(future)
 
     def finished(self) -> Iterator[Any]:
-        """What the next tasks to be done have found; those that have to be done again are handed out again."""
+        """Yield the results of the tasks that are done, and hand out again those that have to be done again."""
         for future, result in self.watch.next_batch():
             task, ended = self.tasks.pop(future)
             if future.status == "error":
@@ -99,8 +101,10 @@ class _UnderWay:
             self.client.cancel([*self.tasks], force=True)
 
     def _after(self, error: BaseException, task: Any, ended: int) -> int:
-        """How many workers have ended at the task by now; raises any other error, if it is not that of a worker which
-        does not fit and was not known."""
+        """Return how many workers have ended at the task by now.
+
+        **Raises:** any error but that of a worker which ended, or which does not fit and was not known.
+        """
         if isinstance(error, KilledWorker):
             if ended + 1 >= ENDED:
                 raise TaskEndsWorkers(f"{ENDED} times the workers ended that were at {task}") from None

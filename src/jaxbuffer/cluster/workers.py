@@ -26,7 +26,10 @@ class Workers:
     """
 
     def __init__(self, client: Client, given: Kind | None = None) -> None:
-        """Waits for the first ones. **Raises:** `InputError` where none of them fits."""
+        """Wait for the first workers.
+
+        **Raises:** `InputError` where none of them fits.
+        """
         programs = folder()
         self.client, self.cache = client, None if programs is None else str(programs)
         self.differences: dict[str, list[str]] = {}  # what differs, by address
@@ -44,17 +47,17 @@ class Workers:
 
     @property
     def fit(self) -> list[str]:
-        """Addresses of those that may compute, of all that were seen."""
+        """Return the addresses of those that may compute, of all that were seen."""
         return [address for address, differs in self.differences.items() if not differs]
 
     @property
     def unfit(self) -> list[str]:
-        """Addresses of those that may not."""
+        """Return the addresses of those that may not."""
         return [address for address, differs in self.differences.items() if differs]
 
     @property
     def allowed(self) -> list[str] | None:
-        """To which a task must be confined; None where all may have it."""
+        """Return the addresses to which a task must be confined; None where all workers may have it."""
         return self.fit if self.unfit else None
 
     def look(self) -> None:
@@ -81,10 +84,11 @@ class Workers:
                 raise SchedulerGone from None
 
     def _answers(self) -> dict[str, Any]:
-        """What the workers that have come since the last time compute with, by address."""
+        """Return what the workers that have come since the last time compute with, by address."""
         try:
             here = self.client.scheduler_info(n_workers=-1)["workers"]
             self.threads = sum(worker["nthreads"] for worker in here.values())
+            # Workers that are gone are forgotten: another one that comes by the same address is asked anew.
             self.differences = {address: differs for address, differs in self.differences.items() if address in here}
             new = [address for address in here if address not in self.differences]
             return self.client.run(looked_at, self.cache, workers=new, on_error="return") if new else {}
@@ -93,6 +97,7 @@ class Workers:
 
     def _expected(self, answers: Mapping[str, Any]) -> dict[str, str]:
         mine = kind()
+        # Bits may differ between processors, so that the kind most workers have leaves out the fewest of them.
         machines = Counter(tuple(it[name] for name in HOST) for it in answers.values() if isinstance(it, dict))
         return {**mine, **dict(zip(HOST, machines.most_common(1)[0][0], strict=True))} if machines else mine
 

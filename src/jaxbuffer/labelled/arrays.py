@@ -26,7 +26,8 @@ class Labelled(NamedTuple):
 def dataset(
     variables: Mapping[str, Labelled], coordinates: Mapping[str, Labelled], attributes: Mapping[str, Any]
 ) -> Dataset:
-    """A dataset; units and descriptions become the attributes ``units`` and ``long_name``, as in the CF conventions.
+    """Return a dataset; units and descriptions become the attributes ``units`` and ``long_name``, as in the CF
+    conventions.
 
     **Arguments:** ``variables``, ``coordinates``: by name; ``attributes``: of the whole, words and numbers.
 
@@ -53,7 +54,7 @@ def _variable(it: Labelled) -> tuple[Any, ...]:
 
 
 def frame(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> DataFrame:
-    """A data frame with a row each; the header's names have their units, as in ``"stroke [m]"``."""
+    """Return a data frame with these rows; the header's names have their units, as in ``"stroke [m]"``."""
     import pandas as pd
 
     return pd.DataFrame(list(rows), columns=list(header))

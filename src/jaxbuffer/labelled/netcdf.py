@@ -15,7 +15,7 @@ LARGE = 2**14  # bytes, from which on an array is compressed
 
 
 def content(dataset: Dataset) -> bytes:
-    """A dataset as a file's content, numbers to the last bit, large arrays compressed."""
+    """Return a dataset as a file's content, numbers to the last bit, large arrays compressed."""
     large = {
         name: {"zlib": True} for name, it in dataset.data_vars.items() if it.nbytes > LARGE and it.dtype.kind == "f"
     }
@@ -23,7 +23,7 @@ def content(dataset: Dataset) -> bytes:
 
 
 def read(file: Path) -> Dataset:
-    """The dataset of a file, wholly in memory. **Raises:** `InputError` where it is none, or damaged.
+    """Return the dataset of a file, wholly in memory. **Raises:** `InputError` where it is none, or damaged.
 
     A file without a checksum is of another program, and read as it is.
     """

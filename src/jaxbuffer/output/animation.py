@@ -38,7 +38,7 @@ class Frames(NamedTuple):
 
 
 def frames_of(run: Run) -> Frames:
-    """Evenly spaced times, and many more around each of the run's largest impacts."""
+    """Return evenly spaced times, and many more around each of the run's largest impacts."""
     assert run.history is not None
     end, busy = float(np.asarray(run.history.time)[-1]), last_contact(run)
     even = busy / EVEN
@@ -46,7 +46,9 @@ def frames_of(run: Run) -> Frames:
     for pulse in sorted(pulses(run), key=lambda pulse: -pulse.force):
         room = ROOM * (pulse.end - pulse.start)
         window = max(pulse.start - room, 0.0), min(pulse.end + room, busy)
+        # Windows of slow motion must not overlap, because time would go back between them.
         apart = all(window[1] < other[0] or window[0] > other[1] for other in slow)
+        # Slow motion must show at least twice as many frames as even ones would.
         if len(slow) < IMPACTS and apart and 0.0 < window[1] - window[0] < 0.5 * SLOW * even:
             slow.append(window)
     times, steps, at = [], [], 0.0
@@ -60,6 +62,7 @@ def frames_of(run: Run) -> Frames:
         even = (end - busy) / EVEN
         times.append(np.arange(busy, end - 0.5 * even, even))
         steps.append(np.full(len(times[-1]), even))
+    # A range leaves out its end. A frame is slower by the time for which it is shown over the time that it spans.
     return Frames(np.append(np.concatenate(times), end), 1.0 / (RATE * np.append(np.concatenate(steps), even)))
 
 
@@ -97,7 +100,7 @@ def check_format(kind: str) -> None:
 
 
 def animation(run: Run, kind: str = "gif", report: Report = lambda done, count: None) -> bytes:
-    """The content of an animation's file.
+    """Return the content of an animation's file.
 
     **Arguments:** ``kind``: "gif" or "mp4"; ``report``: called with the frames done and all of them.
     """
@@ -112,7 +115,7 @@ def animation(run: Run, kind: str = "gif", report: Report = lambda done, count: 
 
 
 def _gif(stage: "Stage", frames: Frames, report: Report) -> bytes:
-    """Frame by frame, with 256 colours each."""
+    """Return a GIF, drawn frame by frame with 256 colours each."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from PIL import Image
 
@@ -130,7 +133,7 @@ def _gif(stage: "Stage", frames: Frames, report: Report) -> bytes:
 
 
 def _mp4(stage: "Stage", frames: Frames, report: Report) -> bytes:
-    """Through ffmpeg."""
+    """Return an MP4 file's content, made by ffmpeg."""
     from matplotlib.animation import FFMpegWriter
 
     writer, count = FFMpegWriter(RATE), len(frames.times)
@@ -139,6 +142,7 @@ def _mp4(stage: "Stage", frames: Frames, report: Report) -> bytes:
         with writer.saving(stage.figure, str(file), 2 * (DOTS_PER_INCH // 2)):
             for k, slower in enumerate(frames.slower):
                 stage.show(k, slower)
+                # All frames of a film last equally long, so that the last one is repeated.
                 for _ in range(STILL if k == count - 1 else 1):
                     writer.grab_frame()
                 report(k + 1, count)
@@ -171,7 +175,7 @@ class Stage:
         self.cursor = _curves(self.force, run)
 
     def _explain_colours(self, axes: Axes) -> None:
-        """Cells are coloured by the first of their values, whose colours mean the same in all frames."""
+        """Draw the colour bar of the first of the cells' values, whose colours mean the same in all frames."""
         from matplotlib.cm import ScalarMappable
         from matplotlib.colors import Normalize
 
@@ -196,13 +200,13 @@ class Stage:
 
 
 def speed_in_words(slower: float) -> str:
-    """ "slowed 140 times", "shown 2.5 times faster"; two digits."""
+    """Return a pace in words with two digits: "slowed 140 times", "shown 2.5 times faster"."""
     digits = f"{float(f'{max(slower, 1.0 / slower):.2g}'):g}"
     return f"slowed {digits} times" if slower >= 1.0 else f"shown {digits} times faster"
 
 
 def _curves(axes: Axes, run: Run) -> Any:
-    """The contact forces over time; returns the cursor."""
+    """Draw the contact forces over time and return the cursor."""
     time = fine_times(run)
     force = np.asarray(at_times(run, time).contact_force)
     names = run.mechanism.view.names(run.design).contacts

@@ -55,6 +55,7 @@ def stale(folder: Path, names: Collection[str]) -> list[Path]:
     there = [path for path in sorted(folder.iterdir()) if path.name not in names and path.is_file()]
     found = list[Path]()
     for kind, group in groups().items():
+        # A result of another kind may lie in the same folder, and stays.
         if not set(group.main) & set(names):
             continue
         patterns = (*group.main, *group.others)
@@ -74,7 +75,8 @@ def remove_stale(folder: Path, names: Collection[str]) -> None:
 
 
 def _is_of(kind: str, path: Path) -> bool:
-    """Whether a file is of this kind of result: runs and tunings both have a force.json and a history.csv."""
+    """Return whether a file is of this kind of result: runs and tunings both have a force.json and a history.csv."""
+    # The names of all other files say which kind they are of.
     if kind not in ("run", "tuned") or path.name not in ("force.json", "history.csv"):
         return True
     return (kind == "tuned") == _is_of_tuning(path)

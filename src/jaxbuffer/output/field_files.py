@@ -20,7 +20,7 @@ MARGIN = 0.04  # of what is seen, about it
 
 
 def field_files(run: Run) -> Contents:
-    """fields.png and fields.svg; with meshio a .vtu of each instant. None of a mechanism without meshes."""
+    """Return fields.png and fields.svg; with meshio a .vtu of each instant; nothing for a mechanism without meshes."""
     snapshots = [] if run.history is None else run.mechanism.view.meshes(run)
     if not snapshots:
         return {}
@@ -31,7 +31,7 @@ def field_files(run: Run) -> Contents:
 
 
 def left_out(contents: Contents) -> str:
-    """What is not among a run's files, and why; "" if nothing is."""
+    """Return what is not among a run's files, and why; "" if nothing is."""
     if "fields.png" not in contents or _meshio():
         return ""
     return "no fields.vtu for ParaView: it needs meshio, pip install 'jaxbuffer[mesh]'"
@@ -43,11 +43,14 @@ def _meshio() -> bool:
 
 @styled
 def fields_figure(snapshots: Sequence[Meshed]) -> Figure:
-    """A row for each instant, a column for each value that is not the same everywhere; a column's colours mean the same
-    in all rows."""
+    """Draw a row for each instant and a column for each value that is not the same everywhere.
+
+    A column's colours mean the same in all rows.
+    """
     varies = lambda values: np.nanmax(values) > np.nanmin(values)  # noqa: E731
     names = [name for name in snapshots[0].values if any(varies(mesh.values[name]) for mesh in snapshots)]
     figure, grid = panels(WIDTH * len(names), HEIGHT * len(snapshots), len(snapshots), len(names))
+    # One frame for all rows: the mesh keeps its place and scale from instant to instant.
     everything = np.concatenate([mesh.nodes for mesh in snapshots])
     for column, name in enumerate(names):
         values = np.concatenate([mesh.values[name] for mesh in snapshots])
@@ -83,9 +86,10 @@ def frame(axes: Axes, nodes: np.ndarray) -> None:
 
 
 def vtu(mesh: Meshed) -> bytes:
-    """A mesh as VTK's unstructured grid."""
+    """Return a mesh as VTK's unstructured grid."""
     import meshio
 
+    # VTK's points have three coordinates.
     points = np.column_stack([mesh.nodes, np.zeros(len(mesh.nodes))])
     written = meshio.Mesh(points, [("quad", mesh.cells)], cell_data={k: [v] for k, v in mesh.values.items()})
     with tempfile.TemporaryDirectory() as folder:

@@ -31,18 +31,19 @@ class Window(NamedTuple):
     factor: float
 
     def inside(self, time: np.ndarray) -> np.ndarray:
-        """Which times [s] are in it."""
+        """Return which times [s] are in it."""
         return (time >= self.start) & (time <= self.end)
 
 
 @styled
 def run_figure(run: Run) -> Figure:
-    """Contact force with its peak enlarged, and the mechanism's own panels over time.
+    """Draw the contact force with its peak enlarged, and the mechanism's own panels over time.
 
     **Arguments:** ``run``: one simulated with ``history=True``.
     """
     mechanism, end = run.mechanism, float(_history(run).time[-1])
     to_end = any(panel.to_end for panel in mechanism.view.panels(run))
+    # Steps are long in flight and few in an impact: lines through them alone would have corners.
     run = between_steps(run, to_end)
     others = mechanism.view.panels(run)
     touched = float(run.peak_force) > 0.0  # else there is no peak to look at
@@ -66,6 +67,7 @@ def run_figure(run: Run) -> Figure:
     window = Window(start, until, *seconds(until))
     _forces(force, zoom, run, window)
     for axes, panel in zip(rest, others, strict=False):
+        # Some panels tell of the time before or after the contacts, too; the others end with these.
         shown = window if not panel.to_end else Window(start, end, *seconds(end))
         _draw(axes, np.asarray(_history(run).time), panel, shown._replace(start=0.0) if panel.whole else shown)
     for axes in rest[len(others) :]:
@@ -74,7 +76,8 @@ def run_figure(run: Run) -> Figure:
 
 
 def between_steps(run: Run, to_end: bool = False) -> Run:
-    """The run with a history at many instants between its steps too, where steps are long or a contact is closed.
+    """Return the run with a history at many instants between its steps too, where steps are long or a contact is
+    closed.
 
     ``to_end``: whether curves go on to the end of the run, also where the contacts end early.
     """
@@ -86,7 +89,7 @@ def between_steps(run: Run, to_end: bool = False) -> Run:
 
 
 def _forces(force: Axes, zoom: Axes | None, run: Run, window: Window) -> None:
-    """The contact force over the run, and around its peak if there is one."""
+    """Draw the contact force over the run, and around its peak if there is one."""
     history, names = _history(run), run.mechanism.view.names(run.design)
     peak, at = float(run.peak_force), float(run.peak_time)
     (unit, factor), time = newtons(peak), np.asarray(history.time)
@@ -108,7 +111,7 @@ def _forces(force: Axes, zoom: Axes | None, run: Run, window: Window) -> None:
 
 
 def _draw(axes: Axes, time: np.ndarray, panel: Panel, window: Window) -> None:
-    """One panel of the mechanism's own; paths are drawn whole."""
+    """Draw one panel of the mechanism's own; paths are drawn whole."""
     inside = window.inside(time)
     over = window.factor * time[inside]
     if panel.stacked:
@@ -139,7 +142,7 @@ def _draw(axes: Axes, time: np.ndarray, panel: Panel, window: Window) -> None:
 
 
 def _level(axes: Axes, level: Level) -> None:
-    """A horizontal line, its name on it at the right end."""
+    """Draw a horizontal line, its name on it at the right end."""
     colour, dashes = (RED, "-") if level.limit else (GREY, "--") if level.label else ("black", "-")
     axes.axhline(level.value, color=colour, linestyle=dashes, linewidth=0.8)
     if level.label:
@@ -152,14 +155,18 @@ def _level(axes: Axes, level: Level) -> None:
 
 
 def _pulse(axes: Axes, run: Run, factor: float) -> None:
-    """Contact forces over time from the run's peak, as wide as the impact that holds it; ``factor``: of the unit in
-    which they are drawn a newton has so many."""
+    """Draw contact forces over time from the run's peak, as wide as the impact that holds it.
+
+    ``factor``: how many of the unit in which they are drawn a newton has.
+    """
     history, at = _history(run), float(run.peak_time)
+    # The contact of the peak tells how wide the impact is; others may be closed for longer.
     pulse = pulse_around(
         np.asarray(history.time), np.asarray(history.contact_force)[:, max(int(run.peak_contact), 0)], at
     )
     room = 0.25 * (pulse.end - pulse.start)
     first, last = max(pulse.start - room, float(history.time[0])), min(pulse.end + room, float(history.time[-1]))
+    # With the peak itself, which evenly spaced instants would miss.
     time = np.union1d(np.linspace(first, last, DENSE), [at])
     force = np.asarray(at_times(run, time).contact_force)
     unit, many = unit_by_size(last - first, TIME_UNITS[1:], 0.1)
@@ -169,7 +176,8 @@ def _pulse(axes: Axes, run: Run, factor: float) -> None:
 
 
 def first_contact(run: Run) -> float:
-    """From when time axes go [s]: a little before the first contact, or from the start if that is not much earlier."""
+    """Return from when time axes go [s]: a little before the first contact, or from the start if that is not much
+    earlier."""
     times = touching(run)
     if not times.size:
         return 0.0

@@ -67,24 +67,24 @@ class Results:
 
     @property
     def tuned(self) -> Record | None:
-        """Of `jaxbuffer tune`, the record of tuned.json."""
+        """Return the record of tuned.json, which `jaxbuffer tune` writes; None where there is none."""
         return self.records.get("tuned")
 
     @property
     def sensitivity(self) -> Record | None:
-        """Of `jaxbuffer sensitivity`, the record of sensitivity.json."""
+        """Return the record of sensitivity.json, which `jaxbuffer sensitivity` writes; None where there is none."""
         return self.records.get("sensitivity")
 
     @property
     def mechanism(self) -> Mechanism:
-        """Whose results they are."""
+        """Return the mechanism whose results they are."""
         kinds = [record["kind"] for record in self.records.values() if "kind" in record]
         kinds += [data.attrs["kind"] for data in (self.run, self.sweep) if data is not None]
         return mechanism_named(kinds[0]) if kinds else mechanism_of(self.design)
 
     @property
     def success(self) -> str | None:
-        """How its runs should end, in a word; None where any end will do."""
+        """Return how its runs should end, in a word; None where any end will do."""
         return self.mechanism.success if self.design is None else self.mechanism.success_of(self.design)
 
     def __repr__(self) -> str:
@@ -96,7 +96,7 @@ class Results:
         return summary_html(repr(self))
 
     def _lines(self) -> dict[str, str]:
-        """A line for each thing there is."""
+        """Return a line for each thing there is."""
         lines = {}
         if self.run is not None:
             steps = f"history of {self.run.sizes['step']} steps" if "step" in self.run.sizes else "no history"
@@ -119,7 +119,7 @@ class Results:
 
 
 def load(folder: str | Path) -> Results:
-    """What a folder holds that `--output` named.
+    """Return what a folder holds that `--output` named.
 
     **Arguments:**
 
@@ -145,6 +145,7 @@ def load(folder: str | Path) -> Results:
     run, sweep, records = _run(folder), _sweep(folder), _records(folder)
     for two in filter(None, (_two_sweeps(folder), *_two_searches(folder, records))):
         warnings.warn(two, stacklevel=2)
+    # A tuned design comes before those of other records: it is the result, they may be of the start.
     design = load_study(folder / DESIGN).design if (folder / DESIGN).is_file() else None
     if run is None and sweep is None and design is None and not records.keys() - BESIDE.keys():
         nothing = f"{folder} holds no results of {', '.join(COMMANDS[:-1])} or {COMMANDS[-1]}; {MAKE}"
@@ -167,6 +168,7 @@ def load_finished(folder: str | Path) -> Results:
         if begun and STORE in str(error):  # the store cannot be read either: the package that reads it is missing, say
             raise InputError(begun) from None
         raise
+    # A page would show a part of a sweep as if it were all of it.
     if begun and results.sweep is not None and not results.records:
         raise InputError(begun)
     return results
@@ -203,6 +205,7 @@ def _two_searches(folder: Path, records: Mapping[str, Record]) -> list[str]:
     """Return what is said where a tuning or a front was begun beside the results of another one."""
     said = []
     for what, name, begun in (("tuning", "tuned", stored_identity), ("front", "front", begun_identity)):
+        # Without both identities nothing tells whether the two belong together.
         own, now = records.get(name, {}).get("identity"), begun(folder)
         if own and now and own != now:
             said.append(
@@ -213,18 +216,21 @@ def _two_searches(folder: Path, records: Mapping[str, Record]) -> list[str]:
 
 
 def _records(folder: Path) -> dict[str, Record]:
-    """Every JSON record there is; a run's is named after what its mechanism calls it."""
+    """Return every JSON record there is; a run's is named after what its mechanism calls it."""
     records = {name: _record(folder / file) for name, file in {**RECORDS, **BESIDE}.items()}
     for mechanism in all_mechanisms():
         run = _record(folder / f"{mechanism.view.run_name}.json")
+        # Several mechanisms may call their runs by the same word.
         if run is not None and run.get("kind") == mechanism.name:
             records["run"] = run
+    # What is not there is left out, so that `in` tells what a folder holds.
     return {name: record for name, record in records.items() if record is not None}
 
 
 def _run(folder: Path) -> Dataset | None:
-    """The run in a folder, named after what its mechanism calls it."""
+    """Return the run in a folder, named after what its mechanism calls it."""
     names = [f"{mechanism.view.run_name}{SUFFIX}" for mechanism in all_mechanisms()]
+    # Mechanisms may share a name for their runs: each file counts once.
     files = [folder / name for name in dict.fromkeys(names) if (folder / name).is_file()]
     if len(files) > 1:
         raise InputError(f"{folder} holds several runs, {', '.join(it.name for it in files)}; keep one in a folder")

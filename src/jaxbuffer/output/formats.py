@@ -20,23 +20,23 @@ ENDINGS = (".csv", ".gif", ".html", ".json", ".mp4", ".nc", ".npz", ".png", ".sv
 
 
 def json_text(record: Mapping[str, Any]) -> str:
-    """Indented JSON; NaN and infinity, which JSON lacks, must be None already."""
+    """Return a record as indented JSON; NaN and infinity, which JSON lacks, must be None already."""
     return json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def compact_json(record: Mapping[str, Any]) -> str:
-    """JSON in one line, for data that nobody reads."""
+    """Return a record as JSON in one line, for data that nobody reads."""
     return json.dumps(record, ensure_ascii=False, allow_nan=False, separators=(",", ":")) + "\n"
 
 
 def table_json(name: str, header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
-    """A table under a name as JSON, a record for each row; what is not finite is null."""
+    """Return a table under a name as JSON, a record for each row; what is not finite is null."""
     finite = lambda value: None if isinstance(value, float) and not math.isfinite(value) else value  # noqa: E731
     return json_text({name: [dict(zip(header, map(finite, row), strict=True)) for row in rows]})
 
 
 def csv_text(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
-    """A header with units and one line a row, floats to the last digit."""
+    """Return a header with units and one line a row, floats to the last digit."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(header)
@@ -54,6 +54,7 @@ def check_folder(folder: Path, option: str = "folder") -> None:
     if folder.suffix.lower() in ENDINGS and not folder.exists():
         plain = folder.with_suffix("")
         raise InputError(f"{option} {folder} has the ending of a file and names a folder; write {option} {plain}")
+    # The folder need not be there: what counts is the nearest one above it that is.
     parent = next(p for p in (folder, *folder.absolute().parents) if p.exists())
     if not parent.is_dir():
         raise InputError(f"{parent} is a file; {option} needs a folder")
@@ -88,6 +89,7 @@ def write_all(
             remove_stale(folder, contents)
         except OSError as error:
             failure = error
+    # Figures last: the numbers are on disk where one cannot be drawn.
     for name in sorted(contents, key=is_figure):
         path = folder / name
         try:

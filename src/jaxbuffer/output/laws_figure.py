@@ -8,7 +8,7 @@ from .style import GREY, MARKS, label, line, panels, styled
 
 @styled
 def laws_figure(comparison: Comparison) -> Figure:
-    """Force over penetration and over time in one impact, delivered over asked restitution."""
+    """Draw force over penetration and over time in one impact, and delivered over asked restitution."""
     figure, grid = panels(13.0, 5.2, 1, 3)
     loops, pulses, delivered = grid[0]
     for k, entry in enumerate(comparison.laws):

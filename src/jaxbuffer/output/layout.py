@@ -19,9 +19,11 @@ def fit(figure: Figure) -> None:
     if figure.get_layout_engine() is None:
         return
     for _ in range(ROUNDS):
+        # Only a figure that is laid out knows where its texts end.
         figure.draw_without_rendering()
         if not _wrap_all(figure) | _thin_out(figure):
             break
+    # Without an engine, saving the figure does not move its axes again.
     figure.set_layout_engine("none")
 
 
@@ -44,7 +46,7 @@ def legend_below(figure: Figure, handles: Sequence[Any], names: Sequence[str]) -
 
 
 def width(text: str, size: float) -> float:
-    """How wide a line of text of this font size is [points]."""
+    """Return how wide a line of text of this font size is [points]."""
     from matplotlib.font_manager import FontProperties
     from matplotlib.textpath import text_to_path
 
@@ -52,7 +54,7 @@ def width(text: str, size: float) -> float:
 
 
 def with_line_breaks(text: str, room: float, size: float) -> str:
-    """The text with line breaks, after commas rather than between words, so that no line is wider than ``room``
+    """Return the text with line breaks, after commas rather than between words, so that no line is wider than ``room``
     [points] if its words allow it."""
     return "\n".join(part for line in text.split("\n") for part in _lines(line, room, size, (", ", " ")))
 
@@ -84,7 +86,7 @@ def _wrap_all(figure: Figure) -> bool:
 
 
 def _rooms(figure: Figure) -> Iterator[tuple["Text", float]]:
-    """The figure's title, its axes' titles and labels, and how wide each may be [points]."""
+    """Yield the figure's title, its axes' titles and labels, each with how wide it may be [points]."""
     from matplotlib.text import Text
 
     points, boxes = POINTS / figure.dpi, [(axes.get_position().x0, axes.get_tightbbox()) for axes in figure.axes]

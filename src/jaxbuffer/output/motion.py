@@ -46,21 +46,24 @@ class Scene(NamedTuple):
 
 
 def scene(run: Run, times: Sequence[float] | np.ndarray) -> Scene:
-    """A run's drawing at some times [s]; those outside the run are its ends."""
+    """Return a run's drawing at some times [s]; those outside the run are its ends."""
     check_type("run", run, Run, "a run, such as jb.simulate(jb.table2(), history=True)")
     instants = at_times(run, np.asarray(times, float))
     drawing = drawing_of(run.mechanism, run.design, run.scenario)
     frames = drawing.frames(instants)
     force = np.asarray(run.history.contact_force)  # type: ignore[union-attr]
+    # One length for all arrows: those of different times can be compared.
     peak = float(np.max(np.hypot(force, np.asarray(run.history.friction_force)), initial=0.0))  # type: ignore[union-attr]
     views = _views(drawing, frames)
     larger = magnifications(run, drawing, float(views[0, 1, 0] - views[0, 0, 0]))
+    # Seen again, because bending that is drawn larger needs more room; how much larger depends on the first width.
     views = _views(drawing, frames, larger)
     return Scene(run, drawing, np.asarray(instants.time), frames, instants, views, peak, larger)
 
 
 def magnifications(run: Run, drawing: Drawing, wide: float) -> list[tuple[Band, float]]:
-    """The parts whose bending would not be seen in a picture ``wide`` [m], and a round factor by which it would."""
+    """Return the parts whose bending would not be seen in a picture ``wide`` [m], and a round factor by which it
+    would."""
     bands = [shape for shape in drawing.shapes if isinstance(shape, Band)]
     factors = []
     for band in bands:
@@ -72,13 +75,13 @@ def magnifications(run: Run, drawing: Drawing, wide: float) -> list[tuple[Band, 
 
 
 def _round(factor: float) -> float:
-    """The largest of 1, 2, 5, 10, 20… that is not above a factor."""
+    """Return the largest of 1, 2, 5, 10, 20… that is not above a factor."""
     power = 10.0 ** math.floor(math.log10(factor))
     return power * max(step for step in (1.0, 2.0, 5.0) if step * power <= factor * (1.0 + 1e-9))
 
 
 def draw(run: Run, times: Sequence[float] | None = None) -> Figure:
-    """The mechanism at some times of a run, in scale, its contact forces as arrows.
+    """Draw the mechanism at some times of a run, in scale, its contact forces as arrows.
 
     **Arguments:**
 
@@ -111,7 +114,7 @@ def draw(run: Run, times: Sequence[float] | None = None) -> Figure:
 
 @styled
 def motion_figure(run: Run, times: Sequence[float] | None = None) -> Figure:
-    """A row for each time: the whole mechanism, and a closer look at the contact.
+    """Draw a row for each time: the whole mechanism, and a closer look at the contact.
 
     **Arguments:** ``run``: one with a history; ``times`` [s] (default: telling ones).
     """
@@ -129,6 +132,7 @@ def motion_figure(run: Run, times: Sequence[float] | None = None) -> Figure:
         named |= whole(grid[k, 0], at, k)
         grid[k, 0].set_title(said(at, k))
         if detail is not None:
+            # Where both name a part, the entry of the whole stays.
             named = closer(grid[k, 1], at, k) | named
     legend_below(figure, list(named.values()), list(named))
     arrows = ". Arrows: contact force" if at.drawing.touches else ""
@@ -137,7 +141,7 @@ def motion_figure(run: Run, times: Sequence[float] | None = None) -> Figure:
 
 
 def said(at: Scene, k: int) -> str:
-    """Time and contact force of a panel: "0.4881 s, 253 N on the upper flank"."""
+    """Return time and contact force of a panel: "0.4881 s, 253 N on the upper flank"."""
     names, kind = at.run.mechanism.view.names(at.run.design).contacts, at.run.mechanism.view.contact
     normal = np.asarray(at.instants.contact_force)[k]
     acting = [
@@ -155,12 +159,14 @@ def _acting(force: float, peak: float) -> str:
 
 
 def clock(time: float, end: float, more: int = 0) -> str:
-    """A time of a run that lasts until ``end`` [s], in words: "0.4881 s", "0.251 ms"; with so many ``more`` digits."""
+    """Return a time of a run that lasts until ``end`` [s], in words: "0.4881 s", "0.251 ms"; with so many ``more``
+    digits."""
     return f"{time:.{4 + more}f} s" if end > 0.1 else f"{1e3 * time:.{3 + more}f} ms"
 
 
 def whole(axes: Axes, at: Scene, k: int) -> dict[str, Any]:
-    """The whole mechanism at the k-th time, with a frame around what the detail shows; the legend's parts."""
+    """Draw the whole mechanism at the k-th time, with a frame around what the detail shows; return the legend's
+    parts."""
     frames, ((left, low), (right, high)) = at.frames[k], at.views[k]
     named = sketch(axes, at.drawing.shapes, frames)
     for (band, times), (colour, dashes) in zip(at.magnified, BENT, strict=False):
@@ -179,7 +185,7 @@ def whole(axes: Axes, at: Scene, k: int) -> dict[str, Any]:
 
 
 def closer(axes: Axes, at: Scene, k: int) -> dict[str, Any]:
-    """The detail at the k-th time; the legend's parts that only it has."""
+    """Draw the detail at the k-th time; return the legend's parts that only it has."""
     detail, frames = at.drawing.detail, at.frames[k]
     assert detail is not None
     middle, half = detail.centre.at(frames), _half(at, k)
@@ -194,7 +200,7 @@ def closer(axes: Axes, at: Scene, k: int) -> dict[str, Any]:
 
 
 def _half(at: Scene, k: int) -> float:
-    """Half the width of the detail at the k-th time [m]: as wide as to show what the ball may touch next, too."""
+    """Return half the width of the detail at the k-th time [m], wide enough to show what the ball may touch next."""
     detail, frames = at.drawing.detail, at.frames[k]
     assert detail is not None
     middle = detail.centre.at(frames)
@@ -203,7 +209,8 @@ def _half(at: Scene, k: int) -> float:
 
 
 def telling_times(run: Run, count: int = PANELS) -> Float[np.ndarray, " times"]:
-    """The start, the instants of the largest forces, and the end [s]; where there are few, evenly spaced ones too."""
+    """Return the start, the instants of the largest forces, and the end [s]; where there are few, evenly spaced ones
+    too."""
     if run.history is None:
         return np.zeros(1)
     end, busy = float(np.asarray(run.history.time)[-1]), last_contact(run)
@@ -212,6 +219,7 @@ def telling_times(run: Run, count: int = PANELS) -> Float[np.ndarray, " times"]:
         if len(peaks) < count - 2 and all(abs(pulse.peak - other) > APART * busy for other in peaks):
             peaks.append(pulse.peak)
     chosen = list(peaks)
+    # Start and end come first: evenly spaced times only fill up what is left.
     for time in [0.0, end, *np.linspace(0.0, busy, count + 1)]:
         if len(chosen) < count and all(abs(time - other) > APART * busy for other in chosen):
             chosen.append(float(time))
@@ -219,7 +227,7 @@ def telling_times(run: Run, count: int = PANELS) -> Float[np.ndarray, " times"]:
 
 
 def _arrows(at: Scene, longest: float) -> tuple[float, float]:
-    """Length [m] of an arrow for 1 N, and of the longest."""
+    """Return the length [m] of an arrow for 1 N, and of the longest."""
     return longest / max(at.peak, 1e-300), longest
 
 
@@ -230,7 +238,10 @@ def _instant(at: Scene, k: int) -> Any:
 def _views(
     drawing: Drawing, frames: Float[np.ndarray, "times frames 3"], magnified: Sequence[tuple[Band, float]] = ()
 ) -> Float[np.ndarray, "times 2 2"]:
-    """What is seen at each time: all of one size; of one place too, unless the mechanism travels."""
+    """Return the view at each time, lower left and upper right corner [m].
+
+    All views have one size, and one place too unless the mechanism travels.
+    """
     corners = np.array([bounds(drawing, each) for each in frames])
     for band, times in magnified:
         lines = np.array([band.bent(each, times) for each in frames])
@@ -242,5 +253,6 @@ def _views(
     if np.all(overall < 1.4 * size.max()):
         size = overall
         middle = np.broadcast_to(0.5 * (corners[:, 1].max(axis=0) + corners[:, 0].min(axis=0)), middle.shape)
+    # No side is shorter than a share of the longest, so that a slender mechanism has room about it.
     half = 0.5 * MARGIN * np.maximum(size, 0.15 * size.max())
     return np.stack([middle - half, middle + half], axis=1)

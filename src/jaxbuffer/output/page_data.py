@@ -19,7 +19,7 @@ SIGNIFICANT = 6  # digits of a force or a stroke
 
 
 def force_record(runs: Mapping[str, Run], scenario: str) -> dict[str, Any]:
-    """The forces of some runs by name: "before" and "after" say. ``scenario``: theirs, in words.
+    """Return the forces of some runs by name: "before" and "after" say. ``scenario``: theirs, in words.
 
     Of one run alone also ``more``: what its mechanism draws to the end of it, long after the last contact.
     """
@@ -29,11 +29,12 @@ def force_record(runs: Mapping[str, Run], scenario: str) -> dict[str, Any]:
 
 
 def _to_end(name: str, run: Run) -> list[dict[str, Any]]:
-    """Curves of the mechanism's own over the whole run, each with its ``caption`` and its ``axis``."""
+    """Return curves of the mechanism's own over the whole run, each with its ``caption`` and its ``axis``."""
     panels = run.mechanism.view.panels
     if not any(panel.to_end for panel in panels(run)):
         return []
     end = float(np.asarray(run.history.time)[-1])  # type: ignore[union-attr]
+    # Even times over the whole run, and as many again up to the last contact, where all impacts are.
     time = np.union1d(np.linspace(0.0, end, TIMES), np.linspace(0.0, last_contact(run), TIMES))
     whole = eqx.tree_at(lambda it: it.history, run, at_times(run, time))
     return [
@@ -48,7 +49,7 @@ def _to_end(name: str, run: Run) -> list[dict[str, Any]]:
 
 
 def _curve(run: Run) -> dict[str, list[float]]:
-    """A run's times and forces, without those that lie between two others without any force."""
+    """Return a run's times and forces, without those that lie between two others without any force."""
     time, force = force_over_time(run)
     idle = np.concatenate([[False], (force[:-2] == 0.0) & (force[1:-1] == 0.0) & (force[2:] == 0.0), [False]])
     return {"time [s]": np.round(time[~idle], DIGITS).tolist(), "force [N]": _significant(force[~idle])}
@@ -59,7 +60,7 @@ def _significant(values: Any) -> list[float]:
 
 
 def motion_record(run: Run) -> dict[str, Any]:
-    """Times in slow motion around impacts, the frames and forces then, and the shapes that go with the frames.
+    """Return times in slow motion around impacts, the frames and forces then, and the shapes that go with the frames.
 
     **Arguments:** ``run``: one simulated with ``history=True``.
     """
@@ -87,7 +88,7 @@ def motion_record(run: Run) -> dict[str, Any]:
 
 
 def _forces(at: Scene, k: int) -> list[list[float]]:
-    """Where each contact force acts [m], and its components [N]."""
+    """Return where each contact force acts [m], and its components [N]."""
     arrows = []
     normal, friction = (np.asarray(x)[k] for x in (at.instants.contact_force, at.instants.friction_force))
     for touch, along, across in zip(at.drawing.touches, normal, friction, strict=False):
@@ -97,7 +98,8 @@ def _forces(at: Scene, k: int) -> list[list[float]]:
 
 
 def _shapes(shapes: Sequence[Any], bodies: int) -> list[dict[str, Any]]:
-    """Corners in the axes of the one frame that a shape goes with, or the two spots between which it lies."""
+    """Return the shapes: corners in the axes of the one frame that a shape goes with, or the two spots between which it
+    lies."""
     made: list[dict[str, Any]] = []
     colour, rest, order = 0, np.zeros((bodies, 3)), [*fills(shapes)]
     strokes = {part: it for part, it in fills(shapes).items() if isinstance(it, str)}
@@ -114,6 +116,7 @@ def _shapes(shapes: Sequence[Any], bodies: int) -> list[dict[str, Any]]:
             ends = {name: _spot(spot) for name, spot in (("first", shape.first), ("second", shape.second))}
             made.append({**look, **ends, "width": shape.width, "spring": isinstance(shape, Spring)})
         else:
+            # Corners are given for frames at zero, in the axes of the body, with which the page moves them.
             body = shape.body if hasattr(shape, "body") else shape.centre.body
             made.append({**look, "body": body, "corners": _rounded(outline(shape, rest))})
     return made

@@ -19,7 +19,7 @@ CPUINFO = Path("/proc/cpuinfo")
 def made(
     command: Sequence[str], study: str | None, settings: Mapping[str, Any], seconds: float, resumed: bool = False
 ) -> dict[str, Any]:
-    """Everything that another person needs to compute a result again, and to judge where numbers differ.
+    """Return everything that another person needs to compute a result again, and to judge where numbers differ.
 
     Two runs of the same command differ in nothing else than this part of their records.
 
@@ -53,6 +53,7 @@ def _quoted(word: str) -> str:
     own = home()
     if own is None or not own.is_absolute() or own == Path(own.anchor):  # what is in "/" names no user
         return shlex.quote(word)
+    # An option's value may be a path, too: --output=/home/me/results.
     option, equals, path = word.partition("=") if word.startswith("-") else ("", "", word)
     inside = path.removeprefix(str(own))
     if inside == path or inside[:1] not in ("", "/"):  # /home/me is no folder above /home/menu
@@ -77,7 +78,7 @@ def _here() -> dict[str, Any]:
 
 
 def processor() -> str:
-    """The processor's name as the system tells it, its architecture where it tells none."""
+    """Return the processor's name as the system tells it, its architecture where it tells none."""
     lines = CPUINFO.read_text(errors="replace").splitlines() if CPUINFO.is_file() else []
     names = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
     return next(names, "") or platform.processor() or platform.machine() or "unknown"

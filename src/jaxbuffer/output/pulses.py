@@ -26,7 +26,10 @@ class Pulse(NamedTuple):
 
 
 def pulses(run: Run) -> list[Pulse]:
-    """Those of the impacts that a run with a history lists, in their order; and the run's peak, if no impact has it."""
+    """Return the pulses of the impacts that a run with a history lists, in their order.
+
+    The run's peak is added where no impact has it.
+    """
     history, hits = run.history, run.impacts
     assert history is not None
     time, force = np.asarray(history.time), np.asarray(history.contact_force)
@@ -34,12 +37,14 @@ def pulses(run: Run) -> list[Pulse]:
     begin, contact = np.asarray(hits.time)[:count], np.asarray(hits.contact)[:count]
     result = []
     for k in range(count):
+        # A pulse ends where the next impact of the same contact begins.
         later = begin[k + 1 :][contact[k + 1 :] == contact[k]]
         until = later[0] if later.size else np.inf
         inside = np.flatnonzero((time >= begin[k]) & (time < until))
         if inside.size:
             at = float(time[inside[np.argmax(force[inside, contact[k]])]])
             result.append(pulse_around(time, force[:, contact[k]], at, int(contact[k])))
+    # A run lists a limited number of impacts, so that the peak may be of a later one.
     if not any(pulse.start <= float(run.peak_time) <= pulse.end for pulse in result) and int(run.peak_contact) >= 0:
         one = int(run.peak_contact)
         result.append(pulse_around(time, force[:, one], float(run.peak_time), one))
@@ -47,13 +52,14 @@ def pulses(run: Run) -> list[Pulse]:
 
 
 def touching(run: Run) -> Float[np.ndarray, " n"]:
-    """When a contact is closed, of the times of a run's history [s]."""
+    """Return the times of a run's history at which a contact is closed [s]."""
     assert run.history is not None
     return np.asarray(run.history.time)[np.any(np.asarray(run.history.contact_force) > 0.0, axis=1)]
 
 
 def last_contact(run: Run) -> float:
-    """Until when impacts are drawn [s]: a little beyond the last contact, or to the end if that is not much later."""
+    """Return until when impacts are drawn [s]: a little beyond the last contact, or to the end if that is not much
+    later."""
     assert run.history is not None
     times, end = touching(run), float(np.asarray(run.history.time)[-1])
     last = BEYOND * float(times[-1]) if times.size else end
@@ -61,8 +67,10 @@ def last_contact(run: Run) -> float:
 
 
 def fine_times(run: Run, even: int = EVEN, until: float = np.inf) -> Float[np.ndarray, " n"]:
-    """The times [s] through which forces are drawn smoothly: a run's own steps, evenly spread ones, parts of each
-    shorter step in which a contact is closed, as an impact has a handful of steps only, and the peak's.
+    """Return the times [s] through which forces are drawn smoothly.
+
+    These are a run's own steps, evenly spread times, the time of the peak, and parts of each shorter step in which a
+    contact is closed, because an impact has a handful of steps only.
 
     **Arguments:** ``run``: one simulated with ``history=True``; ``even``: how many evenly spread ones, ``until``: the
     last of them [s].
@@ -73,14 +81,16 @@ def fine_times(run: Run, even: int = EVEN, until: float = np.inf) -> Float[np.nd
     touching = np.any(force > 0.0, axis=1)
     spread, step = np.linspace(time[0], min(float(time[-1]), until), even), np.diff(time)
     first = np.flatnonzero((touching[1:] | touching[:-1]) & (step < spread[1] - spread[0]))
+    # The more such steps there are, the fewer parts each has, so that the total stays about the same.
     parts = int(np.clip(MOST // max(first.size, 1), 1, FINE))
     inside = time[first] + np.outer(np.arange(1, parts) / parts, step[first])
+    # A run without an impact has no time of the peak.
     peak = np.clip(np.nan_to_num(float(run.peak_time)), time[0], time[-1])
     return np.unique(np.concatenate([time, spread, inside.ravel(), [peak]]))
 
 
 def force_over_time(run: Run) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, " n"]]:
-    """Times [s], close to each other where a contact is closed, and the largest force of any contact then [N].
+    """Return times [s], close to each other where a contact is closed, and the largest force of any contact then [N].
 
     **Arguments:** ``run``: one simulated with ``history=True``.
     """
@@ -91,7 +101,7 @@ def force_over_time(run: Run) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray
 def pulse_around(
     time: Float[np.ndarray, " steps"], force: Float[np.ndarray, " steps"], at: float, contact: int = 0
 ) -> Pulse:
-    """The pulse whose largest force is at a given time [s]: its steps above two per cent of it."""
+    """Return the pulse whose largest force is at a given time [s]: its steps above two per cent of it."""
     near = int(np.argmin(np.abs(time - at)))
     low = force < LOW * force[near]
     before, after = np.flatnonzero(low[:near]), np.flatnonzero(low[near:])

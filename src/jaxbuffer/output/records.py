@@ -82,7 +82,7 @@ def run_record(run: Run, constraints: Constraints | None = None, trust: Trust | 
 
 
 def limits_record(limits: Limits, own: Mapping[str, Derived]) -> dict[str, Any]:
-    """What is limited, and what the own quantities among it are."""
+    """Return the limits, and what the own quantities are that they may be on."""
     return {
         "limits": dict(limits.at_most),
         "lower_limits": dict(limits.at_least),
@@ -96,13 +96,13 @@ def limits_record(limits: Limits, own: Mapping[str, Derived]) -> dict[str, Any]:
 
 
 def run_history(run: Run) -> Table:
-    """The history, a row for each accepted step."""
+    """Return the history, a row for each accepted step."""
     columns = history_columns(run)
     return list(columns), np.column_stack(list(columns.values())).tolist()
 
 
 def sensitivity_record(result: Sensitivity) -> dict[str, Any]:
-    """Quantities, for each parameter its gradients and elasticities, and the certificate."""
+    """Return the quantities, for each parameter its gradients and elasticities, and the certificate."""
     header, rows = sensitivity_rows(result)
     run, catalogue = result.run, result.run.mechanism.quantities
     units = [unit_of(catalogue, name) for name in result.quantities]
@@ -120,7 +120,7 @@ def sensitivity_record(result: Sensitivity) -> dict[str, Any]:
 
 
 def certificate_record(result: Sensitivity) -> dict[str, Any]:
-    """Verdicts, what they rest on, active peak and runner-up; errors are relative. Impacts count from 1."""
+    """Return verdicts, what they rest on, active peak and runner-up; errors are relative. Impacts count from 1."""
     certificate: Any = result.certificate
     peaks, mechanism = certificate.peaks, result.run.mechanism
     names = mechanism.view.names(result.run.design)
@@ -164,7 +164,7 @@ def certificate_record(result: Sensitivity) -> dict[str, Any]:
 
 
 def json_number(value: Any) -> float | None:
-    """A number as JSON has it; None where there is none or it is not finite."""
+    """Return a number as JSON has it; None where there is none or it is not finite."""
     if value is None:
         return None
     real = float(value)

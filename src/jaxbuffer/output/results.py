@@ -44,7 +44,7 @@ OF_FIGURES = ("force.json", "motion.json")  # what a page draws itself, for whic
 def run_files(
     run: Run, made: Made = None, constraints: Constraints | None = None, trust: Trust | None = None
 ) -> Contents:
-    """Return those of `jaxbuffer simulate`, named after what the mechanism calls a run.
+    """Return the files of `jaxbuffer simulate`, named after what the mechanism calls a run.
 
     **Arguments:** ``run``: without its history it has neither figures nor tables of it; ``made``: how it came about;
     ``constraints``: of its study; ``trust``: how far its numbers can be trusted.
@@ -61,12 +61,13 @@ def run_files(
         f"{name}{SUFFIX}": lambda: content(run.to_xarray()),
         **field_files(run),
     }
+    # All others draw or list values over time.
     without_history = (f"{name}.json", f"{name}.txt", f"{name}{SUFFIX}")
     return files if run.history is not None else {file: files[file] for file in without_history}
 
 
 def sensitivity_files(result: Sensitivity, made: Made = None) -> Contents:
-    """Return those of `jaxbuffer sensitivity`. ``made``: how it came about."""
+    """Return the files of `jaxbuffer sensitivity`. ``made``: how it came about."""
     figures = style.both("sensitivity", lambda: sensitivity_figure(result)) if drawn(result) else {}
     return {
         "sensitivity.json": lambda: _json(records.sensitivity_record(result), made),
@@ -77,12 +78,13 @@ def sensitivity_files(result: Sensitivity, made: Made = None) -> Contents:
 
 
 def tuned_files(tuned: Tuned, made: Made = None, report: Callable[[str], None] = lambda line: None) -> Contents:
-    """Return those of `jaxbuffer tune`.
+    """Return the files of `jaxbuffer tune`.
 
     **Arguments:** ``made``: how it came about; ``report``: takes a line on what is missing because a run failed.
     """
     problem, case = tuned.problem, tuned.problem.cases[worst_case(tuned)]
 
+    # Run once and only where a file asks for it: both the record and the figures draw the same runs.
     @functools.cache
     def worst_runs() -> list[Any]:
         """Return the worst scenario before and after, with histories; none where one of them fails."""
@@ -119,7 +121,7 @@ def swept_json(swept: RunTable) -> str:
 
 
 def swept_files(swept: Sweep, made: Made = None, envelope: SafeRectangle | None = None) -> Contents:
-    """Return those of `jaxbuffer sweep`.
+    """Return the files of `jaxbuffer sweep`.
 
     **Arguments:** ``made``: how it came about; ``envelope``: what is safe of a sweep over two fields.
     """
@@ -139,7 +141,7 @@ def swept_files(swept: Sweep, made: Made = None, envelope: SafeRectangle | None 
 def sample_files(
     sample: Sample, made: Made = None, indices: Indices | None = None, surfaces: Sequence[Surface] = ()
 ) -> Contents:
-    """Return those of `jaxbuffer sample`.
+    """Return the files of `jaxbuffer sample`.
 
     **Arguments:** ``made``: how it came about; ``indices``, ``surfaces``: what was computed from the sample.
     """
@@ -165,7 +167,7 @@ def sample_text(sample: Sample, indices: Indices | None, surfaces: Sequence[Surf
 
 
 def front_files(front: Front, made: Made = None) -> Contents:
-    """Return those of `jaxbuffer pareto`. ``made``: how it came about."""
+    """Return the files of `jaxbuffer pareto`. ``made``: how it came about."""
     files: Writers = {f"design-{k + 1}.toml": functools.partial(_design, it) for k, it in enumerate(front.points)}
     return files | {
         "pareto.csv": lambda: csv_text(*tuned_records.front_rows(front)),

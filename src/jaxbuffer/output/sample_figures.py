@@ -20,7 +20,7 @@ METHODS = {"sobol": "Sobol'", "saltelli": "Saltelli", "gaussian_process": "Gauss
 
 @styled
 def sample_figure(sample: Sample) -> Figure:
-    """The mechanism's first quantities over each number, every end of a run in its own colour and mark."""
+    """Draw the mechanism's first quantities over each number, every end of a run in its own colour and mark."""
     mechanism, drawn = sample.mechanism, sample.grid.axes[:COLUMNS]
     names = mechanism.defaults_for(sample.design, [axis.path for axis in sample.grid.axes]).mapped[:ROWS]
     figure, grid = panels(max(2.6 * len(drawn), 5.0) + 0.6, 2.3 * len(names) + 1.0, len(names), len(drawn))
@@ -46,11 +46,13 @@ def sample_figure(sample: Sample) -> Figure:
                 )
             scaled(axes, "x", axis.scale, many * axis.low, many * axis.high)
             low = axes.get_ylim()[0]
+            # Zero is shown where the values begin near it, so that heights can be compared.
             axes.set_ylim(bottom=min(low, 0.0) if low > -0.05 * axes.get_ylim()[1] else low)
             below = field_axis(axis.name, axis.unit, axis.typed) if number == len(names) else ""
             label(axes, "", below, "", legend=False)
         row[0].set_ylabel(f"{title}\n[{unit}]")
     legend_below(figure, *grid[0, 0].get_legend_handles_labels())
+    # Failed runs have no values, and are missing in every panel.
     lost = int(np.sum(sample.done & ~sample.solved))
     parts = [f"Sample of {len(sample.grid)} {mechanism.view.run_name}s, {_worded(sample.grid.method)}"]
     parts += [f"{lost} failed"] if lost else []
@@ -61,7 +63,7 @@ def sample_figure(sample: Sample) -> Figure:
 
 @styled
 def indices_figure(indices: Indices) -> Figure:
-    """First-order and total index of each number as bars with their intervals, a panel a quantity."""
+    """Draw first-order and total index of each number as bars with their intervals, a panel a quantity."""
     names = list(indices.estimates)
     figure, grid = panels(7.5, (0.45 * len(indices.paths) + 1.3) * len(names) + 0.6, len(names), 1)
     for axes, name in zip(grid[:, 0], names, strict=True):
@@ -85,6 +87,7 @@ def indices_figure(indices: Indices) -> Figure:
             through = f", by a response surface that misses {percent_text(surface.error.relative)}{_warned(surface)}"
         label(axes, f"{name.replace('_', ' ')}{through}", "share of the variance [-]", "", legend=False)
     handles, words = grid[0, 0].get_legend_handles_labels()
+    # Bars are drawn from the bottom up, so that the legend in reverse has them in the order in which they are seen.
     legend_below(figure, handles[::-1], words[::-1])
     figure.suptitle(f"Sobol' indices with {percent_text(indices.confidence, 'g')} intervals")
     return figure
@@ -96,7 +99,7 @@ def _warned(surface: Surface) -> str:
 
 @styled
 def surfaces_figure(surfaces: Sequence[Surface]) -> Figure:
-    """Predicted against computed, by fits that had not seen the run; a panel a quantity."""
+    """Draw predicted against computed values, by fits that had not seen the run; a panel a quantity."""
     figure, grid = panels(4.6 * len(surfaces), 4.8, 1, len(surfaces))
     for axes, surface in zip(grid[0], surfaces, strict=True):
         _predicted(axes, surface)

@@ -15,13 +15,13 @@ LOOK = {Verdict.trusted: (BLUE, ""), Verdict.check: (GREY, "////"), Verdict.refu
 
 
 def drawn(result: Sensitivity) -> list[int]:
-    """The numbers of the quantities that have elasticities: those that can change sign have none."""
+    """Return the numbers of the quantities that have elasticities: those that can change sign have none."""
     return [i for i in range(len(result.quantities)) if np.any(np.isfinite(result.elasticities[i]))]
 
 
 @styled
 def sensitivity_figure(result: Sensitivity) -> Figure:
-    """A panel for each quantity, a bar for each parameter, the longest above; hatched where it is not trusted."""
+    """Draw a panel for each quantity, a bar for each parameter, the longest above; hatched where it is not trusted."""
     which = drawn(result)
     columns = min(COLUMNS, max(len(which), 1))
     rows = -(-max(len(which), 1) // columns)
@@ -44,6 +44,7 @@ def _bars(axes: Axes, result: Sensitivity, i: int) -> None:
     colour, hatch = (GREY, "") if verdict is None else LOOK[verdict]
     axes.barh(places, sizes, 0.7, color=colour, hatch=hatch, edgecolor="white", linewidth=0.0)
     if certificate is not None:
+        # Errors are relative to the elasticity, and to `FLOOR` where that is smaller.
         reach = np.nan_to_num(certificate.error[i][order]) * np.maximum(np.abs(sizes), FLOOR)
         axes.errorbar(sizes, places, xerr=reach, fmt="none", ecolor="black", elinewidth=1.0, capsize=2.5)
     axes.axvline(0.0, color="black", linewidth=0.8)
@@ -57,5 +58,5 @@ def _bars(axes: Axes, result: Sensitivity, i: int) -> None:
 
 
 def _names(paths: Sequence[str], order: np.ndarray, values: np.ndarray) -> list[str]:
-    """The parameters in the bars' order; of one without an elasticity it says so."""
+    """Return the parameters in the bars' order; "(none)" follows one without an elasticity."""
     return [paths[k] if np.isfinite(values[k]) else f"{paths[k]} (none)" for k in order]

@@ -37,6 +37,7 @@ def sketch(
     shapes = tuple(shapes)
     colours = fills(shapes) if colours is None else colours
     named: dict[str, Any] = {}
+    # A shape without a name belongs to the part before it, and has its colour.
     filled, drawn = _faint(*FILLS[0]), INK
     for shape in shapes:
         if is_filled(shape):
@@ -52,7 +53,7 @@ def sketch(
 
 
 def fills(shapes: Iterable[Any]) -> dict[str, Any]:
-    """The colour of each named part, filled ones and lines, in the parts' order."""
+    """Return the colour of each named part, filled ones and lines, in the parts' order."""
     shapes = tuple(shapes)
     areas = dict.fromkeys(shape.part for shape in shapes if is_filled(shape) and shape.part)
     lines = dict.fromkeys(shape.part for shape in shapes if not is_filled(shape) and shape.part and not _dashed(shape))
@@ -72,12 +73,12 @@ def _draw(axes: Axes, shape: Any, points: Points, fill: Any) -> Any:
 
 
 def is_filled(shape: Any) -> bool:
-    """Whether a shape is an area rather than a line."""
+    """Return whether a shape is an area rather than a line."""
     return bool(getattr(shape, "filled", isinstance(shape, Rod | Band)))
 
 
 def outline(shape: Any, frames: Frames) -> Points:
-    """The corners of a shape in inertial axes [m]."""
+    """Return the corners of a shape in inertial axes [m]."""
     if isinstance(shape, Outline):
         return placed(shape.corners, shape.body, frames)
     if isinstance(shape, Disc):
@@ -95,6 +96,7 @@ def outline(shape: Any, frames: Frames) -> Points:
         return np.concatenate([middle + half, (middle - half)[::-1]])
     first, second = shape.first.at(frames), shape.second.at(frames)
     along = second - first
+    # The two ends may coincide, where a direction cannot be told.
     across = np.array([-along[1], along[0]]) / max(float(np.hypot(*along)), 1e-12)
     if isinstance(shape, Spring):
         share = np.concatenate([[0.0], np.linspace(0.1, 0.9, 2 * TURNS + 1), [1.0]])
@@ -114,7 +116,7 @@ def forces(
     unit: float = 1.0,
     origin: Any = (0.0, 0.0),
 ) -> None:
-    """An arrow for each contact force on a ball, from where it acts.
+    """Draw an arrow for each contact force on a ball, from where it acts.
 
     **Arguments:** ``instant``: a history's entry, F_n and F_t of each contact; ``length`` [m] of an arrow for 1 N;
     ``reach`` [m]: of the longest, against which the shortest are left out; others as of `sketch`.
@@ -135,18 +137,18 @@ def forces(
 
 
 def bounds(drawing: Drawing, frames: Frames) -> Float[np.ndarray, "2 2"]:
-    """The lower left and the upper right corner of a drawing [m]."""
+    """Return the lower left and the upper right corner of a drawing [m]."""
     points = np.concatenate([outline(shape, frames) for shape in drawing.shapes] or [frames[:, :2]])
     return np.array([points.min(axis=0), points.max(axis=0)])
 
 
 def _spot(points: Points, centre: Spot, frames: Frames) -> Points:
-    """Points about a spot, in its body's axes, in inertial axes."""
+    """Return points about a spot, in its body's axes, in inertial axes."""
     return placed(points + np.array([centre.x, centre.y]), centre.body, frames)
 
 
 def _faint(colour: str, opacity: float) -> Any:
-    """A colour mixed with white."""
+    """Return a colour mixed with white."""
     from matplotlib.colors import to_rgb
 
     return tuple(1.0 - opacity * (1.0 - np.array(to_rgb(colour))))

@@ -84,6 +84,7 @@ def drawing() -> Iterator[None]:
     from matplotlib import rcParams
     from matplotlib import style as styles
 
+    # The defaults would replace the path of ffmpeg, which the user may have set.
     ours = {"axes.prop_cycle": cycler(color=COLOURS), "animation.ffmpeg_path": rcParams["animation.ffmpeg_path"]}
     with styles.context(["default", STYLE | ours]):
         yield
@@ -103,7 +104,7 @@ def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
 
 
 def png(figure: Figure) -> bytes:
-    """The figure as a PNG file's content."""
+    """Return the figure as a PNG file's content."""
     content = io.BytesIO()
     with drawing():
         fit(figure)
@@ -112,35 +113,36 @@ def png(figure: Figure) -> bytes:
 
 
 def svg(figure: Figure) -> bytes:
-    """The figure as an SVG file's content; the same figure gives the same bytes."""
+    """Return the figure as an SVG file's content; the same figure gives the same bytes."""
     content = io.BytesIO()
     with drawing():
         fit(figure)
+        # Without the date, and with a fixed salt for identifiers (`STYLE`), the bytes depend on the figure alone.
         figure.savefig(content, format="svg", metadata={"Date": None})
     return content.getvalue()
 
 
 def both(name: str, draw: Callable[[], Figure]) -> dict[str, Callable[[], bytes]]:
-    """A figure's two files, NAME.png and NAME.svg, and what makes their contents; it is drawn once."""
+    """Return a figure's two files, NAME.png and NAME.svg, and what makes their contents; it is drawn once."""
     drawn = functools.cache(draw)
     return {f"{name}.png": lambda: png(drawn()), f"{name}.svg": lambda: svg(drawn())}
 
 
 def blank(width: float, height: float, layout: Any = "constrained") -> Figure:
-    """A figure [inch] of its own: pyplot's global state stays as it is."""
+    """Return a figure [inch] of its own: pyplot's global state stays as it is."""
     from matplotlib.figure import Figure
 
     return Figure(figsize=(width, height), layout=layout)
 
 
 def panels(width: float, height: float, rows: int, columns: int) -> tuple[Figure, np.ndarray]:
-    """A figure [inch] and its axes."""
+    """Return a figure [inch] and its axes."""
     figure = blank(width, height)
     return figure, figure.subplots(rows, columns, squeeze=False)
 
 
 def label(axes: Axes, title: str, x: str, y: str, legend: bool = True, columns: int = 1) -> None:
-    """Title, labels with their units and, if asked for, a legend in columns."""
+    """Set title, labels with their units and, if asked for, a legend in columns."""
     axes.set_title(title)
     axes.set_xlabel(x)
     axes.set_ylabel(y)
@@ -149,15 +151,16 @@ def label(axes: Axes, title: str, x: str, y: str, legend: bool = True, columns: 
 
 
 def curve(number: int) -> dict[str, Any]:
-    """Colour and dashes of a curve among others in one panel: solid for the first three, whose lightness differs."""
+    """Return colour and dashes of a curve among others in one panel: solid for the first three, whose lightness
+    differs."""
     return {"color": CURVES[number % len(CURVES)], "linestyle": STYLES[number // 3 % len(STYLES)]}
 
 
 def hatch(number: int) -> str:
-    """The hatching of an area in the colour of `curve`, which keeps areas apart without colours."""
+    """Return the hatching of an area in the colour of `curve`, which keeps areas apart without colours."""
     return HATCHES[number // 3 % len(HATCHES)]
 
 
 def line(number: int) -> dict[str, Any]:
-    """Colour and dashes of the curve of a number, told apart by everyone."""
+    """Return colour and dashes of the curve of a number, told apart by everyone."""
     return {"color": COLOURS[number % len(COLOURS)], "linestyle": STYLES[number % len(STYLES)]}

@@ -35,11 +35,15 @@ SAFE, UNSAFE = "#B8DCEF", "#F3F3F3"
 
 @styled
 def sweep_figure(swept: Sweep) -> Figure:
-    """Over one number lines, one for each combination of choices; over two heat maps of some quantities; over more, or
-    choices besides, the peak contact force in slices."""
+    """Draw what a sweep found.
+
+    Over one number it draws lines, one for each combination of choices; over two, heat maps of some quantities; over
+    more, or choices besides, the peak contact force in slices.
+    """
     axes = swept.grid.axes
     moving = [k for k, axis in enumerate(axes) if len(axis) > 1]
     numbers = [k for k in moving if axes[k].unit]
+    # A map needs two numbers: choices have no order along an axis.
     if len(numbers) < 2:
         along = (numbers or moving or [0])[0]
         return _lines(swept, along, [k for k in moving if k != along])
@@ -49,11 +53,12 @@ def sweep_figure(swept: Sweep) -> Figure:
 
 
 def _lines(swept: Sweep, along: int, by: list[int]) -> Figure:
-    """Some quantities over one field, a line for each combination of the values of the others (``by``)."""
+    """Draw some quantities over one field, a line for each combination of the values of the others (``by``)."""
     mapped = _mapped(swept)
     columns = math.ceil(len(mapped) / 2)
     figure, grid = panels(4.5 * columns, 6.5, 2, columns)
     axis, axes_of = swept.grid.axes[along], swept.grid.axes
+    # Values may be listed in any order; a line joins neighbours.
     order = np.argsort(_places(axis))
     x, marks, others = _places(axis)[order], _marks(swept), [axes_of[k] for k in by]
     outcomes = _by_line(_outcomes(swept), along, by)[:, order]
@@ -88,25 +93,26 @@ def _lines(swept: Sweep, along: int, by: list[int]) -> Figure:
 
 
 def _by_line(array: np.ndarray, along: int, by: list[int]) -> np.ndarray:
-    """An array in the grid's shape as (combinations of the axes ``by``, values ``along``)."""
+    """Return an array in the grid's shape as (combinations of the axes ``by``, values ``along``)."""
     fixed = [k for k in range(array.ndim) if k != along and k not in by]
     return np.transpose(array, [*fixed, *by, along]).reshape(-1, array.shape[along])
 
 
 def _said(axis: Axis, value: Any) -> str:
-    """One value of an axis in a legend or a title; a choice's name is its whole path."""
+    """Return one value of an axis in a legend or a title; a choice's name is its whole path."""
     if axis.unit:
         return f"{called(axis.name)} {said(float(value), axis.unit, axis.typed)}"
     return f"{axis.path.replace('.', ' ').replace('_', ' ')} {axis.words(value)}"
 
 
 def _places(axis: Axis) -> np.ndarray:
-    """Where an axis' values stand in a figure: numbers where they are, angles in degrees, choices side by side."""
+    """Return where an axis' values stand in a figure: numbers where they are, angles in degrees, choices side by
+    side."""
     return in_figures(axis.unit, axis.typed)[1] * axis.values if axis.unit else np.arange(float(len(axis)))
 
 
 def _scaled(axes: Axes, axis: Axis) -> None:
-    """The horizontal scale, or a choice's values in words."""
+    """Set the horizontal scale, or a choice's values in words."""
     if axis.unit:
         places = _places(axis)
         scaled(axes, "x", axis.scale, float(places.min()), float(places.max()))
@@ -133,9 +139,10 @@ def _maps(swept: Sweep, across: int, up: int) -> Figure:
 
 
 def _mapped(swept: Sweep) -> list[str]:
-    """The quantities that are drawn of a sweep: of those of its mechanism the ones that some run has."""
+    """Return the mechanism's mapped quantities that some run has."""
     varied = [] if swept.grid is None else [axis.path for axis in swept.grid.axes]
     names = swept.mechanism.defaults_for(swept.design, varied).mapped
+    # A quantity of a part that the design does not have is NaN in all runs.
     known = [name for name in names if np.isfinite(swept.shaped(name)).any()]
     return known or list(names[:1])
 
@@ -147,7 +154,7 @@ def _remove(grid: np.ndarray, first: int) -> None:
 
 
 def _logarithmic(swept: Sweep, name: str, values: np.ndarray) -> dict[str, Any]:
-    """A logarithmic scale of colours for a share that spreads widely: a few large ones would hide the rest."""
+    """Return a logarithmic scale of colours for a share that spreads widely: a few large ones would hide the rest."""
     known = values[np.isfinite(values)]
     if swept.mechanism.quantities[name].unit != "-" or not known.size or known.min() <= 0.0:
         return {}
@@ -157,7 +164,8 @@ def _logarithmic(swept: Sweep, name: str, values: np.ndarray) -> dict[str, Any]:
 
 
 def _slices(swept: Sweep, moving: list[int]) -> Figure:
-    """The two longest fields span the maps; the values of the others are spread over the panels."""
+    """Draw maps over the two longest fields; the values of the others are spread over the panels."""
+    # Maps are over numbers only; choices are among what is spread over the panels.
     numbers = [k for k in moving if swept.grid.axes[k].unit]
     across, up = sorted(sorted(numbers, key=lambda k: -len(swept.grid.axes[k]))[:2])
     others = [k for k in moving if k not in (across, up)]
@@ -168,6 +176,7 @@ def _slices(swept: Sweep, moving: list[int]) -> Figure:
     figure, grid = panels(2.0 + 3.0 * columns, 3.4 * rows + 0.8, rows, columns)
     values = swept.shaped("peak_force")
     finite = values[np.isfinite(values)]
+    # All slices have the same colours, so that one bar serves them.
     limits = {"vmin": finite.min(), "vmax": finite.max()} if finite.size else {}
     every_panel = list(grid.flat)
     for axes, place in zip(every_panel, places.tolist(), strict=False):
@@ -190,7 +199,7 @@ def _slices(swept: Sweep, moving: list[int]) -> Figure:
 def _map(
     axes: Axes, swept: Sweep, plane: tuple[int, int], values: np.ndarray, cut: tuple[slice, ...], **limits: Any
 ) -> Any:
-    """A heat map of a cut through the grid, every run that did not succeed marked."""
+    """Draw a heat map of a cut through the grid, every run that did not succeed marked."""
     first, second = (swept.grid.axes[k] for k in plane)
     right, upwards = np.argsort(first.values), np.argsort(second.values)
 
@@ -199,9 +208,11 @@ def _map(
         return face[np.ix_(right, upwards)].T
 
     x, y = _places(first)[right], _places(second)[upwards]
+    # Failed runs have no value: their cells stay empty, and their marks are seen.
     cells = np.ma.masked_invalid(flat(values))
     image = axes.pcolormesh(edges(x, first.scale), edges(y, second.scale), cells, cmap="viridis", **limits)
     outcomes = flat(_outcomes(swept))
+    # The more runs there are, the smaller their marks, which would hide the map.
     size = min(40.0, 6e3 / outcomes.size)
     for outcome, (marker, _, colour) in _marks(swept).items():
         rows, columns = np.nonzero(outcomes == outcome)
@@ -226,14 +237,16 @@ def _legend(figure: Figure, swept: Sweep) -> None:
 
 
 def _drawn(swept: Sweep, name: str) -> tuple[str, str, float]:
-    """A quantity's title, its axis with the unit, and how many of those a unit of it is."""
+    """Return a quantity's title, its axis with the unit, and how many of those a unit of it is."""
     title, unit, factor = shown(swept.mechanism.quantities[name])
     return title[:1].upper() + title[1:], f"{title} [{unit}]", factor
 
 
 def _marks(swept: Sweep) -> dict[str, tuple[str, str, str]]:
-    """Marker, colour in lines and colour in maps of each outcome that is not what should be, and of successes other
-    than the first that occurs: of what is latched where others are held."""
+    """Return marker, colour in lines and colour in maps of each outcome that is not what should be.
+
+    Successes other than the best that occurs are marked, too: latched where other runs are held.
+    """
     ended = outcome_marks(swept.mechanism).items()
     ranked = success_marks(_successes(swept))
     lesser = {name: (*ranked[name], "white") for name in [*ranked][1:]}
@@ -248,14 +261,14 @@ def _marks(swept: Sweep) -> dict[str, tuple[str, str, str]]:
 
 
 def _outcomes(swept: Sweep) -> np.ndarray:
-    """Words in the grid's shape: an outcome's name, "failed" for all that failed, or "not computed"."""
+    """Return words in the grid's shape: an outcome's name, "failed" for all that failed, or "not computed"."""
     names = [FAILED if outcome.failed else outcome.name for outcome in swept.outcomes]
     words = [name if done else UNDONE for name, done in zip(names, swept.done, strict=True)]
     return np.array(words).reshape(swept.grid.shape)
 
 
 def _successes(swept: Sweep) -> list[str]:
-    """The successes that occur, the best one first."""
+    """Return the successes that occur, the best one first."""
     return [name for name in swept.mechanism.successes if np.any(swept.code == swept.mechanism.outcomes[name])]
 
 
@@ -276,7 +289,10 @@ def _title(swept: Sweep) -> str:
 
 @styled
 def envelope_figure(rectangle: SafeRectangle) -> Figure:
-    """A cell a run: safe ones blue, the others marked with what they break; angles in degrees, the rest as typed."""
+    """Draw a cell for each run: safe ones blue, the others marked with what they break.
+
+    Angles are in degrees, all other numbers as typed.
+    """
     figure, ((axes,),) = panels(8.0, 6.0, 1, 1)
     (first, second), (x, y) = rectangle.axes, rectangle.values
     (across, over), (up, above) = (in_figures(axis.unit, axis.typed) for axis in rectangle.axes)
@@ -305,7 +321,7 @@ def envelope_figure(rectangle: SafeRectangle) -> Figure:
 
 
 def _border(axes: Axes, safe: np.ndarray, right: np.ndarray, top: np.ndarray) -> None:
-    """The line between safe cells and the others."""
+    """Draw the line between safe cells and the others."""
     m, n = safe.shape
     style: dict[str, Any] = {"color": "black", "linewidth": 1.4}
     name = "border of what is safe"
@@ -320,8 +336,9 @@ def _border(axes: Axes, safe: np.ndarray, right: np.ndarray, top: np.ndarray) ->
 
 
 def _reasons(axes: Axes, rectangle: SafeRectangle, x: np.ndarray, y: np.ndarray) -> None:
-    """A mark on each run that is not safe, for the first thing that it breaks."""
+    """Draw a mark on each run that is not safe, for the first thing that it breaks."""
     reasons = rectangle.reasons
+    # Failures first, so that a study's own limits do not change their marks.
     names = sorted(set(reasons[reasons != ""]), key=lambda reason: (not reason.startswith("failed"), reason))
     for reason, marker in reason_marks(rectangle.swept.mechanism, names).items():
         rows, columns = np.nonzero(reasons == reason)

@@ -19,18 +19,20 @@ from .records import Table
 
 def sweep_record(swept: Sweep, envelope: SafeRectangle | None) -> dict[str, Any]:
     """Return how many runs ended how, and what is safe; the runs themselves are in sweep.nc."""
+    # Runs that were given one by one have no grid: their numbers are in sweep.nc.
     places = () if swept.grid is None else swept.grid.axes
     axes = [{**_field(it), "values": np.asarray(it.values).tolist(), "scale": it.scale} for it in places]
     return _of_many(swept, {"axes": axes, "envelope": None if envelope is None else _envelope(envelope)})
 
 
 def _field(axis: Any) -> dict[str, str]:
-    """A swept or sampled field: its path, the unit of its numbers, and the one in which people are shown them."""
+    """Return a swept or sampled field: its path, the unit of its numbers, and the one in which people are shown
+    them."""
     return {"path": axis.path, "unit": axis.unit, "shown_in": axis.typed or axis.unit}
 
 
 def _envelope(rectangle: SafeRectangle) -> dict[str, Any]:
-    """What is asked of a safe run, how many there are, and the largest rectangle of them."""
+    """Return what is asked of a safe run, how many there are, and the largest rectangle of them."""
     ranges = zip(rectangle.axes, (rectangle.first, rectangle.second), strict=True)
     return {
         "asked": rectangle.asked,

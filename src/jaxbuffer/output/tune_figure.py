@@ -27,7 +27,8 @@ NEAR = 0.06  # of an axis: points less apart have their numbers in one text
 
 @styled
 def tune_figure(tuned: Tuned, worst: Sequence[Run] = ()) -> Figure:
-    """Peak force in every scenario before and after, variables in their bounds, what is limited, the search.
+    """Draw the peak force in every scenario before and after, variables in their bounds, what is limited, and the
+    search.
 
     **Arguments:** ``tuned``; ``worst``: runs with histories of `worst_case`, with the design before and after, whose
     force is drawn over time; none: that panel is left out.
@@ -38,6 +39,7 @@ def tune_figure(tuned: Tuned, worst: Sequence[Run] = ()) -> Figure:
     stages = sorted({it["stage"] for it in tuned.records})
     draws = [_variables, _limits, *(lambda axes, tuned, stage=stage: _search(axes, tuned, stage) for stage in stages)]
     limits = _rows(tuned)
+    # All rows are as high as the label with the most lines.
     each = LINE * (1 + max(it.text.count("\n") for it in limits)) + 0.06
     right = [0.4 * len(problem.variables) + 0.9, each * len(limits) + 0.9, *(2.3 for _ in stages)]
     rows = ROW * min(len(problem.cases), MOST) + 1.0
@@ -63,19 +65,20 @@ def tune_figure(tuned: Tuned, worst: Sequence[Run] = ()) -> Figure:
 
 
 def _objective_text(problem: Any, objective: Any) -> str:
-    """An objective in words."""
+    """Return an objective in words."""
     return str(problem.worded(objective)).replace("_", " ").replace("cases", "scenarios")
 
 
 def worst_case(tuned: Tuned) -> int:
-    """Which scenario has the largest contact force with the tuned design."""
+    """Return which scenario has the largest contact force with the tuned design."""
     return int(np.argmax(tuned.after.peak_force))
 
 
 def _cases(axes: Axes, tuned: Tuned) -> None:
-    """A row for each scenario, or for those with the largest peaks: its peak force before and after."""
+    """Draw a row for each scenario, or for those with the largest peaks: its peak force before and after."""
     problem, floor = tuned.problem, tuned.floor
     count = len(problem.cases)
+    # Those with the largest peaks, in the order of the problem.
     drawn = np.sort(np.argsort(-tuned.after.peak_force, kind="stable")[:MOST])
     row = np.arange(len(drawn))
     peaks = [point.peak_force[drawn] for point in (tuned.before, tuned.after)]
@@ -94,6 +97,7 @@ def _cases(axes: Axes, tuned: Tuned) -> None:
     names = [problem.cases[k].label(problem.cases) for k in drawn]
     numbered = max(map(len, names)) > LONGEST  # scenarios of a sample differ in many numbers
     axes.set_yticks(row, [str(k + 1) for k in drawn] if numbered else names)
+    # The axis goes down, so that the first scenario stands at the top.
     axes.set_ylim(len(row) - 0.4, -0.6)
     axes.set_xlim(left=0.0)
     some = f", the {MOST} of {count} scenarios where it is largest" if count > MOST else ""
@@ -102,7 +106,7 @@ def _cases(axes: Axes, tuned: Tuned) -> None:
 
 
 def _force(axes: Axes, tuned: Tuned, worst: Sequence[Run]) -> None:
-    """Contact force over time in the worst scenario."""
+    """Draw the contact force over time in the worst scenario."""
     until = max(last_contact(run) for run in worst)
     unit, factor = seconds(until)
     for (name, colour, _), run in zip(POINTS, worst, strict=True):
@@ -119,7 +123,7 @@ def _force(axes: Axes, tuned: Tuned, worst: Sequence[Run]) -> None:
 
 
 def _variables(axes: Axes, tuned: Tuned) -> None:
-    """Where each variable stands between its bounds, before and after, with its value."""
+    """Draw where each variable stands between its bounds, before and after, with its value."""
     variables = tuned.problem.variables
     row = np.arange(len(variables))
     values = [[float(get(design, v.path)) for v in variables] for design in (tuned.problem.design, tuned.design)]
@@ -134,6 +138,7 @@ def _variables(axes: Axes, tuned: Tuned) -> None:
     ends = [[tuned.problem.shown(v.path, end)[0] for end in (v.low, v.high)] for v in variables]
     names = [f"{v.path}\n{range_text(low, high, '', 4)}" for v, (low, high) in zip(variables, ends, strict=True)]
     axes.set_yticks(row, names, fontsize=SMALL)
+    # The room beyond the high bound is for the values' texts.
     axes.set_xlim(-0.03, 1.75)
     axes.set_xticks([0.0, 0.5, 1.0], ["low", "middle", "high"])
     axes.set_ylim(len(row) - 0.5, -0.5)
@@ -152,9 +157,12 @@ class Row(NamedTuple):
 
 
 def _rows(tuned: Tuned) -> list[Row]:
-    """The largest of each quantity over the scenarios, or the least of one with a lower limit alone: of those that are
-    limited, or not zero throughout."""
+    """Return the largest of each quantity over the scenarios, or the least of one with a lower limit alone.
+
+    Quantities that are not limited and zero throughout are left out.
+    """
     problem, rows = tuned.problem, []
+    # A limit of the problem is checked to be no higher than what always holds, and takes its place.
     allowed = {**problem.mechanism.always(problem.design), **problem.limits.at_most}
     largest = np.maximum(np.max(tuned.before.quantities, axis=0), np.max(tuned.after.quantities, axis=0))
     for k, name in enumerate(problem.names):
@@ -173,7 +181,8 @@ def _rows(tuned: Tuned) -> list[Row]:
 
 
 def _limits(axes: Axes, tuned: Tuned) -> None:
-    """The worst of each quantity over the scenarios in shares of its limit, or of what it was where it has none."""
+    """Draw the worst of each quantity over the scenarios in shares of its limit, or of what it was where it has
+    none."""
     rows = _rows(tuned)
     row = np.arange(len(rows))
     for (name, colour, marker), side in zip(POINTS, ("before", "after"), strict=True):
@@ -201,7 +210,7 @@ def _share(row: Row, value: float) -> float:
 
 
 def _search(axes: Axes, tuned: Tuned, stage: int) -> None:
-    """Every design tried in a stage, and the best so far among those within all limits."""
+    """Draw every design tried in a stage, and the best so far among those within all limits."""
     from matplotlib.ticker import MaxNLocator
 
     records = [it for it in tuned.records if it["stage"] == stage]
@@ -218,6 +227,7 @@ def _search(axes: Axes, tuned: Tuned, stage: int) -> None:
         if some:
             x, y = [it["evaluation"] for it in some], [factor * it["objective"] for it in some]
             axes.plot(x, y, marker, color=colour, markersize=4, label=name)
+    # Infinity stands for an infeasible design, which is never the best so far.
     best = np.minimum.accumulate([factor * it["objective"] if it["feasible"] else np.inf for it in records])
     known = np.isfinite(best)
     if np.any(known):
@@ -236,8 +246,10 @@ def _search(axes: Axes, tuned: Tuned, stage: int) -> None:
 
 @styled
 def front_figure(front: Front) -> Figure:
-    """The first objective over each other one: the front, its points that did not converge, and those that another one
-    is better than."""
+    """Draw the first objective over each other one.
+
+    Marked are the front, its points that did not converge, and those that another one is better than.
+    """
     others = front.objectives[1 : PANELS + 1]
     figure, grid = panels(6.4 * len(others), 4.6, 1, len(others))
     drawn = [shown(front.problem.catalogue[name]) for name in front.objectives]
@@ -245,6 +257,7 @@ def front_figure(front: Front) -> Figure:
     for axes, k in zip(grid[0], range(1, len(front.objectives)), strict=False):
         name, other, scale = drawn[k]
         order = [i for i in np.argsort(values[:, k]) if front.kept[i]]
+        # With more objectives a front is a surface, of which a panel shows a projection: no line joins its points.
         line = "-" if len(front.objectives) == 2 else ""
         axes.plot(scale * values[order, k], factor * values[order, 0], "o", linestyle=line, color=BLUE, label="front")
         if unsure := [i for i in order if not front.points[i].converged]:

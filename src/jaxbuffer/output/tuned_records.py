@@ -18,7 +18,8 @@ from .records import Table, json_number, limits_record
 
 
 def tuned_record(tuned: Tuned) -> dict[str, Any]:
-    """The result: problem, objective, floor, evidence, and every scenario before and after at tight tolerance."""
+    """Return the result: problem, objective, floor, evidence, and every scenario before and after at tight
+    tolerance."""
     problem, (start, end) = tuned.problem, tuned.objective
     scenarios = zip(problem.cases, _cases(tuned, tuned.before), _cases(tuned, tuned.after), strict=True)
     floors = _floors(tuned)
@@ -74,7 +75,7 @@ def tuned_record(tuned: Tuned) -> dict[str, Any]:
 
 
 def _scattered(tuned: Tuned) -> dict[str, Any]:
-    """What the cases of a tuning are samples of, and the result in the corners of the ranges."""
+    """Return what the cases of a tuning are samples of, and the result in the corners of the ranges."""
     scatter, corners = tuned.problem.scatter, tuned.corners
     if scatter is None or corners is None:
         return {}
@@ -107,7 +108,7 @@ def _scattered(tuned: Tuned) -> dict[str, Any]:
 
 
 def _floors(tuned: Tuned) -> list[dict[str, float | None]]:
-    """What is known of each case's first impact."""
+    """Return what is known of each case's first impact."""
     floor = tuned.floor
     if floor is None:
         return [{} for _ in tuned.problem.cases]
@@ -136,7 +137,7 @@ def _cases(tuned: Tuned, point: Evaluation) -> list[dict[str, Any]]:
 
 
 def tuned_comment(tuned: Tuned) -> str:
-    """What the tuned design's file says of its origin."""
+    """Return what the tuned design's file says of its origin."""
     problem, (start, end) = tuned.problem, tuned.objective
     limits = problem.limits.lines(problem.catalogue)
     before, after = (with_unit(*problem.objective.shown(value, problem.catalogue)) for value in (start, end))
@@ -176,6 +177,7 @@ def front_rows(front: Front) -> Table:
     header += [f"{v.path} [{unit(problem.design, v.path)}]" for v in problem.variables]
     rows: list[Sequence[Any]] = []
     for k, (point, values, limits) in enumerate(zip(front.points, front.values, front.limits, strict=True)):
+        # A point without a limit has an infinite one, which JSON lacks.
         finite = [None if np.isinf(limit) else float(limit) for limit in limits]
         status = [
             json_number(point.residual),

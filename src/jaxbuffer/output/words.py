@@ -21,14 +21,16 @@ ENDED = (ORANGE, PURPLE, GREEN, SKY, BLUE)
 
 
 def shown(quantity: Any) -> tuple[str, str, float]:
-    """A quantity's title, its unit in figures, and how many of those a unit of it is."""
+    """Return a quantity's title, its unit in figures, and how many of those a unit of it is."""
     unit, factor = quantity.in_figures
     return quantity.title, "°" if unit == "deg" else unit, factor
 
 
 def in_figures(unit: str, typed: str = "") -> tuple[str, float]:
-    """A field's unit in figures, and how many of those one of its own is: angles are shown in degrees, the rest in the
-    unit that it was ``typed`` in, "" for its own."""
+    """Return a field's unit in figures, and how many of those one of its own is.
+
+    Angles are shown in degrees, all else in the unit that it was ``typed`` in, "" for its own.
+    """
     if unit == "rad":
         return "°", 180.0 / math.pi
     factor, symbol = as_typed(1.0, unit, typed)
@@ -36,17 +38,17 @@ def in_figures(unit: str, typed: str = "") -> tuple[str, float]:
 
 
 def called(name: str) -> str:
-    """A field's name in words; symbols such as k_A stay."""
+    """Return a field's name in words; symbols such as k_A stay."""
     return name.replace("_", " ") if name.islower() else name
 
 
 def field_axis(name: str, unit: str, typed: str = "") -> str:
-    """The label of an axis over a field: "approach speed [m/s]"."""
+    """Return the label of an axis over a field: "approach speed [m/s]"."""
     return f"{called(name)} [{in_figures(unit, typed)[0]}]"
 
 
 def said(value: float, unit: str, typed: str = "") -> str:
-    """A field's value in words: "0.2 m/s", "+3°"."""
+    """Return a field's value in words: "0.2 m/s", "+3°"."""
     symbol, factor = in_figures(unit, typed)
     return degrees_text(factor * value) if symbol == "°" else with_unit(factor * value, symbol, 4)
 
@@ -57,7 +59,7 @@ def newtons(largest: float) -> tuple[str, float]:
 
 
 def seconds(longest: float) -> tuple[str, float]:
-    """The unit of a time axis as long as this [s]: s, ms or µs; and how many of it a second is."""
+    """Return the unit of a time axis as long as this [s]: s, ms or µs; and how many of it a second is."""
     return unit_by_size(longest, TIME_UNITS, 0.1)
 
 
@@ -75,32 +77,35 @@ def time_text(time: float) -> str:
 
 
 def scaled(axes: Axes, which: str, scale: str, low: float, high: float) -> None:
-    """The scale of the "x" or the "y" axis; a logarithmic one with few and plain numbers along it."""
+    """Set the scale of the "x" or the "y" axis; a logarithmic one has few and plain numbers along it."""
     getattr(axes, f"set_{which}scale")(scale)
     if scale != "log":
         return
     from matplotlib.ticker import LogLocator, NullFormatter
 
     axis = getattr(axes, f"{which}axis")
+    # Over less than two decades powers of ten alone would be too few.
     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 100.0 * low else (1.0,)))
     axis.set_major_formatter("{x:g}")
     axis.set_minor_formatter(NullFormatter())
 
 
 def outcome_marks(mechanism: Any) -> dict[str, tuple[str, str]]:
-    """Marker and colour of each outcome that is neither a failure nor what should be: the same in every figure."""
+    """Return marker and colour of each outcome that is neither a failure nor what should be: the same in every
+    figure."""
     aims = mechanism.successes or (mechanism.outcomes.time_is_up(),)
     ended = [outcome.name for outcome in mechanism.outcomes if not outcome.failed and outcome.name not in aims]
     return {name: (MARKERS[k % len(MARKERS)], ENDED[k % len(ENDED)]) for k, name in enumerate(ended)}
 
 
 def success_marks(names: Sequence[str]) -> dict[str, tuple[str, str]]:
-    """Marker and colour of each success, the best first: of those that are held, latched and captured, say."""
+    """Return marker and colour of each success, the best first: held before latched before captured, say."""
     return {name: SUCCESSES[k % len(SUCCESSES)] for k, name in enumerate(names)}
 
 
 def reason_marks(mechanism: Any, reasons: Sequence[str]) -> dict[str, str]:
-    """A marker for each reason why runs are not safe, none twice: that of an outcome, or one that no outcome has."""
+    """Return a marker for each reason why runs are not safe, none twice: that of an outcome, or one that no outcome
+    has."""
     outcomes = {name: marker for name, (marker, _) in outcome_marks(mechanism).items()}
     free = (marker for marker in (*FURTHER, *MARKERS) if marker not in outcomes.values())
     letters = (f"${letter}$" for letter in string.ascii_letters)  # where all others are taken
@@ -109,7 +114,7 @@ def reason_marks(mechanism: Any, reasons: Sequence[str]) -> dict[str, str]:
 
 
 def edges(values: np.ndarray, scale: str) -> np.ndarray:
-    """Borders of the cells around sorted values, halfway between them on their scale."""
+    """Return borders of the cells around sorted values, halfway between them on their scale."""
     places = np.log(values) if scale == "log" else values
     middles = 0.5 * (places[1:] + places[:-1])
     borders = np.concatenate([[2.0 * places[0] - middles[0]], middles, [2.0 * places[-1] - middles[-1]]])

@@ -34,7 +34,10 @@ MANY = 4  # variables that are named
 
 
 def badges(every: Sequence[Results], others: Sequence[Results] = ()) -> list[Cell]:
-    """What one asks first. ``others``: folders of which the first with limits lends them to those that have none."""
+    """Return the badges of the page: for each folder what a reader asks first.
+
+    ``others``: folders of which the first with limits provides those for folders that have none.
+    """
     groups = [(*_of_tuning(results, others), *_of_run(results, others), *_of_many(results)) for results in every]
     return [badge for badges in groups for badge in badges]
 
@@ -44,6 +47,7 @@ def _of_tuning(results: Results, others: Sequence[Results]) -> list[Cell]:
     if tuned is None:
         return []
     counts = limit_counts(results, others)
+    # A folder without limits must keep another's, which its design may break though its own search was feasible.
     feasible = tuned["feasible"] and (counts is None or not counts.faults)
     force = _of_objective(results, others, feasible)
     if fails_in_corners_alone(results, others):
@@ -56,7 +60,10 @@ def _of_tuning(results: Results, others: Sequence[Results]) -> list[Cell]:
 
 
 def _of_objective(results: Results, others: Sequence[Results], feasible: bool) -> Cell:
-    """The objective before and after. A higher one is no fault: limits that the start breaks may cost that much."""
+    """Return a badge with the objective before and after.
+
+    A higher one is no fault where the start breaks limits, because to keep them may cost that much.
+    """
     tuned = results.tuned or {}
     before, after, unit = (tuned[f"objective_{name}"] for name in ("before", "after", "unit"))
     text = f"{words(tuned['objective'])}: {table_text(before)} → {table_text(after)}{unit_text(unit)}"
@@ -70,7 +77,8 @@ def _of_objective(results: Results, others: Sequence[Results], feasible: bool) -
 
 
 def _of_limits(results: Results, counts: LimitCounts) -> Cell:
-    """Which limits are broken, or how sure it is that all are kept, and how many runs have the strictest end."""
+    """Return a badge that says which limits are broken, or how sure it is that all are kept, and how many runs have the
+    strictest end."""
     missed = [f"{counts.missed} of {counts.runs} not {words(counts.success or '')}"] if counts.missed else []
     count = end_count(results)
     reached = [] if count is None else [str(count)]
@@ -86,13 +94,14 @@ def _broken(counts: LimitCounts) -> list[str]:
 
 
 def _nearly(counts: LimitCounts) -> list[str]:
-    """What is kept, but not for certain."""
+    """Return what is kept, but not for certain."""
     by_verdict = {"at the limit": counts.at_limit, "not known": counts.unknown}
     return [f"{count} {what}" for what, count in by_verdict.items() if count]
 
 
 def _of_search(tuned: Record) -> list[Cell]:
-    """Whether a search converged, and whether another one found the same (``borne_out``, where it is recorded)."""
+    """Return badges for a search that did not converge, and for one whose result no other search found (``borne_out``,
+    where it is recorded)."""
     if not tuned["feasible"]:
         return []
     texts = [] if tuned.get("converged", True) else [STOPPED.get(tuned.get("ended", ""), "the search did not converge")]
@@ -103,6 +112,7 @@ def _of_search(tuned: Record) -> list[Cell]:
 def _of_run(results: Results, others: Sequence[Results]) -> list[Cell]:
     record, derived, cells = results.records.get("run"), results.sensitivity, []
     if record is not None:
+        # A folder with a tuning has its limits in the badges of that.
         counts = limit_counts(results, others) if results.tuned is None else None
         end = ended(results.mechanism, record["outcome"])
         phrases, mark = _with_limits(counts, end.mark)
@@ -118,7 +128,7 @@ def _of_run(results: Results, others: Sequence[Results]) -> list[Cell]:
 
 
 def _with_limits(counts: LimitCounts | None, mark: str) -> tuple[list[str], str]:
-    """What to say of a run's limits, and how to mark a run that ended as ``mark`` says."""
+    """Return what to say of a run's limits, and how to mark a run that ended as ``mark`` says."""
     if counts is None:
         return [], mark
     if counts.faults:
@@ -149,14 +159,15 @@ def _of_many(results: Results) -> list[Cell]:
 
 
 def abstract(every: Sequence[Results]) -> list[str]:
-    """A few sentences on each result, the folder's name before them where several have results of its kind."""
+    """Return a few sentences on each result, the folder's name before them where several have results of its kind."""
     kinds = (_tuning, _run, _sensitivity, _sweep, _sample, _front)
     by_kind = [[(results, text) for results in every if (text := kind(results, every))] for kind in kinds]
     return [f"{results.folder}: {text}" if len(some) > 1 else text for some in by_kind for results, text in some]
 
 
 def _tuning(results: Results, every: Sequence[Results]) -> str:
-    """From where to where the objective went, whether limits are kept, by which numbers, and how the search ended."""
+    """Return from where to where the objective went, whether limits are kept, by which numbers, and how the search
+    ended."""
     tuned, mechanism = results.tuned, results.mechanism
     if tuned is None:
         return ""
@@ -178,9 +189,10 @@ def _tuning(results: Results, every: Sequence[Results]) -> str:
 
 
 def _objective(mechanism: Mechanism, tuned: Record) -> str:
-    """From where to where the objective went; only where to, if runs of the start failed."""
+    """Return from where to where the objective went; only where to, if runs of the start failed."""
     before, after = tuned["objective_before"], tuned["objective_after"]
     symbol, factor = tuned["objective_unit"], 1.0
+    # Only an objective of a single quantity with a weight of 1 has that quantity's name and unit.
     known = mechanism.quantities.get(tuned["objective"].partition(",")[0])
     if known is not None and known.unit == symbol:
         symbol, factor = known.in_figures
@@ -194,7 +206,7 @@ def _objective(mechanism: Mechanism, tuned: Record) -> str:
 
 
 def _variables(mechanism: Mechanism, tuned: Record) -> str:
-    """What became of the variables that changed, the first ones."""
+    """Return what became of the variables that changed, the first ones."""
     usual, texts = mechanism.design(), list[str]()
     moved = [it for it in tuned["variables"] if not same(it["before"], it["value"])]
     for it in moved[:MANY]:
@@ -224,17 +236,18 @@ def _run(results: Results, every: Sequence[Results]) -> str:
 
 
 def _larger(record: Record) -> str:
-    """What of a run is larger than its contact force, to go on with."""
+    """Return what of a run is larger than its contact force, to go on with."""
     return f"; {text}" if (text := record.get("larger_force")) else ""
 
 
 def _sensitivity(results: Results, every: Sequence[Results]) -> str:
-    """Which number moves the first quantity most."""
+    """Return which number moves the first quantity most."""
     record, mechanism = results.sensitivity, results.mechanism
     if record is None or not record["derivatives"]:
         return ""
     name = record["derivatives"][0]["quantity"]
     rows = [row for row in record["derivatives"] if row["quantity"] == name and row["elasticity [-]"] is not None]
+    # The first quantity may change sign, and has no elasticities then.
     if not rows:
         return ""
     most, verdict = max(rows, key=lambda row: abs(row["elasticity [-]"])), rows[0]["verdict"]
@@ -244,7 +257,7 @@ def _sensitivity(results: Results, every: Sequence[Results]) -> str:
 
 
 def _sweep(results: Results, every: Sequence[Results]) -> str:
-    """How the runs ended, how far the largest force goes, and how many runs are safe."""
+    """Return how the runs ended, how far the largest force goes, and how many runs are safe."""
     if results.sweep is None:
         return ""
     over = " and ".join(swept_fields(results))
@@ -260,7 +273,7 @@ def _sweep(results: Results, every: Sequence[Results]) -> str:
 
 
 def _sample(results: Results, every: Sequence[Results]) -> str:
-    """How the runs ended, and whose scatter matters most for each quantity."""
+    """Return how the runs ended, and whose scatter matters most for each quantity."""
     record, mechanism = results.records.get("sample"), results.mechanism
     if record is None:
         return ""
@@ -277,7 +290,7 @@ def _sample(results: Results, every: Sequence[Results]) -> str:
 
 
 def _share(row: Record) -> str:
-    """What a number alone has of a quantity's variance, and what it has in all."""
+    """Return what a number alone has of a quantity's variance, and what it has in all."""
     alone, total = row["first_order [-]"], row["total [-]"]
     if alone is None or not alone > 0.0:
         return "alone it scatters nothing, only together with others"
@@ -285,7 +298,7 @@ def _share(row: Record) -> str:
 
 
 def _front(results: Results, every: Sequence[Results]) -> str:
-    """How many designs are on a front, and between which ends it trades."""
+    """Return how many designs are on a front, and between which ends it trades."""
     record, mechanism = results.records.get("front"), results.mechanism
     if record is None:
         return ""
@@ -297,13 +310,14 @@ def _front(results: Results, every: Sequence[Results]) -> str:
         values = [by_name(point)[f"worst {name}"] for point in points]
         known = mechanism.quantities.get(name)
         symbol, factor = ("", 1.0) if known is None else known.in_figures
+        # Two ends that read the same are said once.
         ends = dict.fromkeys(f"{factor * end:.4g}" for end in (min(values), max(values)))
         text += f" The worst {title(mechanism, name)} on it is {' to '.join(ends)}{unit_text(symbol)}."
     return text + (f" {open_ends} of them did not converge." if open_ends else "")
 
 
 def _ended(mechanism: Mechanism, counts: Mapping[str, Any]) -> str:
-    """How many runs ended as they should."""
+    """Return how many runs ended as they should."""
     should, every = mechanism.successes or (mechanism.outcomes.time_is_up(),), sum(counts.values())
     good = sum(counts.get(name, 0) for name in should)
     ends = [words(name) for name in should if name in counts] or [words(should[0])]

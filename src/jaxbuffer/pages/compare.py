@@ -27,8 +27,11 @@ COLOURS = "Red: a limit is broken. Green: the lowest of a scenario, where its ru
 
 
 def comparison(every: Sequence[Results]) -> Page:
-    """A page with a column for each folder. **Raises:** `InputError` for folders of different mechanisms, or where
-    there is nothing to compare."""
+    """Return a page with a column for each folder.
+
+    **Raises:** `InputError` for folders of different mechanisms, or where there is nothing to compare.
+    """
+    # Quantities and fields of different mechanisms cannot stand in one row.
     kinds = {results.mechanism.name for results in every}
     if len(kinds) > 1:
         raise InputError(f"the folders hold results of different mechanisms: {', '.join(sorted(kinds))}")
@@ -78,12 +81,13 @@ def _contents(results: Results) -> str:
 
 
 def _limits(every: Sequence[Results]) -> list[tuple[Results, Section]]:
-    """Which limits each folder keeps; one without limits is held against those of the first that has some."""
+    """Return a section for each folder that says which limits it keeps, its own or those of the first folder that has
+    some."""
     return [(results, section) for results in every if (section := limits(results, every, named=True)) is not None]
 
 
 def _with_differences(sections: list[Section], every: Sequence[Results]) -> list[Section]:
-    """The sections, the first of which says on what the folders are held against different limits."""
+    """Return the sections with a warning in the first one where the folders' limits differ."""
     differences = differing(every)
     if not differences or not sections:
         return sections
@@ -93,19 +97,19 @@ def _with_differences(sections: list[Section], every: Sequence[Results]) -> list
 
 
 def limit_tables(every: Sequence[Results]) -> list[Table]:
-    """Tables of which limits each folder keeps."""
+    """Return tables of which limits each folder keeps."""
     return [table for _, section in _limits(every) for table in section.tables if not table.folded]
 
 
 def _forces(every: Sequence[Results]) -> list[dict[str, Any]]:
-    """The force of each folder's run, or of its tuning's worst scenario with the tuned design."""
+    """Return the force of each folder's run, or of its tuning's worst scenario with the tuned design."""
     records = [(results, results.records["force"]) for results in every if "force" in results.records]
     named = [(results, record["scenario"], record["curves"][-1]) for results, record in records]
     return [{**curve, "name": f"{results.folder} ({scenario})"} for results, scenario, curve in named]
 
 
 def compared(every: Sequence[Results]) -> list[Table]:
-    """Where the designs differ, and what their runs or tunings found, with a column for each folder."""
+    """Return where the designs differ, and what their runs or tunings found, with a column for each folder."""
     folders = [str(results.folder) for results in every]
     tables = [_designs(every, folders)] if all(results.design is not None for results in every) else []
     if all("run" in results.records for results in every):
@@ -117,7 +121,8 @@ def compared(every: Sequence[Results]) -> list[Table]:
 
 
 def _ends(every: Sequence[Results], folders: Sequence[str]) -> list[Table]:
-    """In how many scenarios of each tuning the strictest end was reached that its design can have, before and after."""
+    """Return in how many scenarios of each tuning the strictest end was reached that its design can have, before and
+    after."""
     counts = [[end_count(results, side) for side in ("before", "after")] for results in every]
     if not any(after for _, after in counts):
         return []
@@ -143,6 +148,7 @@ def _runs(every: Sequence[Results], folders: Sequence[str]) -> list[Table]:
     mechanism = every[0].mechanism
     records = [results.records["run"] for results in every]
     met = [scenario_of(mechanism, record["scenario"]) for record in records]
+    # Runs of different scenarios differ whatever their designs are: no difference is a merit then.
     alike = all(scenario == met[0] for scenario in met)
     labels = [mechanism.view.label(scenario, met) for scenario in met]
     ends: list[list[Any]] = [["scenario", *(Cell(it, "" if it == labels[0] else "changed") for it in labels)]]
@@ -163,21 +169,25 @@ def _runs(every: Sequence[Results], folders: Sequence[str]) -> list[Table]:
 
 
 def _beside(values: Sequence[Any], merit: bool = True) -> list[Cell]:
-    """Values in a row; those that differ from the first are marked, numbers of ``merit`` with the relative
-    difference."""
+    """Return the cells of a row of values, in which those that differ from the first are marked.
+
+    Numbers of ``merit`` have the relative difference behind them.
+    """
     first, cells = values[0], [Cell(table_text(values[0]))]
     for value in values[1:]:
+        # Two values that read as zero differ by rounding only.
         if same(value, first) or table_text(value) == table_text(first) == "0":
             cells.append(Cell(table_text(value)))
             continue
         numbers = all(isinstance(x, (int, float)) and not isinstance(x, bool) for x in (value, first))
+        # A relative difference from zero has no meaning.
         change = _change(first, value) if numbers and merit and abs(first) > ROUNDING else ""
         cells.append(Cell(f"{table_text(value)}{change}", "changed"))
     return cells
 
 
 def _change(first: float, value: float) -> str:
-    """A relative difference in per cent; as a multiple from ten times on; "" where it has no meaning."""
+    """Return a relative difference in per cent; as a multiple from ten times on; "" where it has no meaning."""
     change = relative_change(first, value)
     if change is None:
         return ""
@@ -186,7 +196,8 @@ def _change(first: float, value: float) -> str:
 
 
 def differing(every: Sequence[Results]) -> list[str]:
-    """A text for each quantity on which the folders' limits differ: "buffer stroke: before ≤ 30 mm, after ≤ 25 mm"."""
+    """Return a text for each quantity on which the folders' limits differ: "buffer stroke: before ≤ 30 mm, after ≤ 25
+    mm"."""
     by_folder = [_limits_of(results, every) for results in every]
     texts = []
     for key in dict.fromkeys(key for known in by_folder for key in known):
@@ -200,7 +211,7 @@ def differing(every: Sequence[Results]) -> list[str]:
 
 
 def _limits_of(results: Results, every: Sequence[Results]) -> dict[tuple[str, bool], Limit]:
-    """What a folder is held against, by the quantity's name and whether it is a lower limit."""
+    """Return the limits that a folder is checked against, by the quantity's name and whether it is a lower limit."""
     check = limit_check(results, every)
     if check is None:
         return {}
@@ -208,7 +219,8 @@ def _limits_of(results: Results, every: Sequence[Results]) -> dict[tuple[str, bo
 
 
 def _shown(every: Sequence[Results], name: str) -> tuple[str, str, float]:
-    """A quantity's title, unit in figures and factor; one that a study has made may be known to one folder only."""
+    """Return a quantity's title, unit in figures and factor; one that a study has made may be known to one folder
+    only."""
     own: dict[str, Any] = {}
     for results in every:
         own |= (results.tuned or results.records.get("run") or {}).get("quantities", {})
@@ -216,15 +228,17 @@ def _shown(every: Sequence[Results], name: str) -> tuple[str, str, float]:
 
 
 def limited_by_scenario(every: Sequence[Results]) -> list[Table]:
-    """A folded table for each quantity that any of the folders limits, the peak force apart."""
+    """Return a folded table for each quantity that any of the folders limits, except the peak force."""
     names = dict.fromkeys(name for results in every for name, _ in _limits_of(results, every))
     folders = [str(results.folder) for results in every]
     return [by_scenario(every, folders, name, folded=True) for name in names if name != "peak_force"]
 
 
 def by_scenario(every: Sequence[Results], folders: Sequence[str], name: str, folded: bool = False) -> Table:
-    """A quantity in each scenario that any folder has met: red where it breaks its limit; the lowest one of a row in
-    green, if its run keeps all limits."""
+    """Return a table of a quantity in each scenario that any folder has met.
+
+    A value that breaks its limit is red; the lowest of a row is green if its run keeps all limits.
+    """
     mechanism = every[0].mechanism
     columns = [_cells(it, every, name) for it in every]
     # The labels tell all folders' scenarios apart.
@@ -238,6 +252,7 @@ def by_scenario(every: Sequence[Results], folders: Sequence[str], name: str, fol
     rows: list[list[str | Cell]] = []
     for case, label in met.items():
         known = [value for values in columns if (value := values.get(case, UNKNOWN)[0]) is not None]
+        # A value that stands alone in its row is not the lowest of anything.
         least = min(known) if len(known) > 1 else None
         rows.append([label, *(_cell(values.get(case, UNKNOWN), least, factor) for values in columns)])
     caption = f"{title[:1].upper()}{title[1:]} [{symbol}] after tuning, by scenario"
@@ -252,7 +267,7 @@ def _cell(known: Known, least: float | None, factor: float) -> Cell:
 
 
 def _cells(results: Results, every: Sequence[Results], name: str) -> Mapping[str, Known]:
-    """By scenario: the value, whether it breaks its limit, whether the run keeps all limits."""
+    """Return by scenario the value, whether it breaks its limit, and whether the run keeps all limits."""
     check, limits = limit_check(results, every), _limits_of(results, every)
     cases = _cases(results)
     safe = [True] * len(cases) if check is None else check.keeping
@@ -268,8 +283,8 @@ def _cases(results: Results) -> list[Record]:
 
 
 def _case(mechanism: Mechanism, record: Record) -> str:
-    """All fields of a scenario, and where the built mechanism differs from the drawn one: the same text for the same
-    case."""
+    """Return a text that is the same for the same case: all fields of a scenario, and where the built mechanism differs
+    from the drawn one."""
     scenario = scenario_of(mechanism, record)
     fields = [f"{words(name)} {table_text(getattr(scenario, name))} {unit(scenario, name)}" for name in paths(scenario)]
     return ", ".join([*fields, *(f"{factor:.4g} {path}" for path, factor in record.get("factors", {}).items())])

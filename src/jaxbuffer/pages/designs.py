@@ -17,7 +17,8 @@ Rows = list[list[str]]
 
 
 def requirements(first: Results, every: Sequence[Results]) -> Section | None:
-    """Of the page's tuning, or else of its run; limits from the first folder that has some."""
+    """Return a section on what the page's tuning, or else its run, must do; limits come from the first folder that has
+    some."""
     mechanism, tuned = first.mechanism, first.tuned
     run = first.records.get("run")
     rows = _limits(first, source_of_limits([first, *every]))
@@ -34,7 +35,7 @@ def requirements(first: Results, every: Sequence[Results]) -> Section | None:
 
 
 def _limits(first: Results, source: Record | None) -> Rows:
-    """How runs must end, and what is limited."""
+    """Return how runs must end, and what is limited."""
     if source is None:
         return []
     mechanism, success = first.mechanism, required_success(first, source)
@@ -48,7 +49,7 @@ def _limits(first: Results, source: Record | None) -> Rows:
 
 
 def _scenarios(mechanism: Mechanism, cases: Sequence[Record], units: Mapping[str, str]) -> Rows:
-    """How many there are, and the range of each field; ranges of what is built otherwise than drawn."""
+    """Return how many there are, and the range of each field; ranges of what is built otherwise than drawn."""
     met, usual = [scenario_of(mechanism, case) for case in cases], mechanism.scenario()
     name = "scenario" if len(met) == 1 else f"{len(met)} scenarios"
     rows = [[name, *_range(met, usual, path, units.get(f"scenario.{path}", ""))] for path in paths(usual)]
@@ -60,10 +61,12 @@ def _scenarios(mechanism: Mechanism, cases: Sequence[Record], units: Mapping[str
 
 
 def _range(met: Sequence[Any], usual: Part, path: str, typed: str) -> list[str]:
-    """A field's name, and its values from the lowest to the highest; ``typed``: the unit that they were typed in."""
+    """Return a field's name, and its values from the lowest to the highest; ``typed``: the unit that they were typed
+    in."""
     values, symbol = [get(one, path) for one in met], unit(usual, path)
     if not symbol or any(value is None for value in values):
         return [field_name(path), ", ".join(dict.fromkeys(map(table_text, values)))]
+    # Angles are in degrees on a page, whatever they were typed in.
     ends = (as_typed(float(end), symbol, "" if symbol == "rad" else typed) for end in (min(values), max(values)))
     low, high = (said(*end) for end in ends)
     return [field_name(path), low if low == high else f"{low} to {high}"]
@@ -79,7 +82,7 @@ def _variables(mechanism: Mechanism, variables: Sequence[Record]) -> Rows:
 
 
 def design(results: Results) -> Section | None:
-    """Every number of the design: tuned and given ones first, those at their defaults folded away."""
+    """Return every number of the design: tuned and given ones first, those at their defaults folded away."""
     if results.design is None:
         return None
     default = results.mechanism.design()
@@ -90,6 +93,7 @@ def design(results: Results) -> Section | None:
     for path in paths(default):
         before = get(default, path)
         value = get(results.design, path)
+        # A design does not say which of its numbers were typed: what equals the default counts as default.
         source = "tuned" if path in tuned else "default" if same(value, before) else "given"
         symbol, as_shown = unit(default, path), typed.get(path, "")
         (number, symbol_shown), (usually, _) = (_shown(it, symbol, as_shown) for it in (value, before))
@@ -104,7 +108,7 @@ def design(results: Results) -> Section | None:
 
 
 def other_design(results: Results, first: Results, record: Record) -> list[str]:
-    """In what a record's design differs from the page's, as a sentence; nothing where it is the same."""
+    """Return in what a record's design differs from the page's, as a sentence; nothing where it is the same."""
     if first.design is None:
         return []
     usual, one = results.mechanism.design(), by_name(record["design"])
@@ -118,5 +122,5 @@ def other_design(results: Results, first: Results, record: Record) -> list[str]:
 
 
 def _shown(value: Any, unit: str, typed: str) -> tuple[Any, str]:
-    """A field's value in the unit that it was typed in, and that unit; what is no number as it is."""
+    """Return a field's value in the unit that it was typed in, and that unit; what is no number stays as it is."""
     return as_typed(value, unit, typed) if isinstance(value, float) else (value, unit)

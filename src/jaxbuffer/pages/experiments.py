@@ -19,7 +19,7 @@ STANDING = {"front": "good", "front, not converged": "unsure", "dominated": "", 
 
 
 def sweep(results: Results) -> Section | None:
-    """What a sweep covers, how its runs ended, its maps, and where it is safe."""
+    """Return what a sweep covers, how its runs ended, its maps, and where it is safe."""
     if results.sweep is None:
         return None
     sizes = (
@@ -74,6 +74,7 @@ def outcome_counts(results: Results) -> dict[str, int]:
     if "outcome" in results.sweep:
         names, counts = np.unique(results.sweep.outcome.values.astype(str), return_counts=True)
         return dict(zip(map(str, names), map(int, counts), strict=True))
+    # A store has the outcomes as numbers only: their words are in the mechanism.
     codes, counts = np.unique(results.sweep.code.values, return_counts=True)
     words = [results.mechanism.outcomes(int(code)).name if code >= 0 else OPEN for code in codes]
     return dict(zip(words, map(int, counts), strict=True))
@@ -86,7 +87,7 @@ def swept_fields(results: Results) -> dict[str, int]:
 
 
 def envelope_in_words(envelope: Record) -> list[str]:
-    """How many runs are safe, and the ranges of the largest rectangle of them."""
+    """Return how many runs are safe, and the ranges of the largest rectangle of them."""
     texts = [f"Safe means: {envelope['asked']}. {safe_of(envelope)} are."]
     if not envelope["rectangle"]:
         return [*texts, "No run is safe, so there is no safe rectangle."]
@@ -100,12 +101,14 @@ def envelope_in_words(envelope: Record) -> list[str]:
 
 
 def not_found(envelope: Record, axes: Sequence[Record]) -> list[str]:
-    """On which sides the largest safe rectangle ends where the sweep does, as a warning; none where on no side."""
+    """Return on which sides the largest safe rectangle ends where the sweep does, as a warning; none where on no
+    side."""
     values = {axis["path"]: axis["values"] for axis in axes}
     sides = [
         f"{field_name(part['path'])} {where} {_end(part[end], part)}"
         for part in envelope["rectangle"]
         for end, where, last in (("low", "below", min), ("high", "above", max))
+        # A rectangle that ends where the sweep does may go on beyond it.
         if part[end] == last(values[part["path"]])
     ]
     if not sides:
@@ -114,7 +117,7 @@ def not_found(envelope: Record, axes: Sequence[Record]) -> list[str]:
 
 
 def _end(value: float, field: Record) -> str:
-    """A value of a swept field: in the unit that was typed, else angles in degrees."""
+    """Return a value of a swept field: in the unit that was typed, else angles in degrees."""
     number, symbol = as_typed(value, field["unit"], field.get("shown_in", ""))
     if symbol == "rad":
         return degrees_text(math.degrees(number), 3)
@@ -122,13 +125,14 @@ def _end(value: float, field: Record) -> str:
 
 
 def _ends(field: Record) -> str:
-    """The range of a swept field: "0.1 to 0.2 m/s"."""
+    """Return the range of a swept field: "0.1 to 0.2 m/s"."""
     low, high = (_end(field[end], field) for end in ("low", "high"))
+    # The unit is said once, behind the high end; a degree sign belongs to each number.
     return f"{low if low.endswith('°') else low.partition(' ')[0]} to {high}"
 
 
 def sample(results: Results) -> Section | None:
-    """Ranges, how the runs ended, whose scatter matters most, and how far a fitted surface can be trusted."""
+    """Return ranges, how the runs ended, whose scatter matters most, and how far a fitted surface can be trusted."""
     record = results.records.get("sample")
     if record is None:
         return None
@@ -163,7 +167,7 @@ def sample(results: Results) -> Section | None:
 
 
 def _indices(mechanism: Mechanism, name: str, rows: list[Record]) -> Table:
-    """The number that matters most first."""
+    """Return the indices of a quantity's numbers, the number that matters most first."""
     source, first = rows[0]["from"], rows[0]
     of = "of its response surface" if source != "runs" else f"of {first['rows']} of {first['rows_asked']} rows"
     caption = f"Whose scatter matters for the {in_figures(mechanism, name)[0]} (Sobol' indices {of}"
@@ -192,7 +196,7 @@ def _surfaces(mechanism: Mechanism, record: Record) -> Table:
 
 
 def front(results: Results) -> Section | None:
-    """The points of a front: objectives, how sure they are, and their designs."""
+    """Return the points of a front: objectives, how sure they are, and their designs."""
     record = results.records.get("front")
     if record is None:
         return None
@@ -221,8 +225,8 @@ def front(results: Results) -> Section | None:
 
 
 def _front_column(results: Results, name: str) -> tuple[str, float]:
-    """A column's heading with the unit that people are shown, and how many of those its own unit is: of an objective
-    or its limit, or of a variable."""
+    """Return a column's heading with the unit that people are shown, and how many of those its own unit is: of an
+    objective or its limit, or of a variable."""
     start, symbol = without_unit(name)
     quantity = results.mechanism.quantities.get(start.removeprefix("worst ").removeprefix("limit of "))
     shown_in, factor = symbol, 1.0

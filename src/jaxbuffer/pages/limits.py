@@ -1,4 +1,4 @@
-"""What is held against limits, a run or every scenario of a tuning, and how it stands to them."""
+"""Limits, and whether a run or every scenario of a tuning keeps them."""
 
 import dataclasses
 from collections import Counter
@@ -24,7 +24,7 @@ Row = list[str | Cell]
 
 
 def _value(value: float | None, limit: Limit, factor: float) -> str:
-    """A value beside its limit: with as many digits as tell it from a bound that it breaks."""
+    """Return a value beside its limit: with as many digits as tell it from a bound that it breaks."""
     if value is None or limit.keeps(value):
         return table_text(None if value is None else factor * value)
     text = table_text(factor * value)
@@ -50,7 +50,8 @@ class LimitCheck:
 
     @property
     def limits(self) -> list[Limit]:
-        """Upper limits, those that always hold first, lower ones, and that of the impacts."""
+        """Return upper limits, those that always hold first, lower ones, and that of the impacts."""
+        # What always holds can be judged only where its quantity was recorded.
         always = [name for name in self.mechanism.tuning.always if name in self.values[0]]
         most = self.source.get("most_impacts")
         named = limits_of(self.mechanism, self.source, [*always, *limited(self.source)])
@@ -58,27 +59,30 @@ class LimitCheck:
 
     @property
     def end(self) -> RequiredEnd | None:
-        """The end that the limits ask for beside success, or that a limited quantity waits for; None for none."""
+        """Return the end that the limits ask for beside success, or that a limited quantity waits for; None for
+        none."""
         return required_end(self.mechanism, self.source)
 
     @property
     def missed(self) -> list[int]:
-        """The scenarios that do not end as they must, that of the smallest margin first where margins are known."""
+        """Return the numbers of the scenarios that do not end as they must, the smallest margin first where margins are
+        known."""
         margin, end = self.mechanism.tuning.margin or "", self.end
         successes = self.mechanism.successes if end is None else end.outcomes
         successes = () if self.success is None else successes
+        # A failed run ends in no way that will do, also where any end would.
         failed = [name for name in self.mechanism.outcomes.__members__ if self.mechanism.outcomes[name].failed]
         missed = [k for k, it in enumerate(self.outcomes) if (successes and it not in successes) or it in failed]
         return sorted(missed, key=lambda k: float(self.values[k].get(margin) or 0.0))
 
     @property
     def keeping(self) -> list[bool]:
-        """Of each scenario, whether its run ends as it must and keeps every limit."""
+        """Return for each scenario whether its run ends as it must and keeps every limit."""
         missed, limits = set(self.missed), self.limits
         return [k not in missed and not any(_breaks(case, it) for it in limits) for k, case in enumerate(self.values)]
 
     def title(self, name: str) -> tuple[str, str, float]:
-        """A quantity's title, its unit in figures, and how many of those its own unit is."""
+        """Return a quantity's title, its unit in figures, and how many of those its own unit is."""
         if name == IMPACTS:
             return name, "-", 1
         title, symbol, factor = in_figures(self.mechanism, name, self.source.get("quantities", {}))
@@ -86,14 +90,15 @@ class LimitCheck:
 
 
 def limit_check(results: Results, every: Sequence[Results] = (), side: str = "after") -> LimitCheck | None:
-    """A folder's tuning, or else its run, with the limits it is held against; None where there are none.
+    """Return a folder's tuning, or else its run, with the limits that it must keep; None where there are none.
 
-    **Arguments:** ``every``: folders of which the first with limits lends them to a folder that has none; ``side`` of
+    **Arguments:** ``every``: folders of which the first with limits provides those for a folder without; ``side`` of
     a tuning: "after", or "before" for the design it began with.
     """
     record, mechanism = _limiting(results), results.mechanism
     limiting = next((it for it in (results, *every) if _has_limits(it)), results)
     source = _limiting(limiting)
+    # A tuning without limits still says how runs must end; a run without any has nothing to keep.
     if record is None or source is None or (results.tuned is None and not _has_limits(limiting)):
         return None
     name = "" if limiting is results else str(limiting.folder)
@@ -122,7 +127,10 @@ def required_success(results: Results, source: Record) -> str | None:
 
 def end_count(results: Results, side: str = "after") -> EndCount | None:
     """Return in how many runs of a folder the strictest end was reached that its design can have; None where there is
-    none. ``side``: of a tuning, as of `limit_check`."""
+    none.
+
+    ``side``: of a tuning, as of `limit_check`.
+    """
     design = results.design
     if design is None:
         return None
@@ -136,8 +144,10 @@ def end_count(results: Results, side: str = "after") -> EndCount | None:
 
 
 def repeats_tuning(results: Results, every: Sequence[Results]) -> bool:
-    """Whether a folder's run is one of the scenarios of a tuning among ``every``, of the tuned design and held against
-    the same limits: what is said of the tuning's limits holds for it."""
+    """Return whether a folder's run is one of the scenarios of a tuning among ``every``.
+
+    The designs must be the same, and the limits too: what is said of the tuning's limits then holds for the run.
+    """
     run = results.records.get("run")
     if run is None or results.tuned is not None:
         return False
@@ -146,24 +156,26 @@ def repeats_tuning(results: Results, every: Sequence[Results]) -> bool:
 
 def _is_a_case(run: Record, tuned: Record) -> bool:
     own, others = ([of.get(name) or None for name in LIMITS] for of in (run, tuned))
+    # A run without limits of its own must keep those of the tuning.
     if any(own) and own != others:
         return False
     design = tuned["design"]
     if not all(same(design.get(name), value) for name, value in run["design"].items()):
         return False
     return any(
+        # A run simulates the design as drawn, which a case with factors does not.
         not case.get("factors") and all(same(case.get(name), value) for name, value in run["scenario"].items())
         for case in tuned["scenarios"]
     )
 
 
 def source_of_limits(every: Sequence[Results]) -> Record | None:
-    """The record of the first folder that has limits of its own."""
+    """Return the record of the first folder that has limits of its own."""
     return next((_limiting(results) for results in every if _has_limits(results)), None)
 
 
 def _limiting(results: Results) -> Record | None:
-    """The record of a folder's tuning, or else of its run."""
+    """Return the record of a folder's tuning, or else of its run."""
     return results.tuned if results.tuned is not None else results.records.get("run")
 
 
@@ -172,14 +184,17 @@ def _has_limits(results: Results) -> bool:
 
 
 def elsewhere(results: Results, scenario: Record) -> list[str]:
-    """A line that says in which scenarios of a tuning its limited quantities and the peak force are largest, where a
-    run of another ``scenario`` is shown; no line where it is one of those."""
+    """Return a line that says in which scenarios of a tuning its limited quantities and the peak force are largest.
+
+    There is no line where the run that is shown, of ``scenario``, is one of those.
+    """
     if results.tuned is None:
         return []
     mechanism, cases = results.mechanism, [by_name(case["after"]) for case in results.tuned["scenarios"]]
     met, labels = [scenario_of(mechanism, case) for case in results.tuned["scenarios"]], case_labels(results)
     names = dict.fromkeys(["peak_force", *results.tuned["limits"]])
     own = results.tuned.get("quantities", {})
+    # A value that is not known counts as zero, so that it is never the largest.
     largest = {name: max(range(len(cases)), key=lambda k: cases[k][name] or 0.0) for name in names}
     if scenario_of(mechanism, scenario) in [met[k] for k in largest.values()]:
         return []
@@ -188,8 +203,10 @@ def elsewhere(results: Results, scenario: Record) -> list[str]:
 
 
 def case_labels(results: Results, among: Sequence[Any] = ()) -> list[str]:
-    """A tuning's scenarios in words, told apart from those ``among`` which they stand (default: its own), with where
-    the built mechanism differs from the drawn one."""
+    """Return a tuning's scenarios in words, with where the built mechanism differs from the drawn one.
+
+    They are told apart from the scenarios ``among`` which they are shown, by default each other.
+    """
     cases = [] if results.tuned is None else results.tuned["scenarios"]
     met = [scenario_of(results.mechanism, case) for case in cases]
     others = list(among) or met
@@ -201,7 +218,7 @@ def case_labels(results: Results, among: Sequence[Any] = ()) -> list[str]:
 
 
 def limits(results: Results, every: Sequence[Results] = (), named: bool = False) -> Section | None:
-    """What the study limits, of the tuning or of the run; None where nothing is limited.
+    """Return what the study limits, of the tuning or of the run; None where nothing is limited.
 
     **Arguments:** ``every``: as of `limit_check`; ``named``: whether the table's caption names the folder.
     """
@@ -238,12 +255,12 @@ class LimitCounts(NamedTuple):
 
     @property
     def faults(self) -> int:
-        """Of both kinds."""
+        """Return how many faults of both kinds there are."""
         return self.broken + self.missed
 
 
 def limit_counts(results: Results, every: Sequence[Results] = ()) -> LimitCounts | None:
-    """How a folder stands to its limits; None where nothing is limited. ``every``: as of `limit_check`."""
+    """Return how a folder stands to its limits; None where nothing is limited. ``every``: as of `limit_check`."""
     check = limit_check(results, every)
     if check is None:
         return None
@@ -273,7 +290,7 @@ def _breaks(case: Mapping[str, Any], limit: Limit) -> bool:
 
 
 def _rows(check: LimitCheck) -> list[Row]:
-    """A row for each limit, and how runs must end."""
+    """Return a row for each limit, and how runs must end."""
     rows, success = [_row(check, limit) for limit in check.limits], check.success
     if success is not None:
         missed, every = check.missed, len(check.outcomes)
@@ -289,8 +306,10 @@ def limited(source: Record) -> list[str]:
 
 
 def limits_of(mechanism: Mechanism, source: Record, among: Container[str] | None = None) -> list[Limit]:
-    """Upper limits, those that always hold before the others, and lower ones; on quantities ``among`` some, or else on
-    those that the study limits."""
+    """Return upper limits, those that always hold before the others, and then lower ones.
+
+    They are those on quantities ``among`` some, by default on those that the study limits.
+    """
     among = limited(source) if among is None else among
     every = both_sides({**mechanism.tuning.always, **source["limits"]}, source.get("lower_limits", {}))
     return [limit for limit in every if limit.name in among]
@@ -312,7 +331,8 @@ def _row(check: LimitCheck, limit: Limit) -> Row:
 
 
 def _beyond(check: LimitCheck) -> list[Row]:
-    """Every broken limit of every scenario: first runs that end otherwise than they must, then the farthest beyond."""
+    """Return every broken limit of every scenario: first runs that end otherwise than they must, then the farthest
+    beyond."""
     success = words(check.success or "")
     missed: list[Row] = [[check.labels[k], "end", "-", words(check.outcomes[k]), success, "–"] for k in check.missed]
     excesses: list[tuple[float, Row]] = []
@@ -324,12 +344,13 @@ def _beyond(check: LimitCheck) -> list[Row]:
                 share = limit.margin(value)
                 by = "–" if share is None else percent_text(-share, ".3g")
                 row: Row = [where, name, symbol, _value(value, limit, factor), limit.bound_text(factor=factor), by]
+                # Sorted by margin below: the most negative one is the farthest beyond.
                 excesses.append((share or 0.0, row))
     return [*missed, *(row for _, row in sorted(excesses, key=lambda it: it[0]))]
 
 
 def _summed(check: LimitCheck, beyond: Sequence[Row]) -> str:
-    """In one sentence, how many scenarios break which limit."""
+    """Return in one sentence how many scenarios break which limit."""
     counts = Counter(str(row[1]) if row[1] != "end" else f"not {words(check.success or '')}" for row in beyond)
     text = "; ".join(f"{name} in {count}" for name, count in counts.items())
     return f"Limits are broken, of {len(check.labels)} scenarios: {text}. The table below names them, the worst first."

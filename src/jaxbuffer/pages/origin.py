@@ -16,7 +16,7 @@ MINUTE = 120.0  # s from which a time is told in minutes
 
 
 def origin(every: Sequence[Results]) -> Section:
-    """How each result came about, and how exact the runs were."""
+    """Return how each result came about, and how exact the runs were."""
     records = [  # every record that says which version made it
         (str(results.folder / (f"{results.mechanism.view.run_name}.json" if name == "run" else FILES[name])), record)
         for results in every
@@ -36,16 +36,17 @@ def origin(every: Sequence[Results]) -> Section:
 
 
 def verification() -> Section:
-    """What is known of the program's own correctness."""
+    """Return what is known of the program's own correctness."""
     counted = verified()
     text = lines(counted)
     return Section("Verification", [] if counted is None else text, warnings=text if counted is None else [])
 
 
 def differing(records: Sequence[tuple[str, Record]]) -> list[str]:
-    """A warning for each program of which not all results were made by the same version."""
+    """Return a warning for each program of which not all results were made by the same version."""
     makers: dict[str, dict[str, list[str]]] = {}
     for name, record in records:
+        # Records without `made` name the version of jaxbuffer alone.
         versions = {"jaxbuffer": record.get("jaxbuffer", UNRECORDED), **record.get(MADE, {}).get("versions", {})}
         for program, version in versions.items():
             makers.setdefault(program, {}).setdefault(version, []).append(name)
@@ -73,7 +74,7 @@ def _time(seconds: float) -> str:
 
 
 def _computers(records: Sequence[tuple[str, Record]]) -> Table:
-    """Each set of versions on each machine once, with the results it has made."""
+    """Return each set of versions on each machine once, with the results it has made."""
     computers: dict[tuple[str, ...], list[str]] = {}
     for name, record in records:
         made = _made(record)
@@ -104,7 +105,7 @@ def _errors(records: Sequence[tuple[str, Record]]) -> Table | None:
 
 
 def _studies(records: Sequence[tuple[str, Record]]) -> dict[str, str]:
-    """The text of each study once, by the results it belongs to."""
+    """Return the text of each study once, by the results it belongs to."""
     studies: dict[str, list[str]] = {}
     for name, record in records:
         if text := _made(record).get("study"):

@@ -40,12 +40,12 @@ class Table:
 
     @property
     def numeric(self) -> list[bool]:
-        """Which columns hold numbers, which stand to the right."""
+        """Return which columns hold numbers, which stand to the right."""
         texts = [[_cell(value).text for value in column] for column in zip(*self.rows, strict=True)]
         return [any(map(NUMBER.match, column)) and all(NUMBER.match(t) for t in column if t) for column in texts]
 
     def as_text(self) -> str:
-        """For a terminal."""
+        """Return the table for a terminal."""
         made = table(self.caption)
         for heading, number in zip(self.headings, self.numeric or [False] * len(self.headings), strict=True):
             made.add_column(heading, justify="right" if number else "left")
@@ -85,7 +85,7 @@ class Section:
 
     @property
     def anchor(self) -> str:
-        """Where links lead to."""
+        """Return the anchor where links lead to."""
         return "".join(c if c.isalnum() else "-" for c in self.title.lower())
 
 
@@ -102,11 +102,12 @@ class Page:
 
     @property
     def generator(self) -> str:
-        """By what a page of ours is known again."""
+        """Return the text by which a page of ours is known again."""
         return f"{GENERATOR} {version()}"
 
     def html(self) -> str:
-        """The file's content."""
+        """Return the file's content."""
+        # With autoescape, words of a study or a folder's name cannot become markup.
         environment = jinja2.Environment(
             loader=jinja2.PackageLoader("jaxbuffer.pages"), autoescape=True, trim_blocks=True, lstrip_blocks=True
         )
@@ -119,6 +120,7 @@ def write_page(page: Page, file: Path, other: str) -> bool:
     **Raises:** `InputError` for another file of that name; ``other``: how to name one that is free.
     """
     replaced = file.exists()
+    # The mark stands in the page's head, so that its beginning tells.
     if replaced and GENERATOR not in file.read_text(encoding="utf-8", errors="replace")[:1000]:
         raise InputError(f"{file} exists and is no page of jaxbuffer's; choose another {other}")
     write(file, page.html())
@@ -126,7 +128,7 @@ def write_page(page: Page, file: Path, other: str) -> bool:
 
 
 def _with_breaks(text: str) -> Markup:
-    """A text that may go on in the next line within a long name too, between its words: after "." and "_"."""
+    """Return a text that may go on in the next line within a long name too, between its words: after "." and "_"."""
     return Markup(NAME_PART.sub(r"\1<wbr>", str(escape(text))))
 
 

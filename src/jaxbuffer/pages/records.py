@@ -21,12 +21,12 @@ ACTIVE = re.compile(r"<script|<foreignObject|javascript:|\son\w+=", re.IGNORECAS
 
 
 def by_name(record: Record) -> dict[str, Any]:
-    """A record's values by names without units: "stroke [m]" is "stroke"."""
+    """Return a record's values by names without units: "stroke [m]" is "stroke"."""
     return {without_unit(name)[0]: value for name, value in record.items()}
 
 
 def same(value: Any, other: Any) -> bool:
-    """Whether two fields' values are equal, numbers to nine digits; a curve is equal to a record's list of its
+    """Return whether two fields' values are equal, numbers to nine digits; a curve is equal to a record's list of its
     points."""
     value, other = (it.points() if isinstance(it, Curve) else it for it in (value, other))
     numbers = all(isinstance(x, (int, float)) and not isinstance(x, bool) for x in (value, other))
@@ -34,34 +34,34 @@ def same(value: Any, other: Any) -> bool:
 
 
 def words(name: str) -> str:
-    """A name as one reads it."""
+    """Return a name as one reads it."""
     return name.replace("_", " ")
 
 
 def units_of(results: Results) -> Mapping[str, str]:
-    """The units that a folder's numbers were typed with, by path, in which people are shown them."""
+    """Return the units that a folder's numbers were typed with, by path, in which people are shown them."""
     return next((it[MADE]["units"] for it in results.records.values() if "units" in it.get(MADE, {})), NONE)
 
 
 def field_name(path: str) -> str:
-    """A field in words, without its section: "approach speed", "k_A"."""
+    """Return a field in words, without its section: "approach speed", "k_A"."""
     return called(path.rsplit(".", 1)[-1])
 
 
 def scenario_of(mechanism: Mechanism, record: Record) -> Any:
-    """The scenario that a record describes."""
+    """Return the scenario that a record describes."""
     values = by_name(record)
     return mechanism.scenario(**{path: values[path] for path in paths(mechanism.scenario()) if path in values})
 
 
 def ended(mechanism: Mechanism, outcome: str) -> Cell:
-    """How a run ended, marked as good or bad."""
+    """Return how a run ended, marked as good or bad."""
     good = outcome in mechanism.successes if mechanism.successes else not outcome.startswith("failed")
     return Cell(outcome, "good" if good else "bad")
 
 
 def quantity(mechanism: Mechanism, name: str, values: Mapping[str, Any]) -> list[str]:
-    """A quantity's title, its unit in figures, and its value in that unit."""
+    """Return a quantity's title, its unit in figures, and its value in that unit."""
     title, symbol, factor = in_figures(mechanism, name)
     value = values.get(name)
     return [title, symbol, table_text(None if value is None else factor * value)]
@@ -70,7 +70,7 @@ def quantity(mechanism: Mechanism, name: str, values: Mapping[str, Any]) -> list
 def in_figures(
     mechanism: Mechanism, name: str, own: Mapping[str, Any] = MappingProxyType({})
 ) -> tuple[str, str, float]:
-    """A quantity's title, its unit in figures, and how many of those its own unit is.
+    """Return a quantity's title, its unit in figures, and how many of those its own unit is.
 
     ``own``: the record of a study's own quantities, by name.
     """
@@ -81,12 +81,12 @@ def in_figures(
 
 
 def title(mechanism: Mechanism, name: str) -> str:
-    """A quantity's title, or what one of an impact is called."""
+    """Return a quantity's title, or what one of an impact is called."""
     return in_figures(mechanism, name)[0] if name in mechanism.quantities else words(name)
 
 
 def by_quantity(rows: Iterable[Record]) -> dict[str, list[Record]]:
-    """Rows of a record by the quantity that they are of."""
+    """Return rows of a record by the quantity that they are of."""
     groups: dict[str, list[Record]] = {}
     for row in rows:
         groups.setdefault(row["quantity"], []).append(row)
@@ -94,8 +94,9 @@ def by_quantity(rows: Iterable[Record]) -> dict[str, list[Record]]:
 
 
 def figure(results: Results, stem: str, caption: str) -> list[Figure]:
-    """The figure of that name, if the folder has it: an SVG rather than a PNG."""
+    """Return the figure of that name, if the folder has it: an SVG rather than a PNG."""
     svg, png = results.folder / f"{stem}.svg", results.folder / f"{stem}.png"
+    # A file that holds anything active is not ours, and would run in the reader's browser: it stays out.
     if svg.is_file() and not ACTIVE.search(text := svg.read_text(encoding="utf-8")):
         return [Figure(caption, svg=_inline(text, re.sub(r"\W+", "-", f"{results.folder}-{stem}").strip("-")))]
     if png.is_file():
@@ -104,10 +105,11 @@ def figure(results: Results, stem: str, caption: str) -> list[Figure]:
 
 
 def _inline(svg: str, prefix: str) -> str:
-    """An SVG file as part of a page: without its head, no larger than it was drawn, its identifiers made its
+    """Return an SVG file as part of a page: without its head, no larger than it was drawn, its identifiers made its
     own."""
     svg = svg[svg.index("<svg") :]
     svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
+    # Several figures in one page may have the same identifiers, and would show each other's parts.
     svg = re.sub(r'\bid="([^"]+)"', rf'id="{prefix}-\1"', svg)
     svg = re.sub(r'href="#([^"]+)"', rf'href="#{prefix}-\1"', svg)
     svg = re.sub(r"url\(#([^)]+)\)", rf"url(#{prefix}-\1)", svg)

@@ -55,9 +55,10 @@ def report(*folders: str | Path, to: str | Path | None = None, title: str = "") 
 
 
 def review(every: Sequence[Results], title: str = "") -> Page:
-    """One page of all folders together: the first one's design, then what each of them holds."""
+    """Return one page of all folders together: the first one's design, then what each of them holds."""
     first = next((results for results in every if results.tuned), next((f for f in every if f.records), every[0]))
     made = [(first, requirements(first, every)), (first, design(first))]
+    # A run that repeats a scenario of a tuning would say the same a second time.
     made += [(results, limits(results, every)) for results in every if not repeats_tuning(results, every)]
     made += [(results, scenarios(results)) for results in every]
     for results in every:
@@ -74,9 +75,10 @@ def review(every: Sequence[Results], title: str = "") -> Page:
 
 
 def distinct(parts: Parts) -> list[Section]:
-    """The sections; those of equal titles get their folder's name added."""
+    """Return the sections; those of equal titles get their folder's name added."""
     titles = Counter(section.title for _, section in parts)
     folders = {results.folder for results, _ in parts}
+    # The last part of a path is enough where it tells the folders apart.
     short = len({folder.name for folder in folders}) == len(folders)
     named = lambda folder: folder.name if short else str(folder)  # noqa: E731
     return [

@@ -21,7 +21,7 @@ HELPING = 3  # lines of advice that are shown
 
 
 def run(results: Results, first: Results) -> Section | None:
-    """One run's quantities and impacts."""
+    """Return one run's quantities and impacts."""
     record, mechanism = results.records.get("run"), results.mechanism
     if record is None:
         return None
@@ -46,16 +46,17 @@ def run(results: Results, first: Results) -> Section | None:
 
 
 def once(names: Sequence[str], *runs: Mapping[str, Any]) -> list[str]:
-    """The names, of several margins of equal value in all ``runs`` the first alone: what is left is then the same."""
+    """Return the names; of several margins of equal value in all ``runs`` only the first, because they say the same."""
     names_by_value: dict[Any, str] = {}
     for name in names:
         values = tuple(run.get(name) for run in runs)
+        # Margins are told apart by their values, all other quantities by their names.
         names_by_value.setdefault((values, None) if name.endswith(MARGIN) else name, name)
     return [*names_by_value.values()]
 
 
 def forces(results: Results, caption: str) -> list[dict[str, Any]]:
-    """The force over time of a folder, to be read off, if it has it."""
+    """Return the force over time of a folder, to be read off, if it has it."""
     record = results.records.get("force")
     if record is None or not record["curves"]:
         return []
@@ -63,7 +64,7 @@ def forces(results: Results, caption: str) -> list[dict[str, Any]]:
 
 
 def diagnosis(results: Results, every: Sequence[Results]) -> Section | None:
-    """Why a run did not end as it should: way and energy left, where the rest went, the impact that turned it.
+    """Return why a run did not end as it should: way and energy left, where the rest went, the impact that turned it.
 
     **Arguments:** ``every``: all folders of the page; sensitivities of the same run say what to change first.
     """
@@ -80,13 +81,16 @@ def diagnosis(results: Results, every: Sequence[Results]) -> Section | None:
 
 
 def what_to_change(results: Results, every: Sequence[Results]) -> str:
-    """The numbers whose relative change moves the mechanism's margin most, to first order; "" where no sensitivities of
-    the margin at this run are among the folders."""
+    """Return the numbers whose relative change moves the mechanism's margin most, to first order.
+
+    The text is "" where no folder has sensitivities of the margin at this run.
+    """
     run = {part: results.records["run"][part] for part in ("design", "scenario")}
     for other in every:
         record = other.sensitivity
         if record is None or not record.get("advice"):
             continue
+        # Derivatives hold where they were taken: advice counts for this very run alone.
         if all(same(record[part].get(name), value) for part, known in run.items() for name, value in known.items()):
             heading, *lines = record["advice"]
             question = heading.removeprefix("What to change first, ").rstrip(":")
@@ -95,7 +99,7 @@ def what_to_change(results: Results, every: Sequence[Results]) -> str:
 
 
 def scenarios(results: Results) -> Section | None:
-    """Each scenario's largest values before and after, against the limits."""
+    """Return each scenario's largest values before and after, against the limits."""
     tuned, mechanism = results.tuned, results.mechanism
     if tuned is None:
         return None
@@ -128,6 +132,7 @@ def scenarios(results: Results) -> Section | None:
     holds = not corners_verdict(tuned)
     text = [f"The scenarios are {tuned['sample']['count']} samples of what scatters, which are no bound.", said[-1]]
     of_corners = said[:-1]
+    # Corners that hold are a fact among others; those that do not are a warning.
     text, warnings = ([text[0], *of_corners, text[1]], []) if holds else (text, of_corners)
     return Section("Scenarios", [*reached, *text], curves=curves, tables=tables, warnings=warnings)
 
@@ -138,7 +143,7 @@ def _value(value: float | None, factor: float, sides: Sequence[Limit]) -> Cell:
 
 
 def search(results: Results) -> Section | None:
-    """How the design was found, and how good it is."""
+    """Return how the design was found, and how good it is."""
     tuned = results.tuned
     if tuned is None:
         return None

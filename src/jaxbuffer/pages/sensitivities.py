@@ -20,7 +20,7 @@ Rows = Mapping[str, Sequence[Record]]  # derivatives by quantity
 
 
 def sensitivity(results: Results, first: Results, every: Sequence[Results] = ()) -> Section | None:
-    """Elasticities with their verdicts, at one scenario.
+    """Return elasticities with their verdicts, at one scenario.
 
     **Arguments:** ``first``: the page's folder; ``every``: all of them, of which the first with limits says what is
     limited.
@@ -40,7 +40,7 @@ def sensitivity(results: Results, first: Results, every: Sequence[Results] = ())
 
 
 def _text(results: Results, first: Results, record: Record) -> list[str]:
-    """Where they were computed, how sure they are, and which other impact may become the peak."""
+    """Return where they were computed, how sure they are, and which other impact may become the peak."""
     mechanism, certificate = results.mechanism, record["certificate"]
     text = [f"At {mechanism.view.label(scenario_of(mechanism, record['scenario']))}; {words(record['outcome'])}."]
     text += [*other_design(results, first, record), *elsewhere(first, record["scenario"])]
@@ -54,7 +54,7 @@ def _text(results: Results, first: Results, record: Record) -> list[str]:
 
 
 def _runner_up(other: Record | None) -> list[str]:
-    """Which impact would be the peak if the largest were not, and what would make it so."""
+    """Return which impact would be the peak if the largest were not, and what would make it so."""
     if other is None:
         return []
     text = f"The second largest impact is number {other['impact']} with {other['force [N]']:.4g} N,"
@@ -83,7 +83,7 @@ def _elasticities(results: Results, of_quantity: Rows) -> Table:
 
 
 def _until_broken(results: Results, of_quantity: Rows, source: Record | None) -> list[Table]:
-    """Of each limited quantity, the number whose smallest relative change breaks the limit, to first order."""
+    """Return for each limited quantity the number whose smallest relative change breaks the limit, to first order."""
     if source is None or results.sensitivity is None:
         return []
     values = by_name(results.sensitivity)
@@ -100,7 +100,8 @@ def _until_broken(results: Results, of_quantity: Rows, source: Record | None) ->
 
 
 def _smallest(value: float, limit: Limit, rows: Sequence[Record]) -> Cell:
-    """The number that alone would have to change least, by (limit / value - 1) / elasticity."""
+    """Return the number that alone would have to change least, by (limit / value - 1) / elasticity."""
+    # Without a value or an elasticity no relative change leads to the limit.
     known = [row for row in rows if value and row["elasticity [-]"]]
     changes = [((limit.bound / value - 1.0) / row["elasticity [-]"], row["parameter"]) for row in known]
     change, path = min(changes, key=lambda it: abs(it[0]), default=(math.inf, ""))
@@ -110,14 +111,14 @@ def _smallest(value: float, limit: Limit, rows: Sequence[Record]) -> Cell:
 
 
 def _slope(mechanism: Mechanism, row: Record) -> tuple[str, str]:
-    """A derivative and its unit, as people are shown them."""
+    """Return a derivative and its unit, as people are shown them."""
     _, above, factor = in_figures(mechanism, row["quantity"])
     below, many = display_unit(row["parameter_unit"])
     return table_text(None if row["gradient"] is None else factor / many * row["gradient"]), quotient_unit(above, below)
 
 
 def _slopes(mechanism: Mechanism, signed: Rows) -> list[Table]:
-    """Derivatives of quantities that have no elasticities."""
+    """Return derivatives of quantities that have no elasticities."""
     rows = [
         [name, row["parameter"], *_slope(mechanism, row), row["verdict"] or "not certified"]
         for name, derivatives in signed.items()

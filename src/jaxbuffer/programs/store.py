@@ -47,6 +47,7 @@ def store_in(folder: str | Path | None) -> str:
     _folder = None
     if folder is None:
         return ""
+    # Whoever can write to the folder could have their own code run here.
     wrong = made_private(Path(folder).absolute())
     if not wrong:
         _folder = Path(folder).resolve()
@@ -54,13 +55,15 @@ def store_in(folder: str | Path | None) -> str:
 
 
 def folder() -> Path | None:
-    """The folder in which programs are kept, if any."""
+    """Return the folder in which programs are kept, if any."""
     return _folder
 
 
 def made_private(folder: Path) -> str:
-    """Make the folder where it is missing, readable by its owner only; "" if nobody else can write there, else what is
-    wrong and how to mend it.
+    """Make the folder where it is missing, readable by its owner only, and return what is wrong with it and how to mend
+    it.
+
+    The text is "" if nobody else can write there.
 
     Where a link is on the way, what counts is where it leads; the folder itself must not be one. Windows, which has no
     such modes, leaves it to the home folder's own protection.
@@ -82,6 +85,7 @@ def made_private(folder: Path) -> str:
 def _make(folder: Path) -> None:
     """Make the folder and those above it, for the owner only whatever the process's mask is."""
     missing = [place for place in (folder, *folder.parents) if not place.is_symlink() and not place.exists()]
+    # One by one: `mkdir` with parents gives those the process's own mode.
     for place in reversed(missing):
         place.mkdir(mode=0o700, exist_ok=True)
 
@@ -97,7 +101,7 @@ def _wrong(folder: Path, status: os.stat_result) -> str:
 
 
 def _replaceable(parent: Path, status: os.stat_result) -> str:
-    """What lets others put another folder in the place of one in here: in a sticky one (/tmp) they can't."""
+    """Return what lets others put another folder in the place of one in here: in a sticky one (/tmp) they can't."""
     if status.st_uid not in (0, os.getuid()):
         return f"{parent} belongs to another user; set JAXBUFFER_CACHE to a folder of your own"
     if status.st_mode & OTHERS and not status.st_mode & stat.S_ISVTX:
@@ -113,12 +117,12 @@ class Stored(NamedTuple):
 
 
 def part_name(file: Path, k: int) -> str:
-    """The name of the k-th part of a file's program, from which JAX's cache makes the names of its files."""
+    """Return the name of the k-th part of a file's program, from which JAX's cache makes the names of its files."""
     return f"of_{file.stem.rpartition('-')[2]}_{k}"
 
 
 def compiled_from(file: Path, of_jax: Path | None) -> list[Path]:
-    """What JAX's cache, in the folder ``of_jax`` if anywhere, holds of a file's program."""
+    """Return the files that JAX's cache, in the folder ``of_jax`` if anywhere, holds of a file's program."""
     return [] if of_jax is None else sorted(of_jax.glob(f"*{part_name(file, 0)[:-1]}*{COMPILED}"))
 
 
@@ -132,8 +136,11 @@ def write(file: Path, stored: Stored, of_jax: Path | None) -> None:
 
 
 def read(file: Path, of_jax: Path | None) -> Stored | None:
-    """Read what was written, None where there is nothing. A file that is no whole program of this format, that ended a
-    process before, or from which JAX compiled something else than what is there now, is deleted."""
+    """Read what was written, None where there is nothing.
+
+    A file that is no whole program of this format, that ended a process before, or from which JAX compiled something
+    else than what is there now, is deleted.
+    """
     if _ended_a_process(file):
         _log.info("%s ended the process that loaded it last", file)
         remove(file)
@@ -141,6 +148,7 @@ def read(file: Path, of_jax: Path | None) -> Stored | None:
         content = file.read_bytes()
     except OSError:
         return None
+    # Nothing of the file is parsed before its checksum is known to be right.
     body = _body(content)
     if body is None:
         _log.info("%s is not a whole program of this format", file)
@@ -153,6 +161,7 @@ def read(file: Path, of_jax: Path | None) -> Stored | None:
         return None
     for path in (file, *compiled):
         with contextlib.suppress(OSError):
+            # `_remove_unused` deletes by this time; a file system that cannot set it is no reason not to read.
             path.touch()
     return _stored(record)
 
@@ -198,8 +207,10 @@ def remove(*paths: Path) -> None:
 
 @contextlib.contextmanager
 def being_loaded(file: Path) -> Iterator[None]:
-    """Mark a file while it is loaded and first run. The marker is locked by this process: once that has ended, however
-    it did, the lock is gone and the marker is not."""
+    """Mark a file while it is loaded and first run.
+
+    This process locks the marker: once it has ended, however it did, the lock is gone and the marker is not.
+    """
     handle, draft = tempfile.mkstemp(prefix=f"{file.name}.", suffix=DRAFT, dir=file.parent)
     marker = Path(draft).with_suffix(MARKER)
     try:
@@ -237,11 +248,12 @@ def being_made(file: Path) -> Iterator[None]:
 
 
 def _ended_a_process(file: Path) -> bool:
-    """Whether a marker was left behind; markers of processes at work are theirs."""
+    """Return whether a marker was left behind; a marker that a process at work has locked is not counted."""
     left = False
     for marker in file.parent.glob(f"{file.name}.*{MARKER}"):
         with contextlib.suppress(OSError), open(marker, "rb") as opened:
             if fcntl is not None:
+                # This fails, and the marker stays, while the process that made it is at work.
                 fcntl.flock(opened, fcntl.LOCK_EX | fcntl.LOCK_NB)
             remove(marker)
             left = True

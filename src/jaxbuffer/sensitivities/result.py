@@ -55,12 +55,12 @@ class Sensitivity(eqx.Module, Saved):
 
     @property
     def capture(self) -> Run:
-        """The run."""
+        """Return the run."""
         return self.run
 
     def to_xarray(self) -> Dataset:
-        """Labelled arrays: ``gradient``, ``elasticity`` and ``estimated_error`` by ``quantity`` and ``parameter``, with
-        ``gradient_unit``, ``quantity_unit`` and ``parameter_unit`` beside them.
+        """Return labelled arrays: ``gradient``, ``elasticity`` and ``estimated_error`` by ``quantity`` and
+        ``parameter``, with ``gradient_unit``, ``quantity_unit`` and ``parameter_unit`` beside them.
 
         **Example:**
 
@@ -72,7 +72,7 @@ class Sensitivity(eqx.Module, Saved):
         return _dataset(self)
 
     def to_pandas(self) -> DataFrame:
-        """A row for each pair of quantity and parameter, as in sensitivity.csv."""
+        """Return a row for each pair of quantity and parameter, as in sensitivity.csv."""
         return frame(*sensitivity_rows(self))
 
     def __repr__(self) -> str:
@@ -83,10 +83,12 @@ class Sensitivity(eqx.Module, Saved):
 
 
 def _tables(result: Sensitivity) -> list[str | Table]:
-    """Elasticities of every quantity (derivatives of those that can change sign), gradients and the certificate."""
+    """Return tables of the elasticities of every quantity (derivatives of those that can change sign), of gradients and
+    of the certificate."""
     run, mechanism = result.run, result.run.mechanism
     catalogue = mechanism.quantities
     units = [unit_at(run.design, run.scenario, path) for path in result.paths]
+    # A quantity that can change sign may be zero, where its elasticity is infinite.
     signed = [is_signed(catalogue, name) for name in result.quantities]
 
     shown = [display_unit(symbol) for symbol in units]
@@ -124,7 +126,7 @@ def _tables(result: Sensitivity) -> list[str | Table]:
 
 
 def _by_parameter(filled: Table, result: Sensitivity, which: np.ndarray, cell: Callable[[int, int], str]) -> None:
-    """A column for each quantity in ``which``, a row for each parameter."""
+    """Add a column for each quantity in ``which`` and a row for each parameter to the table."""
     filled.add_column("parameter")
     for i in which:
         name = result.quantities[i]
@@ -135,7 +137,7 @@ def _by_parameter(filled: Table, result: Sensitivity, which: np.ndarray, cell: C
 
 
 def _certificate_lines(certificate: Certificate, quantities: Sequence[str], mechanism: Mechanism, design: Any) -> str:
-    """Verdict, reason, active peak and runner-up, in a line each."""
+    """Return verdict, reason, active peak and runner-up, in a line each."""
     lines = [f"Certificate: {certificate.verdict.name.upper()}: {certificate.reason}"]
     less = [f"{n} {v.name}" for n, v in zip(quantities, certificate.verdicts, strict=True) if v]
     if less and len(less) < len(quantities):
@@ -168,8 +170,11 @@ def shown_unit(catalogue: Catalogue, name: str) -> tuple[str, float]:
 
 
 def advice(result: Sensitivity) -> list[str]:
-    """A line for each parameter, the least relative change first: by how much it would have to change, to first order,
-    for the mechanism's margin to be zero; nothing where the margin was not asked for, or the run succeeded.
+    """Return a line for each parameter that says by how much it would have to change for the mechanism's margin to be
+    zero.
+
+    The least relative change, to first order, comes first. There are no lines where the margin was not asked for, or
+    the run succeeded.
 
     The change is -margin / (d margin / d ln parameter); the margin of a successful run is positive.
     """
@@ -178,9 +183,11 @@ def advice(result: Sensitivity) -> list[str]:
     if name is None or name not in result.quantities or run.outcome.failed or mechanism.succeeded(run.code):
         return []
     i = result.quantities.index(name)
+    # d margin / d ln parameter: changes are relative, so that parameters in different units can be compared.
     per_share = result.gradients[i] * result.values
     with np.errstate(divide="ignore", invalid="ignore"):
         change = -result.results[i] / per_share
+    # A change of -100 % or more would take a parameter through zero, to the other sign.
     reachable = np.isfinite(change) & (change > -1.0)
     verdict = "not certified" if result.certificate is None else result.certificate.verdicts[i].name
     symbol, factor = shown_unit(mechanism.quantities, name)
@@ -196,7 +203,7 @@ def advice(result: Sensitivity) -> list[str]:
 
 
 def _dataset(result: Sensitivity) -> Dataset:
-    """See `Sensitivity.to_xarray`."""
+    """Return the labelled arrays of `Sensitivity.to_xarray`."""
     run, both, certificate = result.run, ("quantity", "parameter"), result.certificate
     units = [unit_of(run.mechanism.quantities, name) for name in result.quantities]
     below = [unit_at(run.design, run.scenario, path) for path in result.paths]
@@ -224,7 +231,7 @@ def _dataset(result: Sensitivity) -> Dataset:
 
 
 def sensitivity_rows(result: Sensitivity) -> tuple[list[str], list[Sequence[Any]]]:
-    """A row for each pair of quantity and parameter."""
+    """Return a row for each pair of quantity and parameter."""
     header = ["quantity", "parameter", "value", "parameter_unit", "gradient", "gradient_unit", "elasticity [-]"]
     certificate = result.certificate
     rows: list[Sequence[Any]] = []
@@ -249,4 +256,5 @@ def sensitivity_rows(result: Sensitivity) -> tuple[list[str], list[Sequence[Any]
 
 def _number(value: Any) -> float | None:
     number = float(value)
+    # JSON has no NaN and no infinity.
     return number if math.isfinite(number) else None

@@ -69,12 +69,12 @@ class Varied:
 
     @property
     def name(self) -> str:
-        """The field without its section: "approach_speed"."""
+        """Return the field without its section: "approach_speed"."""
         return self.path.rsplit(".", 1)[-1]
 
     @property
     def heading(self) -> str:
-        """The path with its unit: "scenario.approach_speed [m/s]"."""
+        """Return the path with its unit: "scenario.approach_speed [m/s]"."""
         return f"{self.path} [{self.unit}]" if self.unit else self.path
 
 
@@ -92,18 +92,18 @@ class Axis(Varied):
 
     @property
     def values(self) -> np.ndarray:
-        """The values, shape (len,): numbers in the axis' unit, or a choice's words, truths or whole numbers."""
+        """Return the values, shape (len,): numbers in the axis' unit, or a choice's words, truths or whole numbers."""
         return np.asarray(self.listed, float) if self.unit else np.asarray(self.listed)
 
     def words(self, value: Any, digits: int = 6) -> str:
-        """One of the values in words: "0.1 m/s", "hertz", "true"."""
+        """Return one of the values in words: "0.1 m/s", "hertz", "true"."""
         if not self.unit:
             return str(value).lower() if isinstance(value, bool | np.bool_) else str(value)
         degrees = f" ({degrees_text(np.degrees(value), 3)})" if self.unit == "rad" and not self.typed else ""
         return with_unit(*as_typed(value, self.unit, self.typed), digits) + degrees
 
     def spanned(self) -> str:
-        """All values in a few words: "5 to 30 cm/s, 6 values, linear"."""
+        """Return all values in a few words: "5 to 30 cm/s, 6 values, linear"."""
         if not self.unit:
             return ", ".join(map(self.words, self.values))
         shown = [as_typed(value, self.unit, self.typed)[0] for value in self.values.tolist()]
@@ -114,12 +114,13 @@ class Axis(Varied):
 
 
 def axis_of(path: str, given: Any, design: Part, scenario: Part) -> Axis:
-    """One axis, checked against the field's range."""
+    """Return one axis, checked against the field's range."""
     check_address(design, scenario, path, "sweep: ")
     symbol = unit_at(design, scenario, path)
     if not symbol:
         return Axis(path, "", _chosen(path, given, design, scenario))
     values = span(f"sweep.{path}", given, symbol) if isinstance(given, Mapping) else _listed(path, given, symbol)
+    # A span is monotonic, so that its two ends tell whether all of it is in range.
     ends = (values.start, values.stop) if isinstance(values, Span) else values
     made = Axis(path, symbol, values, values.scale if isinstance(values, Span) else SCALES[0], typed_unit(given))
     with errors_in_typed_units({path: made.typed}):
@@ -128,7 +129,8 @@ def axis_of(path: str, given: Any, design: Part, scenario: Part) -> Axis:
 
 
 def typed(text: str) -> tuple[str, Any]:
-    """A path and its values as typed on a command line: PATH=FROM:TO:COUNT[:log] or PATH=VALUE,VALUE,…"""
+    """Split what was typed on a command line, PATH=FROM:TO:COUNT[:log] or PATH=VALUE,VALUE,…, into the path and its
+    values."""
     path, equals, values = text.partition("=")
     if not equals or not values or not path:
         raise InputError(f"--over {text}: expected FIELD=FROM:TO:COUNT[:log] or FIELD=VALUE,VALUE,…")
@@ -145,7 +147,7 @@ def typed(text: str) -> tuple[str, Any]:
 
 
 def span(where: str, table: Mapping[str, Any], unit: str, most: int = MOST) -> Span:
-    """A span from {from, to, count, scale}, its ends in ``unit`` or with their own.
+    """Return the span of {from, to, count, scale}, whose ends are in ``unit`` or have their own.
 
     ``where``: its name in messages, as in "sweep.scenario.approach_speed"; ``most``: values at most.
     """
@@ -161,6 +163,7 @@ def span(where: str, table: Mapping[str, Any], unit: str, most: int = MOST) -> S
     if count > most:
         raise InputError(f"{where}: count = {count:.4g} is out of range; allowed: [1, {most:.0e}]")
     check_choice(f"{where}: scale", scale, SCALES)
+    # Both ends have a unit or none: one alone would leave open what the other is in.
     ends = [table[name] for name in SPAN[:2]]
     check_units_agree(where, ends, lambda low, high: f'{{from = "{low}", to = "{high}", count = {count}}}')
     start, stop = (_number(f"{where}: {name}", end, unit) for name, end in zip(SPAN, ends, strict=False))
@@ -172,6 +175,7 @@ def span(where: str, table: Mapping[str, Any], unit: str, most: int = MOST) -> S
 
 
 def _listed(path: str, given: Any, unit: str) -> tuple[float, ...]:
+    # A masked entry is no measurement, and its number would be lost in a plain list.
     check_masks(f"sweep.{path}", given)
     values = _as_list(in_unit(f"sweep.{path}", given, unit) if unit_of_library(given) is not None else given)
     if not values:
@@ -181,7 +185,8 @@ def _listed(path: str, given: Any, unit: str) -> tuple[float, ...]:
 
 
 def _chosen(path: str, given: Any, design: Part, scenario: Part) -> tuple[Any, ...]:
-    """Values of a choice, each checked by itself: whether they go with others, `Grid.batches` checks."""
+    """Return the values of a choice, each checked by itself: `Grid.batches` checks whether they go with the other
+    fields."""
     if path in paths(design) and "curve" in metadata(design, path):
         raise InputError(f"sweep.{path} is {no_number(design, path)}; sweep one of these")
     now = value_at(design, scenario, path)
@@ -194,26 +199,29 @@ def _chosen(path: str, given: Any, design: Part, scenario: Part) -> tuple[Any, .
         raise InputError(f"sweep.{path} is empty; {remedy}")
     for value in values:
         check_alone(design, scenario, path, value)
+        # `Grid.batches` selects the runs of a choice by its value, so that each may be there once only.
         if values.count(value) > 1:
             raise InputError(f"sweep.{path} names {str(value).lower()} twice; keep one")
     return values
 
 
 def choices_example(known: Mapping[str, Any], now: Any) -> str:
-    """What a choice may be, as TOML lists it: ["contact", "free"]; of a whole number its value ``now``."""
+    """Return an example of a choice's values as TOML lists them: ["contact", "free"]; for a whole number its value
+    ``now``."""
     if "choices" in known:
         return "[" + ", ".join(f'"{word}"' for word in known["choices"]) + "]"
     return "[true, false]" if "flag" in known else f"[{now}]"
 
 
 def _as_list(given: Any) -> list[Any]:
-    """What was given as a list, a single value as the only one."""
+    """Return what was given as a list; a single value becomes its only entry."""
     given = given.tolist() if isinstance(given, np.ndarray) and unit_of_library(given) is None else given
     return list(given) if isinstance(given, Sequence) and not isinstance(given, str | bytes) else [given]
 
 
 def _as_choice(value: Any, now: Any) -> Any:
-    """A value as typed on a command line in the type of the field's present one; what does not fit, as it is."""
+    """Return a value typed on a command line in the type of the field's present value, or unchanged where it does not
+    fit."""
     if isinstance(now, bool) and value in ("true", "false"):
         return value == "true"
     whole = isinstance(value, float) and not isinstance(now, bool) and isinstance(now, int) and value.is_integer()
@@ -229,7 +237,7 @@ def _number(path: str, value: Any, unit: str) -> float:
 
 
 def literal(text: str) -> float | str:
-    """A word of the command line as a number, or as it is."""
+    """Return a word of the command line as a number, or unchanged where it is none."""
     try:
         return float(text)
     except ValueError:

@@ -41,6 +41,7 @@ class Settings(NamedTuple):
         return _settings, (float(self.rtol), float(self.stabilisation), name_of(self.solver), self.trust)
 
 
+# The same object is returned for equal settings: a process that unpickles many tasks has one solver, and one program.
 @functools.lru_cache(maxsize=8)
 def _settings(rtol: float, stabilisation: float, solver: str | None, trust: bool) -> Settings:
     named = None if solver is None else solver_named(solver)
@@ -58,17 +59,25 @@ class Runs(NamedTuple):
     room: int
 
     def call(self, first: int) -> tuple[Any, np.ndarray]:
-        """The runs from ``first`` on as arrays (room,), and which of them are enabled: filled up, a call with few runs
-        needs no program of its own."""
+        """Return the runs from ``first`` on as arrays (room,), and which of them are enabled.
+
+        The last call is filled up to the same shape, so that it needs no program of its own.
+        """
         room = np.arange(self.room)
         enabled = room < min(self.chunk, self.places.size - first)
+        # "clip" repeats the last run in the places that are left over; those are not enabled.
         batch = [np.broadcast_to(x, self.places.shape).take(first + room, mode="clip") for x in self.arrays]
         return jax.tree.unflatten(self.structure, batch), enabled
 
 
 def runs(batch: Batch, duration: Any, most: int, workers: int, filled: bool) -> Runs:
-    """``most``: runs of a call; ``filled``: whether each call has room for so many. On an accelerator, whose calls are
-    large, runs that are not enabled would take memory."""
+    """Return a batch with its numbers flattened to arrays, for calls of at most ``most`` runs.
+
+    - ``duration``: of the runs [s], one number or shape (n,).
+    - ``workers``: among which the runs are divided.
+    - ``filled``: whether each call has room for ``most`` runs. On an accelerator, whose calls are large, runs that are
+      not enabled would take memory.
+    """
     leaves, structure = jax.tree.flatten((batch.design, batch.scenarios, as_number(duration)))
     arrays = [np.asarray(leaf, float) for leaf in leaves]
     count = _common_length(structure, arrays)
@@ -88,7 +97,7 @@ def _request(mechanism: Mechanism, chunk: Chunk, rtol: Any, stabilisation: Any, 
 def _stepped(
     mechanism: Mechanism, chunk: Chunk, enabled: Enabled, rtol: Any, stabilisation: Any, solver: Solver | None
 ) -> Any:
-    """What time stepping finds of each run."""
+    """Step each run in time and return its raw result."""
 
     def one(chunk: Chunk, enabled: Array) -> Any:
         return stepped(_request(mechanism, chunk, rtol, stabilisation, solver), enabled=enabled)
@@ -106,7 +115,7 @@ def solve_chunk(
     solver: Solver | None,
     result: Any,
 ) -> tuple:
-    """The columns of a sweep (`column_names`) but the last, each an array with an entry for each run of the
+    """Return the columns of a sweep (`column_names`) but the last, each an array with an entry for each run of the
     chunk."""
 
     def numbers(chunk: Chunk, result: Any) -> tuple:
@@ -118,8 +127,10 @@ def solve_chunk(
 
 
 def columns_of_chunk(chunk: Chunk, enabled: Any, settings: Settings) -> list[np.ndarray]:
-    """The columns of a sweep (`column_names`), each with an entry for each run of the chunk; ``enabled`` (runs,):
-    which of them are."""
+    """Return the columns of a sweep (`column_names`), each with an entry for each run of the chunk.
+
+    ``enabled`` (runs,): which runs are stepped; the others fill up the chunk.
+    """
     mechanism = mechanism_of(chunk[0])
 
     def at(rtol: Any) -> dict[str, np.ndarray]:
@@ -129,18 +140,21 @@ def columns_of_chunk(chunk: Chunk, enabled: Any, settings: Settings) -> list[np.
     columns = at(settings.rtol)
     if not settings.trust:
         return [*columns.values(), np.full(len(enabled), NO_VERDICT)]
+    # Close to the least tolerance that is allowed there is no tenth to compare with: the verdict is then "unknown".
     closer = tenth(float(settings.rtol))
     return [*columns.values(), _verdicts(mechanism, columns, None if closer is None else at(np.asarray(closer)))]
 
 
 def _verdicts(mechanism: Mechanism, here: dict[str, np.ndarray], there: dict[str, np.ndarray] | None) -> np.ndarray:
-    """The column ``trust``, from the others and from what they are at a tenth of the tolerance, None if not known."""
+    """Return the column ``trust`` from the columns ``here`` and from those at a tenth of the tolerance, None if not
+    known."""
     failed, unknown = mechanism.outcomes["failed_steps"], VERDICTS.index("unknown")
     solved = here["code"] < failed
     if there is None:
         return np.where(solved, unknown, NO_VERDICT)
     changes = relative_changes(mechanism, here, there)
     error = SAFETY * np.max([*changes.values(), np.zeros(len(solved))], axis=0)
+    # These are whole numbers: no relative change says how far they are off, only whether they are the same.
     others = (f"peak_{mechanism.view.contact}", "impact_count")
     differs = np.any([here[name] != there[name] for name in others], axis=0)
     index = verdicts(error, here["code"] != there["code"], differs)

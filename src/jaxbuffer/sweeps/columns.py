@@ -29,6 +29,7 @@ class RunTable(Saved):
     identity: Mapping[str, str] | None = None  # see `store.identity`
 
     def __getattr__(self, name: str) -> np.ndarray:
+        # Ordinary access would come back here without end while an object that is being unpickled has no columns yet.
         columns = object.__getattribute__(self, "columns")
         if name in columns:
             return columns[name]
@@ -39,44 +40,51 @@ class RunTable(Saved):
 
     @property
     def scenario(self) -> Part:
-        """The scenario that the values were put into."""
+        """Return the scenario that the values were put into."""
         return self.scenarios
 
     @property
     def outcomes(self) -> list[RunOutcome | NotComputed]:
-        """The outcome of each run; of one that an interrupted sweep left, `NotComputed`."""
+        """Return the outcome of each run; `NotComputed` for a run that an interrupted sweep left out."""
         known = self.mechanism.outcomes
         return [NotComputed() if code < 0 else known(int(code)) for code in self.columns["code"]]
 
     @property
     def done(self) -> np.ndarray:
-        """Which runs were computed, shape (n,): all of them unless the sweep was interrupted."""
+        """Return which runs were computed, shape (n,): all of them unless the sweep was interrupted."""
         return self.columns["code"] >= 0
 
     @property
     def solved(self) -> np.ndarray:
-        """Which runs have numbers, shape (n,): done, and not failed."""
+        """Return which runs have numbers, shape (n,): those that are done and did not fail."""
+        # Codes of failures begin at "failed_steps".
         return self.done & (self.columns["code"] < self.mechanism.outcomes["failed_steps"])
 
     @property
     def verdicts(self) -> list[str]:
-        """How far the numbers of each run can be trusted, in a word as of `jb.trust`; "" for a run that failed, and
-        where it was not asked."""
+        """Return how far the numbers of each run can be trusted, in a word as of `jb.trust`.
+
+        It is "" for a run that failed, and where no verdict was asked for.
+        """
         return [VERDICTS[index] if index >= 0 else "" for index in self.columns["trust"]]
 
     def doubts(self, where: str) -> list[str]:
-        """How many runs are not trusted, in words; ``where`` they are marked."""
+        """Return how many runs are not trusted, in words; ``where`` they are marked."""
         return doubts(self.mechanism, len(self), tally(self.columns["trust"]), where)
 
     def contacts(self) -> tuple[str, ...]:
-        """The names of the contacts, by their numbers."""
+        """Return the names of the contacts, by their numbers."""
         design = self.mechanism.design() if self.design is None else self.design
         return self.mechanism.view.names(design).contacts
 
 
 def doubts(mechanism: Mechanism, runs: int, verdicts: Mapping[int, int], where: str) -> list[str]:
-    """How many of so many ``runs`` are not trusted, in words; ``verdicts``: how often each was given, by its index;
-    ``where`` they are marked."""
+    """Return how many of the ``runs`` are not trusted, in words.
+
+    - ``mechanism``: of which these are runs; ``runs``: how many there are.
+    - ``verdicts``: how often each verdict was given, by its index.
+    - ``where``: the place at which such runs are marked.
+    """
     of_all, lines = f"of {runs} {mechanism.view.run_name}s", []
     if count := verdicts.get(VERDICTS.index("ill-conditioned")):
         lines.append(f"{count} {of_all} are ill-conditioned: little decides what happens, no number is sure")
@@ -88,22 +96,22 @@ def doubts(mechanism: Mechanism, runs: int, verdicts: Mapping[int, int], where: 
 
 
 def tally(values: np.ndarray) -> dict[int, int]:
-    """How often each whole number is among them."""
+    """Return how often each whole number is among the ``values``."""
     numbers, counts = np.unique(values, return_counts=True)
     return dict(zip(numbers.tolist(), counts.tolist(), strict=True))
 
 
 def column_names(mechanism: Mechanism) -> tuple[str, ...]:
-    """The names of a sweep's columns, in order."""
+    """Return the names of a sweep's columns, in order."""
     return tuple(column_types(mechanism))
 
 
 def column_types(mechanism: Mechanism) -> dict[str, str]:
-    """The type of each column by name: whole numbers or others."""
+    """Return the type of each column by name: whole numbers, or floating-point ones."""
     whole = (f"peak_{mechanism.view.contact}", "impact_count", "attempts", "trust")
     return {"code": "<i8"} | dict.fromkeys(mechanism.swept, "<f8") | dict.fromkeys(whole, "<i8")
 
 
 def empty_columns(mechanism: Mechanism, count: int) -> dict[str, np.ndarray]:
-    """Room for a number of runs, none of them done."""
+    """Return columns for ``count`` runs, none of which is done."""
     return {name: np.full(count, EMPTY[kind], kind) for name, kind in column_types(mechanism).items()}

@@ -32,7 +32,7 @@ class Block(NamedTuple):
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Of its arrays."""
+        """Return the shape of its arrays."""
         return tuple(part.stop - part.start for part in self.region)
 
 
@@ -48,20 +48,21 @@ class Cut:
 
     @property
     def counts(self) -> tuple[int, ...]:
-        """Blocks along each axis."""
+        """Return the number of blocks along each axis."""
         return tuple(-(-size // length) for size, length in zip(self.sizes, self.block, strict=True))
 
     def numbers(self, places: np.ndarray) -> np.ndarray:
-        """The blocks in which runs are, by their ``places`` in the arrays of all."""
+        """Return the numbers of the blocks that hold the runs at these ``places`` in the arrays of all."""
         corners = [
             place // length for place, length in zip(np.unravel_index(places, self.sizes), self.block, strict=True)
         ]
         return np.unique(np.ravel_multi_index(corners, self.counts))
 
     def region(self, number: int) -> Region:
-        """Where a block is."""
+        """Return the region of the arrays of all that a block covers."""
         corner = np.unravel_index(number, self.counts)
         starts = [int(place) * length for place, length in zip(corner, self.block, strict=True)]
+        # The last block along an axis may be shorter than the others.
         ends = [min(a + n, size) for a, n, size in zip(starts, self.block, self.sizes, strict=True)]
         return tuple(itertools.starmap(slice, zip(starts, ends, strict=True)))
 
@@ -83,21 +84,21 @@ class _Blocks:
 
     @property
     def mechanism(self) -> Mechanism:
-        """Of which these are runs."""
+        """Return the mechanism of which these are runs."""
         return mechanism_of(self.template.design)
 
     @property
     def duration(self) -> Any:
-        """Of the runs [s]."""
+        """Return the duration of the runs [s]."""
         return self.template.duration
 
     def blocks(self) -> Iterator[Block]:
-        """All of them, made as they are asked for."""
+        """Yield all blocks, each made as it is asked for."""
         for number in range(len(self.cut)):
             yield self.block(number)
 
     def block(self, number: int) -> Block:
-        """One of them."""
+        """Return the block of this number."""
         region = self.cut.region(number)
         return Block(number, region, self._values_in(region))
 
@@ -110,20 +111,21 @@ class GridSweep(_Blocks):
 
     def __init__(self, grid: Grid, template: Template, size: int) -> None:
         self.grid, self.template = grid, template
+        # A choice changes the program, and a block has the runs of one program: it is one value thick along choices.
         self.cut = Cut(grid.shape, box([len(axis) if axis.unit else 1 for axis in grid.axes], size))
         self.dims = tuple(axis.path for axis in grid.axes)
 
     def identity(self) -> dict[str, Any]:
-        """What makes it the sweep it is."""
+        """Return the parts that tell this sweep from others, by name."""
         axes = [(axis.path, axis.unit, axis.values.tolist()) for axis in self.grid.axes]
         return {"design": self.template.design, "scenarios": (self.template.scenario, axes)}
 
     def choices(self) -> list[Any]:
-        """All values of the fields that are choices."""
+        """Return all values of the fields that are choices."""
         return [value for axis in self.grid.axes if not axis.unit for value in axis.values.tolist()]
 
     def coordinates(self) -> dict[str, Labelled]:
-        """The fields' values."""
+        """Return the fields' values as labelled arrays, by path."""
         return {it.path: Labelled((it.path,), it.values, it.unit, it.name) for it in self.grid.axes}
 
     @functools.cached_property
@@ -135,7 +137,7 @@ class GridSweep(_Blocks):
 
     @staticmethod
     def batch(template: Template, block: Block) -> tuple[Batch, Any]:
-        """The runs of a block and their duration."""
+        """Return the runs of a block and their duration [s]."""
         meshed = np.meshgrid(*block.values.values(), indexing="ij")
         put = {}
         for path, values in zip(block.values, meshed, strict=True):
@@ -152,26 +154,27 @@ class RunsSweep(_Blocks):
     def __init__(self, design: Part, scenarios: Part, duration: Any, count: int, size: int) -> None:
         leaves, structure = jax.tree.flatten((design, scenarios, as_number(duration)))
         self.arrays = {k: np.asarray(leaf, float) for k, leaf in enumerate(leaves) if np.ndim(leaf)}
+        # The template goes to every worker: single numbers in place of arrays with an entry for each run keep it small.
         first = [float(np.ravel(leaf)[0]) for leaf in leaves]
         self.template = Template(*jax.tree.unflatten(structure, first))
         self.swept = design, scenarios, duration
         self.cut, self.dims = Cut((count,), (min(size, count),)), ("run",)
 
     def identity(self) -> dict[str, Any]:
-        """What makes it the sweep it is."""
+        """Return the parts that tell this sweep from others, by name."""
         return {"design": self.swept[0], "scenarios": self.swept[1]}
 
     @property
     def duration(self) -> Any:
-        """Of the runs [s], shape (n,) where they have one each."""
+        """Return the duration of the runs [s], shape (n,) where they have one each."""
         return self.swept[2]
 
     def choices(self) -> list[Any]:
-        """The values of choices that differ: none do."""
+        """Return the values of choices that differ: none, because runs given one by one share their choices."""
         return []
 
     def coordinates(self) -> dict[str, Labelled]:
-        """The numbers that differ, and the runs' own."""
+        """Return the numbers that differ, and the runs' own numbers, as labelled arrays."""
         both = self.swept[:2]
         values = {path: np.asarray(value_at(*both, path)) for path in addresses(*both)}
         differ = {path: Labelled(("run",), it, unit_at(*both, path)) for path, it in values.items() if it.ndim}
@@ -182,7 +185,7 @@ class RunsSweep(_Blocks):
 
     @staticmethod
     def batch(template: Template, block: Block) -> tuple[Batch, Any]:
-        """The runs of a block and their duration."""
+        """Return the runs of a block and their duration [s]."""
         leaves, structure = jax.tree.flatten(tuple(template))
         leaves = [block.values.get(k, leaf) for k, leaf in enumerate(leaves)]
         design, scenarios, duration = jax.tree.unflatten(structure, leaves)
@@ -193,10 +196,14 @@ BlockSweep = GridSweep | RunsSweep
 
 
 def box(sizes: list[int], most: int) -> tuple[int, ...]:
-    """A box of at most so many cells in an array of these sizes, longest along its last axes, and as even as can be."""
+    """Return the lengths of a box of at most ``most`` cells in an array of these sizes.
+
+    The box is longest along its last axes, along which runs are neighbours in the result.
+    """
     lengths: list[int] = []
     for size in reversed(sizes):
         room = max(1, most // math.prod(lengths))
+        # Equal pieces in place of full ones and a rest: all blocks take about the same time.
         pieces = -(-size // min(size, room))
         lengths.append(-(-size // pieces))
     return tuple(reversed(lengths))

@@ -41,7 +41,7 @@ class Report(NamedTuple):
 
 
 def solve_block(job: Job, block: Block) -> Report:
-    """Solve and store a block, unless the store has it whole already."""
+    """Solve and store a block, unless the store has all of it."""
     job.store.check()
     columns, solving = job.store.read_columns(block), 0.0
     if columns is None:
@@ -55,8 +55,9 @@ def solve_block(job: Job, block: Block) -> Report:
 
 
 def solved(job: Job, block: Block) -> list[np.ndarray]:
-    """A block's columns, (runs,) each."""
+    """Return a block's columns, (runs,) each."""
     batch, duration = (GridSweep if job.grid else RunsSweep).batch(job.template, block)
+    # Every call has the same shape, so that a worker compiles one program for each combination of choices.
     own = runs(batch, duration, CHUNK, 1, filled=True)
     parts = []
     for first in range(0, own.places.size, CHUNK):
@@ -66,8 +67,12 @@ def solved(job: Job, block: Block) -> list[np.ndarray]:
 
 
 def run(cut: Callable[[int], BlockSweep], count: int, settings: Settings, where: Where) -> StoredSweep:
-    """Solve all runs, or those that the store lacks; ``cut``: the sweep of ``count`` runs in blocks of at most so
-    many."""
+    """Solve all runs, or those that the store lacks, on the workers of a cluster.
+
+    - ``cut``: returns the sweep in blocks of at most so many runs.
+    - ``count``: how many runs the sweep has.
+    - ``settings``: what all runs share; ``where``: the cluster, the folder, and who watches.
+    """
     if where.folder is None:
         raise InputError("a sweep over a scheduler needs a folder, where its workers store what they find")
     path = user_path(where.folder).absolute() / STORE
@@ -75,8 +80,10 @@ def run(cut: Callable[[int], BlockSweep], count: int, settings: Settings, where:
         check_resumable(path)
     with Lock(path.parent), connected(where.executor, where.workers) as client:
         if where.resume:
+            # `resumed` gives the sweep the blocks of the store; until then any size will do.
             sweep = cut(CHUNK)
             store, made_on = resumed(path, sweep, settings)
+            # The store's other blocks were computed by this kind of process: another kind might find other bits.
             workers = Workers(client, made_on)
         else:
             workers = Workers(client)
@@ -89,7 +96,7 @@ def run(cut: Callable[[int], BlockSweep], count: int, settings: Settings, where:
 def _solved(
     reports: Generator[Report, None, None], sweep: BlockSweep, count: int, store: SweepStore, where: Where
 ) -> StoredSweep:
-    """Wait for all blocks."""
+    """Add up the reports of all blocks as they come in, and return the stored sweep."""
     outcomes, verdicts, done = Counter[int](), Counter[int](), 0
 
     def so_far() -> StoredSweep:

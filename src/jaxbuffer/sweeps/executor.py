@@ -43,6 +43,7 @@ def completed(
     waiting, running = iter(items), set[Future[R]]()
     try:
         while True:
+            # Two calls a worker: each has its next one at hand, and few are left to drop after an interrupt.
             running |= {_submitted(pool, call, item) for item in itertools.islice(waiting, 2 * workers - len(running))}
             if not running:
                 return
@@ -55,13 +56,18 @@ def completed(
         for future in running:
             future.cancel()
         if executor is None:
+            # Only our own threads: an executor that was given stays open.
             pool.shutdown(wait=False, cancel_futures=True)
 
 
 def _submitted(pool: Executor, call: Callable[[I], R], item: I) -> Future[R]:
-    """Hand out a call. **Raises:** `InputError` where the executor takes none, because it was shut down."""
+    """Hand out a call to the executor.
+
+    **Raises:** `InputError` where the executor takes none, because it was shut down.
+    """
     try:
         return pool.submit(call, item)
+    # A broken executor is a `RuntimeError` too, but `completed` has its own message for it.
     except BrokenExecutor:
         raise
     except RuntimeError as error:
@@ -76,7 +82,7 @@ def check_executor(executor: Any) -> None:
 
 
 def _elsewhere(function: Callable[[I], R]) -> Callable[[I], R]:
-    """The function with a check of the process that it is called in, for executors that have other processes."""
+    """Return the function with a check of the process that it is called in, for executors that have other processes."""
     cache = folder()
     return functools.partial(_checked, function, _address(), kind(), None if cache is None else str(cache))
 
@@ -94,5 +100,8 @@ def _checked(function: Callable[[I], R], home: str, expected: Kind, cache: str |
 
 
 def _address() -> str:
-    """This process's, also after a fork."""
+    """Return an address that differs for each process.
+
+    The process number is read at each call, because a fork copies `PROCESS`.
+    """
     return f"{PROCESS}-{os.getpid()}"

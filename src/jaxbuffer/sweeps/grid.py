@@ -33,25 +33,25 @@ class Places(Protocol):
 
     @property
     def axes(self) -> Sequence[Any]:
-        """The fields that differ, each with its ``path``, ``unit``, ``name`` and ``heading``."""
+        """Return the fields that differ, each with its ``path``, ``unit``, ``name`` and ``heading``."""
         ...
 
     def __len__(self) -> int: ...
 
     def columns(self) -> dict[str, np.ndarray]:
-        """Each field's value in every run, shape (n,), by its path."""
+        """Return each field's value in every run, shape (n,), by its path."""
         ...
 
     def point(self, index: int) -> str:
-        """One run's values in words."""
+        """Return one run's values in words."""
         ...
 
     def batches(self, design: Part, scenario: Part) -> list[Batch]:
-        """All runs, those of one program together."""
+        """Return all runs, those of one program together."""
         ...
 
     def applied(self, design: Part, scenario: Part) -> tuple[Part, Part]:
-        """Design and scenario with an array (n,) for each field that differs."""
+        """Return design and scenario with an array (n,) for each field that differs."""
         ...
 
 
@@ -68,6 +68,7 @@ class Grid:
     def __post_init__(self) -> None:
         if not self.axes:
             raise InputError("nothing to sweep; name a field and its values")
+        # The memory is checked before any array is made: a mistyped count would otherwise fill it first.
         runs = math.prod(self.shape)
         need, have = BYTES * runs, _free_memory()
         size = f"the grid has {' × '.join(map(str, self.shape))} = {runs:.4g} runs"
@@ -81,23 +82,25 @@ class Grid:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """How many values each axis has."""
+        """Return how many values each axis has."""
         return tuple(len(axis) for axis in self.axes)
 
     def columns(self) -> dict[str, np.ndarray]:
-        """Each path's value in every run, shape (n,)."""
+        """Return each path's value in every run, shape (n,)."""
         meshed = np.meshgrid(*(axis.values for axis in self.axes), indexing="ij")
         return {axis.path: values.ravel() for axis, values in zip(self.axes, meshed, strict=True)}
 
     def point(self, index: int) -> str:
-        """One run's values in words: "approach_speed 0.1 m/s, misalignment 0 rad"."""
+        """Return one run's values in words: "approach_speed 0.1 m/s, misalignment 0 rad"."""
         places = np.unravel_index(index, self.shape)
         shown = (f"{it.name} {it.words(it.values[place])}" for it, place in zip(self.axes, places, strict=True))
         return ", ".join(shown)
 
     def batches(self, design: Part, scenario: Part) -> list[Batch]:
-        """All runs: a batch for each combination of choices, which change the program, with an array (n,) for each
-        field of the grid that is a number."""
+        """Return all runs, a batch for each combination of choices, because these change the program.
+
+        Each field of the grid that is a number has an array (n,) in a batch.
+        """
         chosen, columns = [axis for axis in self.axes if not axis.unit], self.columns()
         numbers = {axis.path: columns[axis.path] for axis in self.axes if axis.unit}
         made = []
@@ -113,14 +116,17 @@ class Grid:
         return made
 
     def applied(self, design: Part, scenario: Part) -> tuple[Part, Part]:
-        """Design and scenario with an array (n,) for each field of the grid, the others as they are; of a grid without
-        choices."""
+        """Return design and scenario with an array (n,) for each field of the grid, the others as they are.
+
+        The grid must have no choices.
+        """
+        # Without choices all runs are one batch.
         ((_, design, scenario),) = self.batches(design, scenario)
         return design, scenario
 
 
 def grid(over: Mapping[str, Any], design: Part, scenario: Part, in_memory: bool = True) -> Grid:
-    """A grid from values as TOML writes them: a number, a list, or {from, to, count, scale = "linear" | "log"}.
+    """Return a grid of values as TOML writes them: a number, a list, or {from, to, count, scale = "linear" | "log"}.
 
     Of a choice the values are a word, a truth, a whole number, or a list of them.
 
@@ -134,7 +140,7 @@ def grid(over: Mapping[str, Any], design: Part, scenario: Part, in_memory: bool 
 
 
 def _free_memory() -> int:
-    """Bytes that can still be had."""
+    """Return how many bytes of memory are free; where the system does not say, how many there are."""
     try:
         lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
         return 1024 * next(int(line.split()[1]) for line in lines if line.startswith("MemAvailable:"))

@@ -42,32 +42,34 @@ class Sweep(RunTable):
 
     @staticmethod
     def empty(mechanism: Mechanism, count: int) -> "Sweep":
-        """Room for a number of runs, none of them done."""
+        """Return a sweep with room for ``count`` runs, none of which is done."""
         return Sweep(mechanism, empty_columns(mechanism, count))
 
     @property
     def found(self) -> "Sweep":
-        """The same runs one by one, without their grid."""
+        """Return the same runs one by one, without their grid."""
         if self.grid is None:
             return self
+        # Runs that differ in a choice cannot be one design with arrays.
         choices = any(not axis.unit for axis in self.grid.axes)
         swept = (None, None) if choices else self.grid.applied(self.design, self.scenarios)
         return Sweep(self.mechanism, self.columns, *swept, identity=self.identity)  # type: ignore[arg-type, misc]
 
     def shaped(self, quantity: str) -> np.ndarray:
-        """A quantity in the grid's shape."""
+        """Return a quantity in the grid's shape."""
         return self.columns[quantity].reshape(len(self) if self.grid is None else self.grid.shape)
 
     def only(self, done: np.ndarray) -> "Sweep":
-        """A copy with the runs of ``done`` (n,), in which the others are not computed."""
+        """Return a copy with the runs of ``done`` (n,), in which the others are not computed."""
         blank = empty_columns(self.mechanism, len(self))
         columns = {name: np.where(done, values, blank[name]) for name, values in self.columns.items()}
         return dataclasses.replace(self, columns=columns)
 
     def to_xarray(self) -> Dataset:
-        """The sweep as labelled arrays, each with its unit in the attribute ``units``: over a grid a dimension for each
-        field, named by its dotted path, with its values; else along ``run``, counted from 0, with the numbers of design
-        and scenario that differ as coordinates.
+        """Return the sweep as labelled arrays, each with its unit in the attribute ``units``.
+
+        Over a grid they have a dimension for each field, named by its dotted path, with its values; else one dimension,
+        ``run``, counted from 0, with the numbers of design and scenario that differ as coordinates.
 
         Numbers are NaN where a run failed; ``outcome`` is in words, "not computed" where the sweep was interrupted.
 
@@ -85,8 +87,10 @@ class Sweep(RunTable):
         return sweep_dataset(self)
 
     def to_pandas(self) -> DataFrame:
-        """A row for each run that was computed, as in sweep.csv: the numbers that differ, the outcome and the results,
-        columns named with their units."""
+        """Return a row for each run that was computed, as in sweep.csv.
+
+        The columns are the numbers that differ, the outcome and the results, named with their units.
+        """
         return frame(*sweep_rows(self))
 
     def __repr__(self) -> str:

@@ -81,6 +81,7 @@ class SweepStore(BlockStore[Block]):
             files[self.file(name, block)] = full = np.full(self.cut.block, EMPTY[kind], kind)
             full[inside] = values.reshape(block.shape)
         files[self.file(CHECKSUM, block)] = np.array([checksum], "<u8")
+        # All files of a block are written together, so that an error names the store and not one of its columns.
         with naming(self.path):
             zarr_format.write(files)
 
@@ -148,6 +149,7 @@ class Saver:
         """Store the blocks in which runs were finished since the last time, if that is long enough ago or ``now``."""
         if not now and time.monotonic() < self.due:
             return
+        # The runs are marked as stored after they are written: an error in between has them written again.
         new = np.flatnonzero(self.finished & ~self.stored)
         for number in self.sweep.cut.numbers(new):
             self.store.write_columns(*self._block(int(number)))
@@ -189,6 +191,7 @@ def begun(path: Path, sweep: BlockSweep, settings: Settings, made_on: Mapping[st
             KIND: json.dumps(dict(made_on), sort_keys=True),
             **head.described(),
         }
+        # Readers find all arrays in this one file, and need not look for each.
         metadata[zarr_format.ALL] = {"zarr_consolidated_format": 1, "metadata": dict(metadata)}
         write_all({draft / name: json.dumps(it).encode() for name, it in metadata.items()})
     return SweepStore(head, path, types, sweep.cut)
@@ -255,6 +258,7 @@ def resumed(path: Path, sweep: BlockSweep, settings: Settings) -> tuple[SweepSto
     store = SweepStore(head, path, column_types(sweep.mechanism), cut)
     store.check_identity(identity(settings, sweep))
     remove_all_drafts(path)  # what killed processes left half written
+    # How large blocks are depends on the threads there were: a store goes on with those that it was begun with.
     sweep.cut = cut
     return store, made_on
 
@@ -297,12 +301,13 @@ def is_unfinished(path: Path) -> bool:
         cut = Cut(tuple(described["shape"]), tuple(described["chunks"]))
     except (OSError, ValueError, KeyError, TypeError, IndexError):
         return False
+    # Outcomes alone tell, which are read without identity and token.
     store = SweepStore(Head({}, ""), path, {"code": "<i8"}, cut)
     return not all(_is_whole(store, number) for number in range(len(cut)))
 
 
 def _is_whole(store: SweepStore, number: int) -> bool:
-    """Whether every run of a block is there."""
+    """Return whether every run of a block is there."""
     region = store.cut.region(number)
     inside = tuple(slice(part.stop - part.start) for part in region)
     try:
@@ -322,6 +327,7 @@ def opened(path: Path) -> Dataset:
     import xarray as xr  # takes a third of a second, which a sweep that is not read is spared
 
     try:
+        # With masks xarray would take -1, the fill value of whole numbers, for missing and turn them all into floats.
         return xr.open_zarr(path, mask_and_scale=False).drop_vars(CHECKSUM)
     except Exception as error:  # no store at all, or metadata cut short: all mean the same
         raise InputError(f"{path} is damaged or no store of jaxbuffer: {error}") from None

@@ -52,22 +52,24 @@ class StoredSweep:
 
     @property
     def mechanism(self) -> Mechanism:
-        """Of which these are runs."""
+        """Return the mechanism of which these are runs."""
         return self.asked.mechanism
 
     @property
     def outcomes(self) -> dict[str, int]:
-        """How many runs ended how."""
+        """Return how many runs ended with each outcome, by its name."""
         return {self.mechanism.outcomes(code).name: count for code, count in sorted(self.codes.items())}
 
     def to_xarray(self) -> Dataset:
-        """The sweep as labelled arrays that are read when they are used: a dimension for each field of a grid, else
-        ``run``, with units; `code` is the outcome, -1 where there is none yet."""
+        """Return the sweep as labelled arrays that are read when they are used, with units.
+
+        They have a dimension for each field of a grid, else ``run``; `code` is the outcome, -1 where there is none yet.
+        """
         self._check()
         return opened(self.store)
 
     def load(self) -> Sweep:
-        """All of it in memory, as the same sweep without a scheduler would have returned it."""
+        """Read the whole sweep into memory, as the same sweep without a scheduler would have returned it."""
         self._check()
         columns, store = empty_columns(self.mechanism, self.count), existing(self.store, self.asked)
         fill(store, self.asked, columns)

@@ -18,8 +18,8 @@ QUANTILES = {"least": 0.0, "10 %": 0.1, "median": 0.5, "90 %": 0.9, "greatest": 
 
 
 def sweep_parts(sweep: RunTable) -> list[str | Table]:
-    """Outcomes and the spread of every quantity; over a grid, also the worst and the best run, and those that
-    failed."""
+    """Return the outcomes and the spread of every quantity; over a grid, also the worst and the best run, and those
+    that failed."""
     if not isinstance(sweep.grid, Grid):
         return [sweep_table(sweep)]
     axes = sweep.grid.axes
@@ -29,7 +29,7 @@ def sweep_parts(sweep: RunTable) -> list[str | Table]:
 
 
 def sweep_table(sweep: RunTable) -> Table:
-    """How many runs ended how, and the range of what they sweep."""
+    """Return a table of how many runs ended how, and of the range of each quantity."""
     codes, counts = np.unique(sweep.code[sweep.done], return_counts=True)
     ends = ", ".join(
         f"{count} {sweep.mechanism.outcomes(int(code)).reason}" for code, count in zip(codes, counts, strict=True)
@@ -41,6 +41,7 @@ def sweep_table(sweep: RunTable) -> Table:
     shown = table(title, ("quantity",), ("least", "median", "greatest"))
     for name in sweep.mechanism.swept:
         values, (symbol, factor) = sweep.columns[name], sweep.mechanism.quantities[name].in_figures
+        # Failed runs are NaN, and a single one would hide the range of all others.
         known = factor * values[np.isfinite(values)]
         figures = [f"{f(known):.5g}" for f in (np.min, np.median, np.max)] if known.size else ["-"] * 3
         shown.add_row(f"{name} [{symbol}]", *figures)
@@ -51,6 +52,7 @@ def sweep_table(sweep: RunTable) -> Table:
 def end_count(sweep: RunTable) -> EndCount | None:
     """Return in how many of the runs that were computed the strictest end was reached; None where their design can
     have none."""
+    # A field that the grid varies counts as set: some of its values may switch the end on.
     moved = set() if sweep.grid is None else {axis.path for axis in sweep.grid.axes}
     designs = sweep.design if sweep.design is not None else sweep.mechanism.design()
     codes, counts = np.unique(sweep.code[sweep.done], return_counts=True)
@@ -59,7 +61,7 @@ def end_count(sweep: RunTable) -> EndCount | None:
 
 
 def _outcomes(sweep: RunTable) -> Table:
-    """How many runs ended how."""
+    """Return a table of how many runs ended how."""
     mechanism = sweep.mechanism
     codes, counts = np.unique(sweep.code[sweep.done], return_counts=True)
     outcomes = table("Outcomes", ("outcome",), (f"{mechanism.view.run_name}s", "share"))
@@ -70,8 +72,10 @@ def _outcomes(sweep: RunTable) -> Table:
 
 
 def summary(sweep: RunTable, title: str, fields: Mapping[str, str], file: str) -> list[str | Table]:
-    """What was run, how it ended, the spread of every quantity, the worst and the best run, what lies beyond validity,
-    and those that failed.
+    """Return what was run, how it ended and what it found, as texts and tables.
+
+    They have the outcomes, the spread of every quantity, the worst and the best run, the limits of validity that runs
+    exceed, and the runs that failed.
 
     ``fields``: what differs between the runs, by its path, in words; ``file``: where all runs can be looked up.
     """
@@ -90,7 +94,7 @@ def summary(sweep: RunTable, title: str, fields: Mapping[str, str], file: str) -
 
 
 def _beyond_validity(sweep: RunTable) -> list[str]:
-    """How many answers lie beyond each limit of validity, and the worst of them."""
+    """Return a line for each limit of validity that runs exceed: how many do, and the worst of them."""
     mechanism, shares = sweep.mechanism, dict[str, np.ndarray]()
     for places, design, _ in sweep.grid.batches(sweep.design, sweep.scenario):
         for limit in mechanism.view.validity(design, sweep.peak_force[places], sweep.penetration[places]):

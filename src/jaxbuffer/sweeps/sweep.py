@@ -166,6 +166,7 @@ def sweep(
         from .distributed import run as run_distributed  # imports Dask, an optional package
 
         return run_distributed(cut, count, settings, where)
+    # The identity says nothing of the blocks, so that any size gives the same.
     result = Sweep(mechanism, {}, design, scenarios, axes, identity(settings, cut(CHUNK)))  # type: ignore[arg-type]
     _run(result, cut, duration, settings, where)
     if save and folder is not None:
@@ -179,6 +180,7 @@ def _run(result: Sweep, cut: Cutter, duration: Any, settings: Settings, where: W
     design, scenarios, over = result.design, result.scenarios, result.grid
     batches = [Batch(None, design, scenarios)] if over is None else over.batches(design, scenarios)
     on_cpu = jax.default_backend() == "cpu"
+    # An accelerator gets one large call at a time: it works on the runs of a call in parallel.
     most, workers = (CHUNK, cores()) if on_cpu else (4096, 1)
     workers = workers if where.workers is None else where.workers
     parts = [runs(batch, duration, most, workers, on_cpu) for batch in batches]
@@ -187,6 +189,7 @@ def _run(result: Sweep, cut: Cutter, duration: Any, settings: Settings, where: W
     finished = np.zeros(count, bool)
     columns = list(result.columns.values())
     progress = where.progress
+    # A generator: it looks at `finished` when a call is handed out, after `_saver` has filled in what was stored.
     calls = (
         (part.places[first : first + part.chunk], part.call(first))
         for part in parts
@@ -220,7 +223,7 @@ def _run(result: Sweep, cut: Cutter, duration: Any, settings: Settings, where: W
 
 
 def _solved(settings: Settings, call: tuple[np.ndarray, tuple[Any, np.ndarray]]) -> tuple[np.ndarray, list[np.ndarray]]:
-    """The places of a call's runs, and their columns."""
+    """Return the places of a call's runs, and their columns."""
     places, chunk = call
     return places, columns_of_chunk(*chunk, settings)
 
@@ -242,5 +245,6 @@ def _saver(
         if resume:
             fill(store, sweep, columns)
             finished[:] = columns["code"] >= 0
+        # Keep the lock beyond this block; an error before here releases it.
         locked.pop_all()  # until the sweep is stored
     return Saver(store, sweep, columns, finished, lock)

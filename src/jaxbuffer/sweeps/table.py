@@ -19,7 +19,7 @@ Rows = tuple[list[str], Iterator[Sequence[Any]]]
 
 
 def sweep_dataset(sweep: RunTable) -> Dataset:
-    """See `Sweep.to_xarray`."""
+    """Return the labelled arrays of `Sweep.to_xarray`."""
     own = {} if sweep.identity is None else {IDENTITY: identity_text(sweep.identity)}
     if isinstance(sweep.grid, Grid):
         axes = {axis.path: Labelled((axis.path,), axis.values, axis.unit, axis.name) for axis in sweep.grid.axes}
@@ -32,7 +32,7 @@ def sweep_dataset(sweep: RunTable) -> Dataset:
 
 
 def sweep_rows(sweep: RunTable) -> Rows:
-    """Header and a row for each run that was computed; what a failed one lacks stays empty."""
+    """Return the header and a row for each run that was computed; what a failed run lacks stays empty."""
     if sweep.grid is None:
         inputs = {f"{path} [{unit}]": values for path, (unit, values) in _inputs(sweep).items()}
     else:
@@ -45,13 +45,13 @@ def sweep_rows(sweep: RunTable) -> Rows:
 
 
 def heading(sweep: RunTable, column: str) -> str:
-    """A column with its unit: "peak_force [N]"."""
+    """Return a column's name with its unit: "peak_force [N]"."""
     catalogue = sweep.mechanism.quantities
     return f"{column} [{catalogue[column].unit}]" if column in catalogue else column
 
 
 def _inputs(sweep: RunTable) -> dict[str, tuple[str, np.ndarray]]:
-    """Unit and values (n,) of each number that differs between the runs, by its address."""
+    """Return unit and values (n,) of each number that differs between the runs, by its address."""
     if sweep.design is None or sweep.scenarios is None:
         return {}
     both = sweep.design, sweep.scenarios
@@ -71,6 +71,7 @@ def _variables(sweep: RunTable, dims: tuple[str, ...], shape: tuple[int, ...]) -
         quantity = mechanism.quantities[name]
         variables[name] = labelled(sweep.columns[name], quantity.unit, quantity.description)
     names = sweep.contacts()
+    # A failed run, and one without an impact, has no contact with the largest force.
     where = [
         names[k] if solved and k >= 0 else "" for k, solved in zip(sweep.columns[contact], sweep.solved, strict=True)
     ]

@@ -41,6 +41,7 @@ def write_coordinate(folder: Path, name: str, labelled: Labelled) -> dict[str, A
     metadata = {key: text for key, text in described.items() if text}
     if values.dtype.kind == "b":  # as xarray stores truths
         values, metadata["dtype"] = values.astype("i1"), "bool"
+    # One byte order on every machine, because it is a part of the type that the metadata name.
     values = values.astype(values.dtype.newbyteorder("<"))
     write({folder / name / "0": values})
     empty = "" if values.dtype.kind == "U" else 0

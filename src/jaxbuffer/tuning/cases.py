@@ -94,7 +94,7 @@ class Distribution:
 
     @property
     def range(self) -> tuple[float, float]:
-        """Its ends; of a normal distribution two deviations on either side of the mean."""
+        """Return its ends; those of a normal distribution are two deviations on either side of the mean."""
         if self.kind == "uniform":
             return self.first, self.second
         return self.first - DEVIATIONS * self.second, self.first + DEVIATIONS * self.second
@@ -129,7 +129,7 @@ class Scatter:
 
     @property
     def distributions(self) -> dict[str, Distribution]:
-        """All of them, the scenario's first, by the address of their number."""
+        """Return all distributions, the scenario's first, by the address of their number."""
         return {f"scenario.{name}": distribution for name, distribution in self.fields.items()} | dict(self.factors)
 
     def cases(self, scenarios: Sequence[Case], design: Part) -> tuple[Case, ...]:
@@ -148,6 +148,7 @@ class Scatter:
             if value is None or isinstance(value, (str, bool, Curve)):
                 raise InputError(f"sample: {path} = {value!r} is not a number that can scatter")
         self.corners(scenarios)  # raises for ends of a range that a scenario does not allow
+        # Quantiles of evenly spread shares, so that each distribution is met evenly.
         shares = scipy.stats.qmc.LatinHypercube(len(self.distributions), rng=self.seed).random(self.count).T
         spread = [d.at(s) for d, s in zip(self.distributions.values(), shares, strict=True)]
         return self._at(scenarios, np.array(spread).T)
@@ -160,6 +161,7 @@ class Scatter:
         number of the basic factors in its own set are. The sets are distinct, those of odd size first.
         """
         count = len(self.distributions)
+        # 2**basic - 1 sets are not empty, and each range needs one of its own.
         basic = min(count, max(WHOLE_CORNERS, count.bit_length()))
         sets = sorted(range(1, 2**basic), key=lambda it: (it.bit_count() % 2 == 0, it.bit_count()))[:count]
         high = np.array([[(row & it).bit_count() % 2 for it in sets] for row in range(2**basic)])
@@ -174,9 +176,11 @@ class Scatter:
         """Return each row of numbers at every scenario, all rows of the first one first."""
         split, names, cases = len(self.fields), [*self.distributions], list[Case]()
         for case, row in itertools.product(scenarios, rows.tolist()):
+            # The scenario's numbers come first in each row, as in `distributions`.
             scenario = dataclasses.replace(case.scenario, **dict(zip(self.fields, row[:split], strict=True)))
             drawn = dict(zip(names[split:], row[split:], strict=True))
             factors = dict(case.factors)
+            # A scenario may have a factor of its own on the same number: both hold, so that they are multiplied.
             factors |= {path: factor * factors.get(path, 1.0) for path, factor in drawn.items()}
             cases.append(Case(scenario, tuple(factors.items())))
         return tuple(cases)

@@ -50,12 +50,12 @@ class Floor:
 
     @property
     def highest(self) -> float:
-        """The largest of all load cases [N]; NaN where one is not known."""
+        """Return the largest of all load cases [N]; NaN where one is not known."""
         return float(np.max(self.simulated))
 
     @property
     def unknown(self) -> int:
-        """In how many load cases the floor is not known."""
+        """Return in how many load cases the floor is not known."""
         return int(np.sum(~np.isfinite(self.simulated)))
 
 
@@ -105,6 +105,7 @@ def _lowest(
         peaks, slopes = _without_buffer(problem, where, flights)
         weights = problem.objective.case_weights(peaks)
         value, slope = float(weights @ peaks), weights @ slopes
+        # L-BFGS-B takes numbers only: one far above the floor at the start stands for designs that cannot be simulated.
         if not (np.isfinite(value) and np.all(np.isfinite(slope))):
             return FAR * here, np.zeros_like(where)
         # The line search's last point need not be its best, and it may have left the designs that fit.
@@ -154,6 +155,7 @@ def _flight(problem: Problem, built: Part, case: Case) -> Flight | None:
     if with_buffer.outcome.failed:
         return None
     end = float(with_buffer.end_time)
+    # Nothing is touched, so that there is no touchdown which the buffer could move.
     if not int(with_buffer.impact_count):
         return Flight(end, True)
     touch, release = float(with_buffer.impacts.time[0]), float(with_buffer.impacts.release_time[0])
@@ -193,8 +195,8 @@ def _without_softeners(problem: Problem, built: Part) -> Part:
 
 
 def _gone(design: Part, softeners: Sequence[str]) -> dict[str, float]:
-    """Return what is left of a design's softeners by path: of measured curves their values, of what is not there
-    nothing."""
+    """Return what is left of a design's softeners by path: of measured curves their values; parts that are not there
+    are left out."""
     numbers = dict[str, Any]()
     for path in softeners:
         value = get(design, path)
@@ -229,24 +231,24 @@ class Corners:
 
     @property
     def holding(self) -> int:
-        """In how many corners the design holds."""
+        """Return in how many corners the design holds."""
         return sum(not it for it in self.broken)
 
     @property
     def hold(self) -> bool:
-        """Whether the design holds in all of them and in the middle."""
+        """Return whether the design holds in all of them and in the middle."""
         return self.holding == len(self.cases) and self.middle_holds
 
     @property
     def verdict(self) -> str:
-        """How many corners the design fails in, in words."""
+        """Return in words how many corners the design fails in."""
         if self.holding == len(self.cases):
             return "the design holds in every corner of the sampled ranges, and not in their middle"
         return f"the design holds in {self.holding} of {len(self.cases)} corners of the sampled ranges only"
 
     @property
     def largest(self) -> float:
-        """The objective's largest value, NaN where no corner has one."""
+        """Return the objective's largest value, NaN where no corner has one."""
         return float(np.nanmax(self.values)) if np.any(np.isfinite(self.values)) else float("nan")
 
     def lines(self, problem: Problem) -> list[str]:

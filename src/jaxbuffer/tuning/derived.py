@@ -82,7 +82,7 @@ class Derived:
 
     @functools.cached_property
     def parameters(self) -> tuple[str, ...]:
-        """Names of the quantities that it is made of."""
+        """Return the names of the quantities that it is made of."""
         try:
             return tuple(inspect.signature(self.function).parameters)
         except (TypeError, ValueError):
@@ -90,18 +90,19 @@ class Derived:
 
     @property
     def label(self) -> str:
-        """What messages call it: "function effort"."""
+        """Return what messages call it: "function effort"."""
         name = getattr(self.function, "__name__", type(self.function).__name__)
         return name if name == "<lambda>" else f"function {name}"
 
     @property
     def signature(self) -> str:
-        """What it is made of: "effort(peak_force, stroke)"."""
+        """Return what it is made of: "effort(peak_force, stroke)"."""
         return f"{self.label.removeprefix('function ')}({', '.join(self.parameters)})"
 
     def value(self, values: Sequence[Any]) -> Float[Array, ""]:
         """Return its value from those of its parameters, in their order, each in its unit."""
         result = self.function(**dict(zip(self.parameters, values, strict=True)))
+        # `bool` is a kind of `int` in Python.
         if not isinstance(result, (int, float, np.number, np.ndarray, jax.Array)) or isinstance(result, bool):
             raise InputError(f"{self.label} returns {shown(result)}, not a number")
         if jnp.shape(result) != ():
@@ -112,7 +113,7 @@ class Derived:
 
     @functools.cached_property
     def linearised(self) -> Callable[[Array], tuple[Array, Array]]:
-        """The compiled function from values (n, parameters) to results (n,) and derivatives (n, parameters)."""
+        """Return the compiled function from values (n, parameters) to results (n,) and derivatives (n, parameters)."""
 
         def one(values: Float[Array, " parameters"]) -> tuple[Array, Array]:
             return self.value(list(values)), jax.jacfwd(lambda at: self.value(list(at)))(values)
@@ -131,13 +132,14 @@ class Derived:
 
     @property
     def identity(self) -> str:
-        """A hash of the function and of all that it reads: the same in every process with this Python."""
+        """Return a hash of the function and of all that it reads: the same in every process with this Python."""
         return digest(self.function)
 
 
 def check_traced(derived: Derived) -> None:
     """Raise `InputError` for a function that JAX can't trace or differentiate, or that is another one at each call."""
     jaxpr = _traced(derived)
+    # A function that depends on chance, time or a state is traced to other equations, or to other constants.
     again = _traced(derived)
     consts = zip(jaxpr.consts, again.consts, strict=False)
     if str(jaxpr) != str(again) or not all(np.array_equal(a, b, equal_nan=True) for a, b in consts):

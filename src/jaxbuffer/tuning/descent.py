@@ -40,17 +40,20 @@ def optimizer_named(settings: Settings) -> Any:
 
 
 class Repeated:
-    """An evaluator that keeps what it evaluates in the store, and begins with what is there: a descent that is resumed
-    repeats its steps, which cost nothing but runs, with the numbers of before."""
+    """Keep what an evaluator evaluates in the store, and begin with what is there.
+
+    A descent that is resumed repeats its steps, which cost nothing but runs, with the numbers of before.
+    """
 
     def __init__(self, evaluator: Evaluator, store: TuningStore) -> None:
         self.evaluator, self.store = evaluator, store
         self.known, self.used = evaluations_of(store.state), 0
 
     def __call__(self, points: Iterable[np.ndarray], slopes: bool | None = None) -> list[Evaluation]:
-        """As of `Evaluator`."""
+        """Evaluate designs, or return them as stored, as of `Evaluator`."""
         points = [np.asarray(point, float) for point in points]
         stored = self.known[self.used : self.used + len(points)]
+        # Runs that were done before the interrupt count too: the result is the same whether there was one or not.
         if np.array_equal(points, [point.scaled for point in stored]):
             self.evaluator.captures += len(points) * len(self.evaluator.problem.cases)
         else:
@@ -69,6 +72,7 @@ def check_optimizer(problem: Problem, optimizer: Any) -> None:
         raise InputError("a tuning by an optimizer has no second objective; leave out problem.then or optimizer")
     at = problem.start()
     try:
+        # A step on made-up numbers shows what is wrong before any run is spent.
         change, _ = step_of(optimizer, 0.1 * np.ones_like(at), optimizer.init(at), at, 1.0)
     except InputError:
         raise
@@ -127,6 +131,7 @@ def descend(
 
     for point in points:
         log(0, point, None)
+    # The best designs are evaluated again, with the slopes that screening spared.
     chosen = repeated([point.scaled for point in sorted(points, key=search.rank)[: settings.searches]])
     check_starts(problem, chosen)
     branches = [_descent(search, optimizer, repeated, start, number, log) for number, start in enumerate(chosen)]
@@ -175,6 +180,7 @@ def _descent(
         if not np.all(np.isfinite(change)):
             warnings.warn(f"step {step} of the optimizer is not finite; its search ends there", stacklevel=2)
             break
+        # A step beyond a bound ends on it: the projection on a box.
         (point,) = evaluator([np.clip(point.scaled + change, 0.0, 1.0)])
         left = residual(goal, Tangent.of(point), point.scaled, search.scale, SCREENING_PENALTY).predicted_reduction
         converged = left <= settings.tolerance and goal.feasible(point)
@@ -197,5 +203,6 @@ def _rows(goal: Goal, point: Evaluation) -> tuple[Float[np.ndarray, " rows"], Fl
     rows = goal.rows(*tangent.after(np.zeros(size)))
     slopes = [limit.slopes(point.quantities_slope[:, q]) for q, limit in goal.indexed_limits]
     if goal.must_succeed:
+        # A margin must be positive, a row at most zero.
         slopes.append(-point.margin_slope)
     return rows, np.concatenate([*slopes, np.zeros((0, size))])

@@ -54,17 +54,18 @@ class Evaluation(NamedTuple):
 
     @property
     def peak_force(self) -> Float[np.ndarray, " cases"]:
-        """The largest contact force of each load case [N]."""
+        """Return the largest contact force of each load case [N]."""
         return np.asarray(self.peaks[:, 0])  # they fall
 
     @property
     def quantities(self) -> Float[np.ndarray, "cases quantities"]:
-        """The quantities of each load case, in the order of `Problem.names`: the peak force, then the ``rest``."""
+        """Return the quantities of each load case, in the order of `Problem.names`: the peak force, then the
+        ``rest``."""
         return np.column_stack([self.peak_force, self.rest])
 
     @property
     def quantities_slope(self) -> Float[np.ndarray, "cases quantities variables"]:
-        """The slopes of `quantities`; the peak force has that of the largest impact."""
+        """Return the slopes of `quantities`; the peak force has that of the largest impact."""
         top = self.peaks_slope[:, :1]
         return np.concatenate([top, self.rest_slope + self.by_peak[:, :, None] * top], axis=1)
 
@@ -86,6 +87,7 @@ class Evaluator:
     ) -> None:
         self.problem, self.captures, self.slopes = problem, 0, slopes
         named = None if solver is None else solver_named(solver)
+        # A solver goes to other processes by its name, because one of diffrax's would not equal itself there.
         self._solver = named if client is None else name_of(named)
         usual = stepper_of(problem.mechanism).tight
         self.tight = max(usual, FINEST_OF_DIFFRAX) if isinstance(named, Diffrax) else usual
@@ -149,6 +151,7 @@ def _gather(problem: Problem, scaled: np.ndarray, cases: Sequence[Case], runs: l
     """
     factors = [dict(case.factors) for case in cases]
     values = problem.values(scaled)
+    # The chain rule from a built number to the scaled variable: by the load case's factor and the variable's scale.
     stretch = np.array(
         [[v.slope(x) * f.get(v.path, 1.0) for v, x in zip(problem.variables, values, strict=True)] for f in factors]
     )
@@ -189,6 +192,7 @@ def _by_field(problem: Problem, stacked: dict[str, np.ndarray], lost: np.ndarray
     numbers = ("peaks", "rest", "margin", "first", "peaks_slope", "rest_slope", "margin_slope")
     run = {name: stacked[name].copy() for name in numbers}
     for array in run.values():
+        # NaN times a weight of zero would still be NaN in a sum; `solved` says which numbers there are.
         array[lost] = 0.0
     run["margin"][lost] = LOST
     ended_otherwise = (lost | ~problem.mechanism.succeeded(code)) & (

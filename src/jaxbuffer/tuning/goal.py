@@ -30,7 +30,7 @@ class Ceiling:
 
     @property
     def scale(self) -> float:
-        """The size by which its row is made relative [N]."""
+        """Return the size by which its row is made relative [N]."""
         return abs(self.value) or 1.0
 
 
@@ -51,7 +51,7 @@ class Tangent(NamedTuple):
 
     @property
     def largest(self) -> Float[np.ndarray, " cases"]:
-        """The largest peak of each load case [N], 0 without an impact."""
+        """Return the largest peak of each load case [N], 0 without an impact."""
         return np.maximum(self.peaks[:, 0], 0.0)
 
     @staticmethod
@@ -62,6 +62,7 @@ class Tangent(NamedTuple):
 
     def after(self, step: Float[np.ndarray, " variables"]) -> tuple[np.ndarray, np.ndarray]:
         """Return the problem's quantities (cases, quantities) and margins (cases,) after a step."""
+        # The maximum is taken after the step: another impact may be the largest by then.
         peak = np.maximum(np.max(self.peaks + self.peaks_slope @ step, axis=1), 0.0)
         rest = self.rest + self.rest_slope @ step + self.by_peak * (peak - self.largest)[:, None]
         return np.column_stack([peak, rest]), self.margin + self.margin_slope @ step
@@ -80,17 +81,17 @@ class Breach(NamedTuple):
 
     @property
     def case(self) -> int:
-        """The load case that is farthest beyond."""
+        """Return the load case that is farthest beyond."""
         return int(np.argmax(self.excess))
 
     @property
     def largest(self) -> float:
-        """The excess there [-]."""
+        """Return the excess there [-]."""
         return float(self.excess[self.case])
 
     @property
     def value(self) -> float:
-        """The limited value there."""
+        """Return the limited value there."""
         return float(self.values[self.case])
 
 
@@ -122,17 +123,17 @@ class Goal:
 
     @functools.cached_property
     def limits(self) -> Limits:
-        """The problem's limits and those that always hold."""
+        """Return the problem's limits and those that always hold."""
         return self.problem.limits.with_always(self.problem.mechanism.always(self.problem.design))
 
     @functools.cached_property
     def indexed_limits(self) -> list[tuple[int, Limit]]:
-        """Each limit with the index of its quantity in `Problem.names`."""
+        """Return each limit with the index of its quantity in `Problem.names`."""
         return [(self.problem.names.index(limit.name), limit) for limit in self.limits.each]
 
     @property
     def must_succeed(self) -> bool:
-        """Whether each load case must end as the problem asks, and a margin says how near it is to that."""
+        """Return whether each load case must end as the problem asks, and a margin says how near it is to that."""
         return self.problem.limits.captured and self.problem.mechanism.tuning.margin is not None
 
     def rows(
@@ -245,6 +246,7 @@ class Goal:
         if self.ceiling is not None:
             rows = len(self.rows(evaluation.quantities, evaluation.margin))
             excess = np.delete(excess, rows - 1)  # the ceiling's, which is no case's
+        # Rows come by constraint, each with an entry for every load case.
         total = np.sum(np.nan_to_num(excess.reshape(-1, len(evaluation.code)), nan=np.inf), axis=0)
         return [int(k) for k in np.argsort(-total, kind="stable")]
 
@@ -264,6 +266,7 @@ class Goal:
             lines.append(f"not {problem.success} ({self.lack(evaluation, k, cases)})")
         elif not evaluation.succeeded[k] and (self.must_succeed or problem.limits.captured):
             lines.append(outcome.reason)
+        # A search takes the duration for a time that a run waited for in vain; here that is unknown and keeps no limit.
         known = np.where(problem.known(evaluation.code[k : k + 1])[0], evaluation.quantities[k], np.nan)
         values = dict(zip(problem.names, known.tolist(), strict=True))
         return lines + self.limits.broken(values, int(evaluation.impacts[k]), problem.catalogue)

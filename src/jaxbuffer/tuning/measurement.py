@@ -83,10 +83,13 @@ def measure(
         top_slope, others = none, [none] * (len(rest) + len(margin))
     values = np.array([float(catalogue[name].of(run)) for name in rest + margin])
     slope_rows = np.array(others).reshape(len(rest + margin), len(paths))
+    # All numbers of a run that failed are NaN, and stay so.
     if not run.outcome.failed:
         _fill_awaited(mechanism, run, rest, values, slope_rows, float(duration))
     peaks, of_peaks = _all_peaks(run, of_peaks, top_slope)
+    # Stable: slots without an impact, all of them zero, keep their order.
     slots = np.argsort(-peaks, kind="stable")[:PEAKS]
+    # A mechanism without a margin has no end to miss, so that its margin always holds.
     own = Margin(float(values[-1]), slope_rows[-1]) if margin else Margin(1.0, np.zeros(len(paths)))
     if end is not None and end.quantity and not run.outcome.failed:
         numbers = {name: Margin(float(values[k]), slope_rows[k]) for k, name in enumerate(rest)}
@@ -143,6 +146,7 @@ def margin_of_end(end: RequiredEnd, run: Run, own: Margin, numbers: Mapping[str,
         above = max(math.log(max(left.value, 1e-300) / threshold), LEAST_LACK)
         return Margin(-above, -left.slope / max(left.value, 1e-300))
     nothing = np.zeros_like(own.slope)
+    # The slope of min(own, 0): a margin that is positive adds nothing.
     failing = own.value < 0.0
     return Margin(math.log(threshold) + min(own.value, 0.0), own.slope if failing else nothing)
 

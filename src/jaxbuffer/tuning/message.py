@@ -141,6 +141,7 @@ def broken_limits(goal: Goal, point: Evaluation) -> list[BrokenLimit]:
     if goal.ceiling is not None and (above := goal.above_ceiling(point)) is not None:
         scale = goal.ceiling.scale
         limits.append(BrokenLimit(goal.first_value(point) / scale - goal.ceiling.value / scale, above))
+    # Excess is relative, so that limits in different units can be compared.
     return sorted(limits, key=lambda limit: -limit.excess) or _otherwise(goal, point)
 
 
@@ -224,11 +225,13 @@ def helpful_variables(goal: Goal, point: Evaluation, worst: WorstCase) -> list[I
     problem, influences = goal.problem, list[Influence]()
     values = problem.values(point.scaled)
     for variable, value, by in zip(problem.variables, values, worst.slope, strict=True):
+        # The slope by the variable itself is that by the scaled one over d value / d scaled.
         change = 0.01 * float(by) * abs(float(value)) / variable.slope(float(value))
         up = (change < 0.0) == worst.falls
         at_bound = variable.at_bound(float(value)) == f"at {'high' if up else 'low'} bound"
         influences.append(Influence(variable, float(value), change, up, at_bound))
     strongest = max((abs(it.change) for it in influences), default=0.0)
+    # A variable at its bound may be named with a weaker effect: its bound is what the user can widen.
     least = {True: WEAK_AT_BOUND * strongest, False: WEAK * strongest}
     strong = [it for it in influences if abs(it.change) > max(least[it.at_bound], LEAST * worst.size)]
     return sorted(strong, key=lambda it: -abs(it.change))
@@ -267,6 +270,7 @@ def _enough(worst: WorstCase, it: Influence) -> float | None:
     """
     if worst.value * worst.limit <= 0.0 or it.value <= 0.0:
         return None
+    # A weak variable overflows, which the comparison below takes for too far.
     with np.errstate(over="ignore"):
         times = float(np.exp(0.01 * worst.value * np.log(worst.limit / worst.value) / it.change))
     return it.value * times if 1.0 / FARTHEST <= times <= FARTHEST else None

@@ -165,6 +165,7 @@ class _Model(Programme):
         It lies above all impacts that may become the largest within reach.
         """
         tangent, scale = self.tangent, self.peak_scale
+        # A column has no cost of its own: the rows of the objective and of the limits that contain it press it down.
         columns = [self.add(0.0, 0.0) for _ in self.cases]
         for k, column in enumerate(columns):
             change = np.abs(tangent.peaks_slope[k]) @ reach
@@ -208,6 +209,7 @@ class _Model(Programme):
         goal, tangent, rows = self.goal, self.tangent, list[Row]()
         for quantity, limit in goal.indexed_limits:
             one = np.zeros(len(goal.problem.names))
+            # Relative to the limit, and with the sign that makes a lower limit an upper one.
             one[quantity] = limit.slopes(1.0)
             for k in self.cases:
                 entries, constant, sources = self.weighted(k, one)
@@ -248,6 +250,7 @@ def best_step(
     """
     still = np.zeros(len(scaled))
     bend = np.zeros((len(scaled),) * 2) if curvature is None else curvature
+    # The bounds of the variables and the trust region are both boxes, so that steps are bounded by their intersection.
     low, high = np.maximum(-radius, -scaled), np.minimum(radius, 1.0 - scaled)
     model = _Model(goal, tangent, (low, high))
     for normal, offset in zip(*cuts, strict=True) if cuts is not None else ():
@@ -255,11 +258,13 @@ def best_step(
     model.aggregate(goal.objective, scale, 1.0)
     rows = model.constraints()
     for (entries, right, sources), gap in zip(rows, np.broadcast_to(room, len(rows)), strict=True):
+        # The exact penalty: what a row exceeds its limit by costs `penalty`, so that there is always a step.
         excess = model.add(penalty, 0.0)
         model.row([*entries, (excess, -1.0)], right - float(gap), sources)
     minimum = model.solve(bend) or model.solve(0.0 * bend)
     if minimum is None:
         return ModelStep(still, np.nan, model.multipliers(np.zeros(len(model.sources))))
+    # Solvers keep to bounds within their tolerance only.
     step = np.clip(minimum.x[: len(scaled)], low, high)
 
     def merit(step: Step) -> float:
@@ -296,6 +301,7 @@ def updated_curvature(
         curvature = (bend / length) * np.eye(len(step))
     along = curvature @ step
     expected = float(step @ along)
+    # Rounding may leave no curvature along the step, by which the update would divide.
     if expected <= 0.0:
         return curvature
     share = 1.0 if bend >= DAMPING * expected else (1.0 - DAMPING) * expected / (expected - bend)

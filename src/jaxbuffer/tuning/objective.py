@@ -90,6 +90,7 @@ class Objective:
         """
         if self.over == "mean":
             return 1.0 / cases
+        # A case's weight in the mean over the worst share; all of it where the share is less than one case.
         return 1.0 if self.over == "worst" else min(1.0, 1.0 / ((1.0 - self.level) * cases))
 
     def vector(self, names: Iterable[str]) -> Float[np.ndarray, " quantities"]:
@@ -173,6 +174,7 @@ class Limits:
         given |= {"at_most": {} if at_most is None else at_most, "at_least": {} if at_least is None else at_least}
         given["ends"] = tuple(name for name in known if also.get(name, name in ends))
         for name, value in given.items():
+            # The class is frozen, and has an __init__ of its own because the ends' keywords depend on the mechanisms.
             object.__setattr__(self, name, value)
         self.__post_init__()
 
@@ -211,17 +213,17 @@ class Limits:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The limited quantities, those with an upper limit first."""
+        """Return the limited quantities, those with an upper limit first."""
         return (*self.at_most, *self.at_least)
 
     @property
     def each(self) -> tuple[Limit, ...]:
-        """The limits on quantities, upper ones first."""
+        """Return the limits on quantities, upper ones first."""
         return both_sides(self.at_most, self.at_least)
 
     @property
     def of_impacts(self) -> tuple[Limit, ...]:
-        """The limit on the number of impacts, if there is one."""
+        """Return the limit on the number of impacts, if there is one."""
         return () if self.impacts is None else (Limit(IMPACTS, float(self.impacts)),)
 
     def with_always(self, always: Mapping[str, float]) -> "Limits":

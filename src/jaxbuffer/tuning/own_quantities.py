@@ -50,6 +50,7 @@ def compose(
         values, partials = map(np.asarray, derived.linearised(jnp.asarray(known[:, columns])))
         result.values[:, k] = values
         for name, column, partial in zip(derived.parameters, columns, partials.T, strict=True):
+            # The largest force has no slope of its own here: which impact has it may change within a step.
             if name == PEAK_FORCE:
                 result.by_peak[:, k] = partial
             else:

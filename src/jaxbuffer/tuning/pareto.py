@@ -64,22 +64,22 @@ class Front(Saved):
 
     @property
     def values(self) -> Float[np.ndarray, "points k"]:
-        """Each objective's worst value over the cases, in its unit."""
+        """Return each objective's worst value over the cases, in its unit."""
         return np.array([_worst(point, self.objectives) for point in self.points])
 
     @property
     def feasible(self) -> Bool[np.ndarray, " points"]:
-        """Which points are within every limit."""
+        """Return which points are within every limit."""
         return np.array([point.feasible for point in self.points])
 
     @property
     def dominated(self) -> Bool[np.ndarray, " points"]:
-        """Which feasible points another feasible one is better than: nowhere worse, somewhere lower."""
+        """Return which feasible points another feasible one is better than: nowhere worse, somewhere lower."""
         return dominated(self.values, self.feasible)
 
     @property
     def kept(self) -> Bool[np.ndarray, " points"]:
-        """Which points make the front: feasible, and not dominated."""
+        """Return which points make the front: those that are feasible, and not dominated."""
         return self.feasible & ~self.dominated
 
     def __repr__(self) -> str:
@@ -164,6 +164,7 @@ def pareto(
         if limits is None:
             front = _between_ends(search, points, finished)
         else:
+            # The loosest limits first, as between ends: the search begins with the last row, the tightest.
             rows = np.array(list(itertools.product(*(sorted(limits[name], reverse=True) for name in names[1:]))), float)
             front = search.front(rows, None, problem.design, finished)
     front = dataclasses.replace(front, identity=identity)
@@ -189,6 +190,7 @@ def _begin(folder: Path, identity: str, resume: bool) -> None:
     """Say in a folder which front is begun there, without the points of another one unless it is resumed."""
     if not resume:
         for place in folder.glob("*") if folder.is_dir() else ():
+            # Only folders that look like a point of a front, and hold a tuning's files, are emptied.
             if POINT.fullmatch(place.name) and any((place / name).exists() for name in (LOG, STATE, PREVIOUS)):
                 for name in OF_A_POINT:
                     (place / name).unlink(missing_ok=True)
@@ -213,6 +215,7 @@ def _between_ends(search: "_Search", points: int, finished: Callable[[int, int],
     ends = [search.least(name, {}, f"least-{name}", free.design) for name in names[1:]]
     values = np.array([_worst(end, names) for end in (free, *ends)])
     for name, column in zip(names, values.T, strict=True):
+        # Limits are positive, so that there is none between values that are not.
         if not np.nanmax(column) > 0.0:
             raise InputError(
                 f"pareto: {name} is {np.nanmax(column):g} wherever an objective is least, so that nothing"
@@ -220,6 +223,7 @@ def _between_ends(search: "_Search", points: int, finished: Callable[[int, int],
             )
     spread = limits_between(values[:, 1:], points)
     rows = np.array(list(itertools.product(*spread)))
+    # The first point is the first objective's own end, with the others free.
     rows[0] = np.inf
     return search.front(rows, free, ends[-1].design, finished)
 
@@ -229,6 +233,7 @@ def limits_between(ends: Float[np.ndarray, "k k-1"], points: int) -> list[np.nda
 
     ``ends``: their values [units of the objectives], of the first objective's end, then of the others' in order.
     """
+    # Each objective is least at its own end: the diagonal.
     high, low = np.fmax.reduce(ends), np.diag(ends[1:])
     # A limit is positive: where an objective can be brought to zero, the tightest is a share of its largest value.
     tightest = np.where(low > 0.0, low * (1.0 + ROOM), ROOM * high)
@@ -281,12 +286,14 @@ class _Search:
     def least(self, objective: str, limits: Mapping[str, float], name: str, start: Part) -> Tuned:
         """Search for the least of an objective under some limits; ``name`` of its folder."""
         own = self.problem.limits
+        # The problem's own limits hold at every point, also where the front's limit is looser.
         tighter = {key: min(x, own.at_most.get(key, np.inf)) for key, x in limits.items()}
         constraints = dataclasses.replace(own, at_most={**own.at_most, **tighter})
         problem = dataclasses.replace(
             self.problem, design=start, objective=Objective({objective: 1.0}), limits=constraints
         )
         folder = None if self.folder is None else self.folder / name
+        # A point that an interrupted front had not reached has nothing to resume.
         begun = self.resume and folder is not None and (folder / LOG).exists()
         return tune(problem, folder=folder, resume=begun, **self.options)
 

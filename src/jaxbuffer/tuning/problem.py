@@ -78,6 +78,7 @@ class Variable:
 
     def value(self, scaled: float) -> float:
         """Return the number from its scaled value, 0 at the low bound, 1 at the high one; exact at both."""
+        # The exponential of the logarithm would miss the bounds by rounding.
         if scaled <= 0.0 or scaled >= 1.0:
             return self.low if scaled <= 0.0 else self.high
         if self.scale == "log":
@@ -145,6 +146,7 @@ class Problem:
 
     def __post_init__(self) -> None:
         mechanism = self.mechanism
+        # The class is frozen, so that fields which are completed here are set past its own assignment.
         object.__setattr__(self, "quantities", check_derived(self.quantities, mechanism.quantities))
         if self.duration is None:
             object.__setattr__(self, "duration", mechanism.duration(self.design))
@@ -162,6 +164,7 @@ class Problem:
             try:
                 check_pair(mechanism, case.of(self.design), case.scenario)
             except InputError as error:
+                # A factor or a sampled field may lead out of the range that the design or the scenario allows.
                 raise error.between(f"scenario {k} ({case.label(cases)}): ") from None
         mechanism.tuning.check_problem(self)
 
@@ -171,6 +174,7 @@ class Problem:
         for variable in given:
             check_type("variable", variable, Variable, "Variable('buffer.k_A', 100.0, 2000.0)")
             check_path(self.design, variable.path)
+        # Units are read before the bounds become numbers, which no longer tell.
         typed = {v.path: symbol for v in given if (symbol := typed_unit((v.low, v.high)))}
         object.__setattr__(self, "variables", tuple(v.read(self.design) for v in given))
         object.__setattr__(self, "units", {**typed, **self.units})
@@ -211,19 +215,20 @@ class Problem:
 
     @property
     def mechanism(self) -> Mechanism:
-        """The mechanism whose designs are tuned."""
+        """Return the mechanism whose designs are tuned."""
         return mechanism_of(self.design)
 
     @property
     def end(self) -> RequiredEnd | None:
-        """The strictest end that the limits ask for, or that a limited or lowered quantity waits for; None for none."""
+        """Return the strictest end that the limits ask for, or that a limited or lowered quantity waits for; None for
+        none."""
         objectives = (self.objective, *(() if self.then is None else (self.then.objective,)))
         used = (name for objective in objectives for name in objective.weights)
         return self.mechanism.required_end(self.limits.ends, (*self.limits.names, *used))
 
     @property
     def success(self) -> str | None:
-        """How each run must end, in a word; None where any end will do."""
+        """Return how each run must end, in a word; None where any end will do."""
         return self.mechanism.success_of(self.design) if self.end is None else self.end.name
 
     def succeeded(self, code: Any) -> Bool[np.ndarray, "..."]:
@@ -233,8 +238,10 @@ class Problem:
         return np.isin(code, [int(self.mechanism.outcomes[name]) for name in self.end.outcomes])
 
     def known(self, code: Int[np.ndarray, " cases"]) -> Bool[np.ndarray, "cases quantities"]:
-        """Return which of the `names` are known of runs with these outcomes: a time that a run waited for in vain is
-        not."""
+        """Return which of the `names` are known of runs with these outcomes.
+
+        A time that a run waited for in vain is not known.
+        """
         ends = [self.mechanism.required_end((), (name,)) for name in self.names]
         outcomes = self.mechanism.outcomes
         columns = [
@@ -245,39 +252,41 @@ class Problem:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The quantities that objectives and constraints may use: `PEAK_FORCE` first, the own ones last."""
+        """Return the quantities that objectives and constraints may use: `PEAK_FORCE` first, the own ones last."""
         return (*self._tuned, *self.quantities)
 
     @property
     def _tuned(self) -> tuple[str, ...]:
         names = [name for name in self.mechanism.tuned if self.mechanism.has(name, self.design)]
+        # First, because an `Evaluation` has the peak force apart from the rest.
         return (PEAK_FORCE, *(name for name in names if name != PEAK_FORCE))
 
     @property
     def measured(self) -> tuple[str, ...]:
-        """The mechanism's quantities among `names`, then those that only the own ones are made of."""
+        """Return the mechanism's quantities among `names`, then those that only the own ones are made of."""
         parameters = (name for derived in self.quantities.values() for name in derived.parameters)
         return tuple(dict.fromkeys((*self._tuned, *parameters)))
 
     @property
     def catalogue(self) -> Catalogue:
-        """The mechanism's quantities and the own ones."""
+        """Return the mechanism's quantities and the own ones."""
         own = {name: derived.as_quantity(name) for name, derived in self.quantities.items()}
         return {**self.mechanism.quantities, **own}
 
     @property
     def scenarios_met(self) -> tuple[Part, ...]:
-        """The cases' scenarios, as often as they occur."""
+        """Return the cases' scenarios, as often as they occur."""
         return tuple(case.scenario for case in self.cases)
 
     @property
     def paths(self) -> tuple[str, ...]:
-        """The variables' dotted paths."""
+        """Return the variables' dotted paths."""
         return tuple(v.path for v in self.variables)
 
     @property
     def samples(self) -> str:
-        """The samples that the cases are, in words: "24 samples at each of 3 scenarios"; "" where nothing scatters."""
+        """Return the samples that the cases are, in words: "24 samples at each of 3 scenarios"; "" where nothing
+        scatters."""
         if self.scatter is None:
             return ""
         scenarios = len(self.cases) // self.scatter.count
@@ -395,10 +404,13 @@ class Settings(Part):
 
     @property
     def most_evaluations(self) -> int:
-        """How many designs are evaluated at most in one stage: in each round ``starts``, and of every search its first
-        design and ``iterations``."""
+        """Return how many designs are evaluated at most in one stage.
+
+        Each round has ``starts``, and every search its first design and ``iterations``.
+        """
         if self.starts == 1:
             return 1 + self.iterations
+        # A round after the first follows one design near the best and at least one from anywhere.
         followed = max(2, self.searches) * (1 + self.iterations)
         return self.searches * (1 + self.iterations) + (self.rounds - 1) * followed + self.rounds * self.starts
 

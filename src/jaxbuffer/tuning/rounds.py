@@ -52,6 +52,7 @@ class Rounds:
                 progress = self._second_stage(progress, search, best)
             else:
                 return progress
+            # Each round is stored before its steps, so that an interrupted run goes on with the same searches.
             self.store.keep(progress.arrays())
 
     def _finish_searches(self, search: Search, progress: Progress) -> Progress:
@@ -94,7 +95,10 @@ class Rounds:
         """Begin another round, of designs around the best one and, in the first stage, anywhere."""
         settings, round_ = self.settings, max(branch.round for branch in progress.branches) + 1
         count, number = settings.starts // 2, len(progress.branches)
+        # The boxes lie on all sides of the best design, so that they reach beyond a discontinuity that stopped its
+        # search.
         near = self._screen(search, progress.stage, around(best.best.scaled, settings, round_, count))
+        # It keeps the family of the best: a search from around a design is no independent witness for it.
         picked = [(min(near, key=search.rank).scaled, best.family)]
         if progress.stage == 0:
             scaled = anywhere(settings, round_, len(best.best.scaled), settings.starts - count)
@@ -124,6 +128,7 @@ class Rounds:
         """Begin the second stage, from the first one's best design."""
         assert self.problem.then is not None
         lowest = search.goal.value(best.best)
+        # The slack makes room above the least value, also where that is negative.
         ceiling = (1.0 + (self.problem.then.slack if lowest >= 0.0 else -self.problem.then.slack)) * lowest
         scale = abs(Goal(self.problem, self.problem.then.objective).value(best.best)) or 1.0
         progress = progress._replace(stage=1, scale=scale, ceiling=ceiling, branches=())
@@ -224,7 +229,7 @@ class Agreement(NamedTuple):
 
     @staticmethod
     def of(search: Search, branches: tuple[Branch, ...]) -> "Agreement":
-        """Return that of all searches of a stage."""
+        """Return how well all searches of a stage agree."""
         latest = max(branch.round for branch in branches)
         families = _families(search, branches)
         earlier = _families(search, tuple(branch for branch in branches if branch.round < latest))
@@ -249,6 +254,7 @@ class Agreement(NamedTuple):
 
 def _above(value: float, lowest: float) -> float:
     """Return by how much an objective is above the lowest, relative to that one's size [-]."""
+    # Also where both are zero, which have no relative difference.
     if value == lowest:
         return 0.0
     return value / abs(lowest) - float(np.sign(lowest)) if lowest else np.inf

@@ -103,10 +103,12 @@ class Search:
     def judge(self, branch: Branch, move: ModelStep, trial: Evaluation) -> Branch:
         """Return the branch after its step was tried."""
         before, after = (self.goal.merit(point, self.scale, branch.penalty) for point in (branch.point, trial))
+        # A model that predicts nothing is taken for a failure, which shrinks the trust region.
         ratio = (before - after) / move.predicted_reduction if move.predicted_reduction > 0.0 else -1.0
         length = float(np.max(np.abs(move.step)))
         radius, cliffs = branch.radius, branch.cliffs
         beyond = self._is_beyond(branch.point, move.step, trial)
+        # The cut that `plan` makes of the refused design does most, so that the radius shrinks little.
         if beyond:
             radius = 0.7 * radius
             cliffs = np.vstack([cliffs[1:], trial.scaled])
@@ -120,6 +122,7 @@ class Search:
             point = trial
         moved = branch._replace(
             point=point,
+            # A trial that the merit refuses may be the best by rank: the two weigh broken limits differently.
             best=min(branch.best, trial, key=self.rank),
             radius=radius,
             curvature=curvature,
@@ -133,6 +136,7 @@ class Search:
 
         Then a run succeeds in the model and not when it is simulated, has no numbers, or too many impacts.
         """
+        # More impacts, or a run without numbers: no slope announces either.
         if np.any(self.goal.without_slopes(trial) > self.goal.without_slopes(point)):
             return True
         expected = Tangent.of(point).after(step)[1]
@@ -190,6 +194,7 @@ class Search:
         for k, (old, new) in enumerate(zip(point.slots, trial.slots, strict=True)):
             where = {int(slot): i for i, slot in enumerate(new)}
             for i, slot in enumerate(old):
+                # Lists are in order of height, so that the same impact may stand elsewhere in the other one.
                 if (j := where.get(int(slot))) is not None and trial.peaks[k, j] > 0.0:
                     matched[k, i] = trial.peaks_slope[k, j]
                 else:

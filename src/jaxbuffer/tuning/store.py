@@ -120,6 +120,7 @@ class TuningStore:
                 self._resume(folder, identity)
             else:
                 self.states = StateStore(Head(identity, uuid.uuid4().hex), folder)
+                # The previous state of an earlier run is none of this one's.
                 (folder / PREVIOUS).unlink(missing_ok=True)
                 write(folder / LOG, b"")
                 self.keep({})
@@ -151,10 +152,12 @@ class TuningStore:
         self.records.append(dict(record))
         if self.folder is not None:
             line = (json.dumps(record, allow_nan=False) + "\n").encode()
+            # The state stores the log's lines too, and compares them with the file when the run is resumed.
             self.lines += line
             with naming(self.folder / LOG), (self.folder / LOG).open("ab") as log:
                 log.write(line)
                 log.flush()
+                # On disk before the step goes on, so that a power failure costs no line of it.
                 os.fsync(log.fileno())
         if self.report is not None:
             self.report(self.records[-1])
@@ -163,7 +166,9 @@ class TuningStore:
         """Replace the state by the one after a step; the one before stays as the previous one."""
         if self.folder is None:
             return
+        # The empty state of a new run replaces that of an earlier one, which is nothing to go back to.
         if state and (self.folder / STATE).exists():
+            # A rename keeps the last state whole while the new one is written.
             (self.folder / STATE).replace(self.folder / PREVIOUS)
         arrays = {name: np.asarray(value) for name, value in state.items()}
         self.states.write(STATE, {LINES: np.frombuffer(self.lines, np.uint8), **arrays})
@@ -182,6 +187,7 @@ def read_state(folder: Path, identity: Identity) -> tuple[StateStore, dict[str, 
         except BlockError as error:
             damage.append(f"{name} {error}")
             continue
+        # After the checksum: a damaged state must not be taken for another run's.
         states.check_identity(identity)
         lines = state.pop(LINES).tobytes()
         if damage:
@@ -218,6 +224,7 @@ def record_of(goal: Goal, point: Evaluation, number: int, stage: int, search: in
         "objective": goal.value(point),
         "unit": goal.objective.unit(problem.catalogue),
         "feasible": goal.feasible(point),
+        # The excess of a value that is not known is infinite, which JSON lacks.
         "excess": excess if np.isfinite(excess := float(np.sum(goal.excess(point)))) else None,
         "obstacle": goal.obstacle(point),
         "radius": None if branch is None else branch.radius,

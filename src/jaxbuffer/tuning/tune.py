@@ -115,6 +115,7 @@ def tune(
         else:
             rounds = Rounds(problem, chosen, evaluator, store)
             tuned = rounds.result(rounds.run(Progress.read(store.state)))
+    # The hash in the result says which store it is of.
     tuned = dataclasses.replace(tuned, identity=short_hash(identity))
     if save and folder is not None:
         tuned.save(folder, force=True, figures=False)
@@ -152,6 +153,7 @@ def best_so_far(
     _, state, lines = read_state(user_path(folder), _identity(problem, chosen, optimizer, solver))
     stage, goal = 0, Goal(problem, problem.objective)
     if points := evaluations_of(state):  # of an optimiser's
+        # A feasible design comes before any that is not, as in the search.
         best = min(points, key=lambda point: (not goal.feasible(point), goal.value(point)))
     else:
         progress = Progress.read(state or None)
@@ -177,6 +179,7 @@ def _chosen(optimizer: Any, settings: dict[str, Any]) -> tuple[Settings, Any]:
 
 def _identity(problem: Problem, settings: Settings, optimizer: Any, solver: Solver | str | None) -> dict[str, str]:
     """Return what makes a tuning the one it is, by name."""
+    # No solver is the automatic one: naming it makes no other tuning.
     used = Automatic() if solver is None else solver_named(solver)
     try:
         name = name_of(used)

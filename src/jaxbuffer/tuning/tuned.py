@@ -77,43 +77,49 @@ class Tuned(Saved):
 
     @property
     def objective(self) -> tuple[float, float]:
-        """The problem's objective [N], before and after."""
+        """Return the problem's objective [N], before and after."""
         first = Goal(self.problem, self.problem.objective)
         return first.value(self.before), first.value(self.after)
 
     @property
     def worst_first(self) -> tuple[Part, ...]:
-        """The load cases' scenarios by their peak contact force with the tuned design, the largest first."""
+        """Return the load cases' scenarios by their peak contact force with the tuned design, the largest first."""
         return tuple(self.problem.scenarios_met[k] for k in np.argsort(-self.after.peak_force, kind="stable"))
 
     @property
     def screened(self) -> int:
-        """How many of the captures were solved without derivatives."""
+        """Return how many of the captures were solved without derivatives."""
+        # A lone start needs no screening, and is run with derivatives at once.
         alone = self.settings.starts == 1
         return 0 if alone else len(self.problem.cases) * sum(it["status"] == "start" for it in self.records)
 
     @property
     def converged(self) -> bool:
-        """Whether the search ended because no larger reduction than its tolerance was left to gain."""
+        """Return whether the search ended because no larger reduction than its tolerance was left to gain."""
         return self.ended == "converged"
 
     @property
     def feasible(self) -> bool:
-        """Whether every constraint holds in the result, in every load case and in every corner of what scatters."""
+        """Return whether every constraint holds in the result, in every load case and in every corner of what
+        scatters."""
         return self.goal.feasible(self.after) and (self.corners is None or self.corners.hold)
 
     @property
     def without_effect(self) -> tuple[str, ...]:
-        """Paths of variables that change no quantity of any load case, neither at the start nor in the result."""
+        """Return the paths of variables that change no quantity of any load case, neither at the start nor in the
+        result."""
         points = (self.before, self.after)
         slopes = [slope for point in points for slope in (point.quantities_slope[point.solved], point.margin_slope)]
+        # Slopes must be exactly zero in all cases of both designs: a small one is an effect.
         still = np.all([np.all(slope == 0.0, axis=tuple(range(slope.ndim - 1))) for slope in slopes], axis=0)
         return tuple(path for path, none in zip(self.problem.paths, still, strict=True) if none)
 
     @property
     def why(self) -> list[str]:
-        """Of an infeasible result, a line for each broken limit, the worst first: in how many scenarios, how far, and
-        which variables hold it back to first order; else empty."""
+        """Return a line for each limit that an infeasible result breaks, the worst first; none for a feasible one.
+
+        A line says in how many scenarios, how far, and which variables hold the result back to first order.
+        """
         lines = [str(limit) for limit in broken_limits(self.goal, self.after)]
         if self.corners is not None and not self.corners.hold:
             lines.append(self.corners.verdict)
@@ -121,8 +127,10 @@ class Tuned(Saved):
 
     @property
     def above_floor(self) -> float:
-        """How far the worst peak is above the floor of its own first impacts, relative [-]; NaN without a floor, and
-        where nothing touches."""
+        """Return how far the worst peak is above the floor of its own first impacts, relative [-].
+
+        It is NaN without a floor, and where nothing touches.
+        """
         above = (
             None if self.floor is None else relative_change(self.floor.highest, float(np.max(self.after.peak_force)))
         )
@@ -135,7 +143,10 @@ class Tuned(Saved):
 
     def end_count(self, point: Evaluation) -> EndCount | None:
         """Return in how many load cases the strictest end was reached that the design can have; None where there is
-        none. ``point``: `before` or `after`."""
+        none.
+
+        ``point``: `before` or `after`.
+        """
         counts = Counter(self.problem.mechanism.outcomes(int(code)).name for code in point.code)
         return self.problem.mechanism.end_count(lambda path: get(self.design, path), counts)
 
@@ -224,6 +235,7 @@ def tuned_parts(tuned: Tuned) -> list[str | Table]:
     lines += [f"limit {line}" for line in broken_limits(tuned.goal, tuned.after)]
     broken = tuned.goal.broken(tuned.after)
     lines += [f"broken: {line}" for line in broken[:SHOWN]]
+    # A slice of one: the line is there only where some are left out.
     lines += [f"and {len(broken) - SHOWN} more" for _ in broken[SHOWN : SHOWN + 1]]
     tables = [_tuned_objective(tuned), _tuned_cases(tuned), _left_open(tuned), _tuned_variables(tuned)]
     first = headline(tuned.message, tuned.goal.feasible(tuned.after), tuned.end_count(tuned.after))
@@ -253,8 +265,10 @@ def _tuned_objective(tuned: Tuned) -> Table:
 
 
 def tuned_warnings(tuned: Tuned) -> list[str]:
-    """Return a line for each validity limit that the tuned design exceeds, what the runs
-    leave open, and each variable that changes nothing."""
+    """Return a line for each validity limit that the tuned design exceeds.
+
+    Lines follow on what the runs leave open, and on each variable that changes nothing.
+    """
     problem = tuned.problem
     count: dict[str, int] = {}
     for case, peak in zip(problem.cases, tuned.after.peak_force, strict=True):
@@ -274,6 +288,7 @@ def unasked_end(tuned: Tuned) -> list[str]:
     problem, before, after = tuned.problem, tuned.end_count(tuned.before), tuned.end_count(tuned.after)
     if before is None or after is None or after.complete or after.name == problem.success:
         return []
+    # Where no end is asked for, none is missed.
     if not problem.limits.captured:
         return []
     earlier = f", {before.reached} before" if before.reached != after.reached else ""
@@ -320,6 +335,7 @@ def _tuned_cases(tuned: Tuned) -> Table:
     problem, before, after = tuned.problem, tuned.before, tuned.after
     mechanism, catalogue, count = problem.mechanism, problem.catalogue, len(problem.cases)
     title = "Scenarios" if count <= SHOWN else f"The {SHOWN} of {count} scenarios with the largest peak force"
+    # Without the first, the peak force, which has columns of its own.
     usual = [name for name in mechanism.defaults_for(problem.design).mapped[1:3] if name in problem.names]
     others = list(problem.quantities)[:OWN] or usual
     headings = (f"{catalogue[name].title} [{catalogue[name].in_figures[0]}]" for name in others)
@@ -356,7 +372,7 @@ def _left_open(tuned: Tuned) -> Table | None:
 
 
 def _shown_cases(tuned: Tuned) -> Sequence[int]:
-    """All load cases or, of many, those with the largest peak force."""
+    """Return the numbers of all load cases or, of many, of those with the largest peak force."""
     count = len(tuned.problem.cases)
     if count <= SHOWN:
         return range(count)
@@ -364,7 +380,7 @@ def _shown_cases(tuned: Tuned) -> Sequence[int]:
 
 
 def _before_and_after(tuned: Tuned, name: str, case: int) -> str:
-    """A quantity of a load case before and after, in its unit in figures."""
+    """Return a quantity of a load case before and after, in its unit in figures."""
     problem = tuned.problem
     factor, q = problem.catalogue[name].in_figures[1], problem.names.index(name)
     return before_and_after(*(factor * tuned.reported(point)[case, q] for point in (tuned.before, tuned.after)))
@@ -400,6 +416,7 @@ def tuning_history(tuned: Tuned) -> tuple[list[str], list[Sequence[Any]]]:
     rows: list[Sequence[Any]] = []
     for it in tuned.records:
         row = [it[name] for name in plain] + [it[name] for name in numbers]
+        # A time that one scenario waited for in vain has no worst value.
         row += [None if None in it[name] else max(it[name]) for name in worst]
         rows.append([*row, *(it["values"][v.path] for v in problem.variables)])
     return header, rows
