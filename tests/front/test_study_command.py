@@ -7,6 +7,7 @@ import subprocess
 import sys
 import tomllib
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 from jsonschema import Draft7Validator
@@ -14,7 +15,7 @@ from jsonschema import Draft7Validator
 import jaxbuffer
 from jaxbuffer.cli.entry import run
 from jaxbuffer.fields import get, meaning, metadata, paths, replace
-from jaxbuffer.mechanisms import all_mechanisms, mechanism_named
+from jaxbuffer.mechanisms import all_mechanisms, mechanism_named, registry
 from jaxbuffer.study.config import load, loads
 from jaxbuffer.study.example import example_toml
 from jaxbuffer.study.schema import study_schema
@@ -232,3 +233,29 @@ def test_a_shell_completes_commands(tmp_path):
     environment = {**os.environ, **asked, "PYTHONPATH": source}
     shown = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
     assert shown.stdout.split() == ["simulate"]
+
+
+def test_a_mechanism_of_ones_own_to_begin_with_runs_as_it_is(computed, capsys, monkeypatch):
+    assert run(["init", "--own", "soft_gripper"]) == 0
+    assert capsys.readouterr().out == "wrote soft_gripper.py; 'python soft_gripper.py' runs it\n"
+    assert run(["init", "--own", "soft_gripper"]) == 2
+    assert "soft_gripper.py exists; --force overwrites" in capsys.readouterr().err
+    monkeypatch.setattr(registry, "_BY_DESIGN", dict(registry._BY_DESIGN))
+    made = ModuleType("soft_gripper")
+    monkeypatch.setitem(sys.modules, made.__name__, made)
+    exec(compile(Path("soft_gripper.py").read_text(), "soft_gripper.py", "exec"), vars(made))
+    assert made.SOFT_GRIPPER.name == "soft_gripper"
+    stroke = float(jaxbuffer.simulate(made.SoftGripper(), made.SoftGripperScenario()).quantity("stroke"))
+    # Below what the thrust's energy does to the spring alone, and beyond the end stop's beginning.
+    assert 0.03 < stroke < 2.0 * 8.0 / 200.0
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [("2nd", "not a name of a Python module"), ("Gripper", "take small letters"), ("bar_drop", "there is a mechanism")],
+)
+def test_names_that_no_mechanism_can_have_are_refused(name, told, computed, capsys):
+    assert run(["init", "--own", name]) == 2
+    assert told in capsys.readouterr().err
+    assert run(["init", "--own", "gripper", "--kind", "bar_drop"]) == 2
+    assert "give one of them" in capsys.readouterr().err

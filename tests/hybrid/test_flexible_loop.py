@@ -125,7 +125,7 @@ def test_a_ball_pushes_the_bars_end_and_is_pushed(evidence):
     pressed = state.at[4].add(-0.0105).at[6:n].add(1e-4).at[n + 2].set(0.3).at[n + 6 : 2 * n].set(0.2)
     q, v = assemble(mechanism.system, pressed[:n], pressed[n : 2 * n])
     pressed = pressed.at[:n].set(q).at[n : 2 * n].set(v)
-    forces = mechanism.forces_at(mechanism.posture(pressed), closed)
+    forces = mechanism.contact_forces(mechanism.posture(pressed), closed)
     assert all(float(jnp.abs(force[0])) > 0.1 for pair in forces for force in pair)
     rate = mechanism.derivative(0.0, pressed, closed)
 

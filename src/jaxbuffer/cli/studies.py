@@ -13,18 +13,25 @@ Html = Annotated[
 
 
 def init(
-    file: Annotated[Path, typer.Argument(metavar="[FILE]", help="The study to write; default: study.toml.")] = Path(
-        "study.toml"
-    ),
+    file: Annotated[
+        Path | None, typer.Argument(metavar="[FILE]", help="What to write; default: study.toml, or NAME.py.")
+    ] = None,
     kind: Kind = "",
+    own: Annotated[
+        str, typer.Option("--own", metavar="NAME", help="Write a mechanism of your own to begin with, a Python file.")
+    ] = "",
     force: Annotated[bool, typer.Option("--force", help="Overwrite FILE if it exists.")] = False,
 ) -> None:
     """Write an example study of a mechanism: every field with its unit, range, default and meaning.
 
     It loads as it is; take away the # before what you want to change. Without --kind it is of the capture mechanism.
+    With --own it is a Python file instead: a mechanism with a buffer, an end stop and a thrust, to be changed into
+    yours (docs/elements.md).
 
     \b
-    Example: jaxbuffer init --kind bar_drop drop.toml
+    Examples:
+      jaxbuffer init --kind bar_drop drop.toml
+      jaxbuffer init --own gripper
     """
 
 

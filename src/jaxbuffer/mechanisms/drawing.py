@@ -208,7 +208,7 @@ def stations(first: int) -> tuple[int, ...]:
     return tuple(range(first, first + STATIONS))
 
 
-def plain_drawing(design: Part, bodies: tuple[str, ...] = ()) -> Drawing:
+def plain_drawing(design: Part | None, bodies: tuple[str, ...] = ()) -> Drawing:
     """A cross at every body's origin: 1 cm wide, or up to the axes where a body is not named."""
     arm = 5e-3  # m
     crosses = []

@@ -28,7 +28,7 @@ def drawing_of(mechanism: Mechanism, design: Any, scenario: Any) -> Drawing:
 def assembled_drawing(system: Assembled, bodies: tuple[str, ...] = ()) -> Drawing:
     """Return the balls, flanks, holes and springs of a mechanism, and a cross at each named body's origin."""
     shapes: list[Any] = []
-    crosses = plain_drawing(system, bodies).shapes
+    crosses = plain_drawing(None, bodies).shapes
     for body in range(-1, len(system.system.bodies)):
         shapes += [cross for cross in crosses if cross.body == body]
         for contact in system.contacts:

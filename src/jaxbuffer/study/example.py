@@ -2,14 +2,18 @@
 
 import dataclasses
 import itertools
+import keyword
 import textwrap
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
 import tomli_w
 
+from ..errors import InputError
 from ..fields import Part, get, meaning, metadata, replace, unit_at
+from ..mechanisms import all_mechanisms
 from ..mechanisms.mechanism import Mechanism
 from ..tuning.problem import Settings
 from ..value_text import interval_text
@@ -17,6 +21,24 @@ from .config import Options, sections
 
 WIDTH, LONGEST = 34, 118  # columns before a comment, and of a line
 SCHEMA = "jaxbuffer.schema.json"
+
+
+def own_mechanism(name: str) -> str:
+    """Return a Python file that defines and runs a mechanism of one's own called ``name``.
+
+    **Raises:** `InputError` for what is no name of a Python module, or that of a mechanism there is.
+    """
+    if not name.isidentifier() or keyword.iskeyword(name) or not name.islower():
+        raise InputError(
+            f"--own {name}: not a name of a Python module; take small letters, digits and _, such as gripper"
+        )
+    if name in [known.name for known in all_mechanisms()]:
+        raise InputError(f"--own {name}: there is a mechanism of this name; take another one")
+    # No module: whoever imported it would register an example among the mechanisms.
+    text = Path(__file__).with_name("example_mechanism.txt").read_text(encoding="utf-8")
+    for form in (str.lower, str.upper, lambda word: word.title().replace("_", "")):
+        text = text.replace(form("example"), form(name))
+    return text
 
 
 def example_toml(mechanism: Mechanism) -> str:

@@ -10,21 +10,25 @@ from ...mechanisms.mechanism import Mechanism
 from ...output.formats import json_text
 from ...programs import process
 from ...study.config import DEFAULT_KIND, load
-from ...study.example import example_toml
+from ...study.example import example_toml, own_mechanism
 from ...study.explained import explained
 from ...study.schema import study_schema
 from ..exits import OK
 from ..streams import show
 
 
-def init(file: Path, kind: str, force: bool) -> int:
-    """Write a study to begin with."""
-    text = example_toml(_mechanism(kind))
+def init(file: Path | None, kind: str, own: str, force: bool) -> int:
+    """Write a study, or with ``own`` a mechanism of that name, to begin with."""
+    if own and kind:
+        raise InputError("--own writes a mechanism of your own, --kind a study of one that there is: give one of them")
+    target = file or Path(f"{own}.py" if own else "study.toml")
+    text = own_mechanism(own) if own else example_toml(_mechanism(kind))
     try:
-        write(file, text, overwrite=force)
+        write(target, text, overwrite=force)
     except FileExistsError:
-        raise InputError(f"{file} exists; --force overwrites, another FILE keeps it") from None
-    show(f"wrote {file}; 'jaxbuffer check {file}' says what it holds")
+        raise InputError(f"{target} exists; --force overwrites, another FILE keeps it") from None
+    next_step = f"'python {target}' runs it" if own else f"'jaxbuffer check {target}' says what it holds"
+    show(f"wrote {target}; {next_step}")
     return OK
 
 
