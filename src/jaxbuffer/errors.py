@@ -44,7 +44,7 @@ class InputError(ValueError):
         super().__init__(" ".join(str(message).split()))
 
     def between(self, before: str = "", after: str = "") -> "InputError":
-        """The same error with words before and after its own."""
+        """Return the same error with words before and after its own."""
         return InputError(f"{before}{self}{after}")
 
 
@@ -91,13 +91,13 @@ class OutOfRange(InputError):
 
 
 def shown(value: Any) -> str:
-    """A value as a message shows it: on one line, cut where it is long."""
+    """Return a value as a message shows it: on one line, cut where it is long."""
     text = " ".join(repr(value).split())
     return text if len(text) <= LONGEST else text[: LONGEST - 1] + "…"
 
 
 def as_number(value: Any) -> Any:
-    """Any single number as a float, a list or tuple of numbers as an array; everything else as it is."""
+    """Return a single number as a float, and a list or tuple of numbers as an array; anything else stays as it is."""
     if type(value) is float:
         return value
     if isinstance(value, (Real, Decimal)) and not isinstance(value, bool) and unit_of_library(value) is None:
@@ -175,7 +175,8 @@ def _float(value: Any) -> float:
 
 
 def concrete(value: Any) -> "np.ndarray | None":
-    """The value as a NumPy array, or None where it is not made of real numbers or, inside a trace, not known yet."""
+    """Return the value as a NumPy array, or None where it is not made of real numbers or is traced and not known
+    yet."""
     import jax
     import numpy as np
 
@@ -191,7 +192,7 @@ def concrete(value: Any) -> "np.ndarray | None":
 def inside(
     value: Any, *, low: Any = -math.inf, high: Any = math.inf, low_open: bool = False, high_open: bool = False
 ) -> Any:
-    """Whether numbers are finite and in a range (see `check_number`): NumPy's and JAX's, traced ones too."""
+    """Return whether numbers are finite and in a range (see `check_number`): NumPy's and JAX's, traced ones too."""
     above = (value > low) if low_open else (value >= low)
     below = (value < high) if high_open else (value <= high)
     return above & below & (abs(value) < math.inf)
@@ -232,7 +233,8 @@ def check_number(
 
 
 def meant(value: float, unit: str, **limits: Any) -> str:
-    """A hint at the smaller unit (degrees, millimetres, per cent) in which a number is in its range; "" for none."""
+    """Return a hint at the smaller unit (degrees, millimetres, per cent) in which a number is in its range; "" for
+    none."""
     least, smaller, factor = MEANT.get(unit, (math.inf, "", 1.0))
     return (
         f'; "{with_unit(value, smaller)}" if that is meant'
@@ -252,8 +254,8 @@ def check_entries(
     too_high: str = "",
     high_open: bool = True,
 ) -> None:
-    """`check_number` of each entry against its own range, open below; ``too_low`` and ``too_high`` say what is wrong
-    below and above it, and which other numbers end the range."""
+    """Raise `InputError` unless each entry is inside its own range, open below (see `check_number`); ``too_low`` and
+    ``too_high`` say what is wrong below and above it, and which other numbers end the range."""
     if type(value) is float and isinstance(low, float) and isinstance(high, float) and low < value < high:
         return
     check_plain(path, value, unit)
@@ -271,7 +273,7 @@ def check_entries(
 
 
 def same_shape(path: str, known: "Iterable[np.ndarray | None]") -> "list[np.ndarray]":
-    """Arrays broadcast against each other. **Raises:** `InputError` where their lengths differ."""
+    """Return arrays broadcast against each other. **Raises:** `InputError` where their lengths differ."""
     import numpy as np
 
     arrays = [array for array in known if array is not None]
@@ -283,7 +285,8 @@ def same_shape(path: str, known: "Iterable[np.ndarray | None]") -> "list[np.ndar
 
 
 def check_single(path: str, value: Any, unit: str, instead: str, **limits: Any) -> None:
-    """`check_number` for what must be one number; ``instead`` says what takes an array of them."""
+    """Raise `InputError` unless ``value`` is one number inside its range (see `check_number`); ``instead`` says what
+    takes an array of them."""
     check_number(path, value, unit, **limits)
     if (array := concrete(value)) is not None and array.ndim:
         raise InputError(f"{path} has shape {array.shape}, but it must be one number: {instead}")
@@ -320,7 +323,7 @@ def check_type(path: str, value: Any, kind: type, instead: str) -> None:
 
 
 def check_names(path: str, names: Any, example: str) -> tuple[str, ...]:
-    """The names as a tuple. **Raises:** `InputError` unless they are a list of words, none of them twice."""
+    """Return the names as a tuple. **Raises:** `InputError` unless they are a list of words, none of them twice."""
     if isinstance(names, str):
         raise InputError(f"{path} = {shown(names)} is one name, not a list of them; write {path}=({names!r},)")
     given = tuple(names) if isinstance(names, Iterable) and not isinstance(names, bytes) else (None,)

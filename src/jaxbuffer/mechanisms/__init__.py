@@ -58,7 +58,7 @@ def mechanism_named(name: Any) -> "Mechanism":
 
 @functools.cache
 def _entries(path: tuple[str, ...]) -> EntryPoints:
-    """The entry points of the distributions on a path, read once: a file is opened for all that is installed."""
+    """Return the entry points of the distributions on a path, read once: a file is opened for all that is installed."""
     return entry_points(group=GROUP)
 
 

@@ -28,7 +28,7 @@ def cautions(design: Part, scenarios: Sequence[Part], varied: Collection[str] = 
 
 
 def _where(numbers: list[int], count: int) -> str:
-    """In which of several scenarios that is so."""
+    """Return in which of several scenarios that is so."""
     if len(numbers) == count:
         return ""
     more = f" and {len(numbers) - 1} more" if len(numbers) > 1 else ""
@@ -36,6 +36,6 @@ def _where(numbers: list[int], count: int) -> str:
 
 
 def _plain(part: Part) -> bool:
-    """Whether all numbers are known, and single."""
+    """Return whether all numbers are known, and single."""
     leaves = jax.tree.leaves(part)
     return not any(isinstance(leaf, jax.core.Tracer) or np.ndim(leaf) for leaf in leaves)

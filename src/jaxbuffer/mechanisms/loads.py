@@ -25,7 +25,7 @@ LAST = 4  # steps along the closing speed
 def load(
     name: Static, parameters: tuple[Any, Any, Any], log: Log, numbers: Int[Array, " impacts"]
 ) -> Float[Array, " impacts"]:
-    """One load of some impacts, by their ``numbers`` from 0, with derivatives as the impacts move.
+    """Return one load of some impacts, by their ``numbers`` from 0, with derivatives as the impacts move.
 
     **Arguments:** ``name``: of the load, a key of `LOADS`; ``parameters``: design, scenario and Baumgarte's gain [1/s];
     ``log`` of the run, with derivatives at fixed times. **Returns:** it, NaN for what is no impact.
@@ -43,7 +43,7 @@ def load(
 def _effective_energy(
     system: ContactSystem, log: Log, touch: Bool[Array, " slots"], slot: Int[Array, ""]
 ) -> Float[Array, ""]:
-    """T_c⁻ [J] over the contacts that are closed after the touchdown at a slot.
+    """Return T_c⁻ [J] over the contacts that are closed after the touchdown at a slot.
 
     Touchdowns that no impact could tell apart are one impact: each of them counts the contacts of all.
     """
@@ -63,7 +63,8 @@ def _effective_energy(
 def effective_energy(
     system: ContactSystem, state: Float[Array, " state"], closed: Bool[Array, " contacts"]
 ) -> Float[Array, ""]:
-    """T_c [J] of a state along the normals of the contacts that are ``closed``, of those that have impacts (M200)."""
+    """Return T_c [J] of a state along the normals of the contacts that are ``closed``, of those that have impacts
+    (M200)."""
     at = system.posture(state)
     # An open contact is a row and a column of the identity, with no speed.
     inverse = jnp.where(closed[:, None] & closed[None], system.inverse_masses_at(at), jnp.eye(closed.shape[0]))
@@ -74,7 +75,7 @@ def effective_energy(
 def _compression_end(
     system: ContactSystem, log: Log, touch: Bool[Array, " slots"], slot: Int[Array, ""]
 ) -> Float[Array, ""]:
-    """When the contact that touches down at a slot is no longer closing [s] (M203); NaN if the run ends before.
+    """Return when the contact that touches down at a slot is no longer closing [s] (M203); NaN if the run ends before.
 
     From the largest force on, which no law has later than the deepest penetration, the contact goes on closing. Steps
     are short where the closing speed changes fast, and long where a damper alone slows it down; the last ones are along
@@ -94,7 +95,7 @@ def _compression_end(
         return system.gaps_at(system.posture(state))[1][contact]
 
     def rates(point: Array) -> tuple[Array, Array]:
-        """Of state and time, and of the closing speed."""
+        """Return the rates of state and time, and of the closing speed."""
         rate = system.derivative(log.time[top], point[:-1], active)
         return jnp.append(rate, 1.0), jax.jvp(closing, (point[:-1],), (rate,))[1]
 
@@ -121,7 +122,7 @@ def _compression_end(
 
 
 def _stepped(slope: Callable[[Array], Array], point: Array, step: Array) -> Array:
-    """A step of the classical Runge-Kutta method."""
+    """Return the point after a step of the classical Runge-Kutta method."""
     first = slope(point)
     second = slope(point + 0.5 * step * first)
     third = slope(point + 0.5 * step * second)

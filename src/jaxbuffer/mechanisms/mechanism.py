@@ -89,7 +89,7 @@ class EndCount(NamedTuple):
 
     @property
     def complete(self) -> bool:
-        """Whether it was in all of them."""
+        """Return whether this was the end of all runs."""
         return self.reached == self.runs
 
     def __str__(self) -> str:
@@ -132,12 +132,12 @@ class Request(NamedTuple):
 
     @property
     def system(self) -> ContactSystem:
-        """The equations of motion, ready to be stepped."""
+        """Return the equations of motion, ready to be stepped."""
         return self.mechanism.system(*self.parameters)
 
     @property
     def allowed(self) -> Bool[Array, ""]:
-        """Whether all numbers are in range."""
+        """Return whether all numbers are in range."""
         design, scenario, stabilisation = self.parameters
         numbers = (self.duration, *self.tolerances, stabilisation)
         within = (inside(x, **limits) for x, limits in zip(numbers, LIMITS.values(), strict=True))
@@ -182,7 +182,7 @@ def no_equations(design: Part, scenario: Part, stabilisation: Any = 0.0) -> Cont
 
 
 def plain_valid(design: Part, scenario: Part) -> Bool[Array, ""]:
-    """Whether every number is in its declared range, for numbers known only inside compiled code."""
+    """Return whether every number is in its declared range, for numbers known only inside compiled code."""
     return all_of([*design.in_range(), *scenario.in_range()])
 
 
@@ -232,7 +232,7 @@ class Mechanism:
 
     @property
     def success(self) -> str | None:
-        """How a run should end, in a word: the first of ``successes``; None where any end will do."""
+        """Return how a run should end, in a word: the first of ``successes``; None where any end will do."""
         return self.successes[0] if self.successes else None
 
     def success_of(self, design: Part) -> str | None:
@@ -291,12 +291,12 @@ class Mechanism:
 
     @property
     def swept(self) -> tuple[str, ...]:
-        """Quantities that sweeps, records and summaries have."""
+        """Return the quantities that sweeps, records and summaries have."""
         return tuple(name for name, quantity in self.quantities.items() if quantity.swept)
 
     def meant(self, value_at: Callable[[str], Any]) -> tuple[str, ...]:
-        """Of the `swept` quantities those that mean something for a design, given as its value at a path: not the
-        bending of what does not bend."""
+        """Return those of the `swept` quantities that mean something for a design, given as its value at a path: not
+        the bending of what does not bend."""
         return tuple(name for name in self.swept if not (part := self.quantities[name].part) or value_at(part))
 
     def has(self, name: str, design: Part) -> bool:
@@ -306,5 +306,5 @@ class Mechanism:
 
     @property
     def tuned(self) -> tuple[str, ...]:
-        """Quantities that objectives and limits may use."""
+        """Return the quantities that objectives and limits may use."""
         return tuple(name for name, quantity in self.quantities.items() if quantity.tuned)

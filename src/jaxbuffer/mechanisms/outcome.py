@@ -33,7 +33,7 @@ class RunOutcome(Code):
     reason: str
 
     def __new__(cls, code: int, reason: str = "") -> "RunOutcome":
-        """A member of an enumeration."""
+        """Make a member of the enumeration from its code and its reason in words."""
         member = int.__new__(cls, code)
         member._value_ = code
         member.reason = reason
@@ -46,7 +46,7 @@ class RunOutcome(Code):
 
     @property
     def failed(self) -> bool:
-        """Whether the equations were not solved."""
+        """Return whether the equations were not solved."""
         return self >= type(self)["failed_steps"]
 
 

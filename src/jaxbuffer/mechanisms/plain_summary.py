@@ -9,7 +9,8 @@ from ..fields import get
 
 
 def plain_summary(run: Any) -> str:
-    """Outcome, the quantities that sweeps have, energy and what numerical error did; units included."""
+    """Return outcome, the quantities that sweeps have, energy and what numerical error did, in lines of text; units
+    included."""
     mechanism, outcome, view = run.mechanism, run.outcome, run.mechanism.view
     if outcome.failed:
         return f"{view.title}: {outcome.reason} (after {int(run.attempts)} steps; {view.label(run.scenario)})"

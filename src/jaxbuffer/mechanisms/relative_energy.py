@@ -34,7 +34,7 @@ def rigid_energy(system: System, kin: Kinematics, spins: Sequence[tuple[Scalar, 
 
 
 def _turning(system: System, kin: Kinematics) -> Float[Array, " coordinates"]:
-    """The velocities of a turn of the whole about the origin, at 1 rad/s."""
+    """Return the velocities of a turn of the whole about the origin, at 1 rad/s."""
     entries: list[Scalar] = []
     for body in range(len(system.bodies)):
         origin = kin.frame(body).origin

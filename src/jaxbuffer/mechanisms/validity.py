@@ -20,5 +20,5 @@ class ValidityLimit(NamedTuple):
 
     @property
     def passed(self) -> Bool[np.ndarray, "..."]:
-        """Which runs lie beyond it."""
+        """Return which runs lie beyond the limit."""
         return np.asarray(self.share) > 1.0

@@ -21,7 +21,7 @@ class BarDropRun(Run):
 
 
 def dropped(mechanism: Assembled, solved: Solved) -> BarDropRun:
-    """What was solved, with the rebound.
+    """Return what was solved, with the rebound.
 
     In free flight v² = 3 g (h - z) for the ball end at the height z that rises to h, so that h, taken anywhere in it,
     moves with the parameters as it does at the release itself.

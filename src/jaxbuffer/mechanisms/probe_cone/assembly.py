@@ -77,16 +77,16 @@ class Masses(NamedTuple):
 
     @property
     def tip_centre(self) -> Point:
-        """The tip's centre, on the probe."""
+        """Return the tip's centre, on the probe."""
         return (self.front, 0.0) if self.bending is None else self.bending.end
 
     def guided(self, x: Scalar) -> Point:
-        """A point of the probe's axis that does not bend, ``x`` [m] before its centre of mass."""
+        """Return a point of the probe's axis that does not bend, ``x`` [m] before its centre of mass."""
         return (x, 0.0) if self.bending is None else Marker.on_frame(x, 0.0, self.bending.modes.size)
 
 
 def probe_masses(design: Design) -> Masses:
-    """Rod and tip as one body; a free tip's spin inertia is left out of it (M6)."""
+    """Return rod and tip as one body; a free tip's spin inertia is left out of it (M6)."""
     probe = design.probe
     mass = probe.rod_mass + probe.tip_mass
     shift = probe.tip_mass * (probe.length / 2) / mass
@@ -185,7 +185,7 @@ def elements_of(design: Design, scenario: Scenario, probe: Masses) -> tuple[Elem
 
 
 def assemble_system(design: Design, probe: Masses, stabilisation: Scalar) -> System:
-    """Bodies and joints of the mechanism (M15).
+    """Return bodies and joints of the mechanism (M15).
 
     **Arguments:** ``design``; ``probe``: masses and lengths of the probe; ``stabilisation``: Baumgarte's gain [1/s].
     """
@@ -394,7 +394,7 @@ def shown_of(design: Design, scenario: Scenario) -> tuple[Shown, ...]:
 def start_motion(
     design: Design, scenario: Scenario, masses: Masses
 ) -> tuple[Float[Array, " coordinates"], Float[Array, " coordinates"]]:
-    """Positions and velocities at t = 0 (M62, M63, M170).
+    """Return positions and velocities at t = 0 (M62, M63, M170).
 
     **Arguments:** ``design``; ``scenario``; ``masses``: of the probe. **Returns:** q [m, m, rad, …] and q̇, 12 entries
     each and one for each mode of a probe that bends.
@@ -414,7 +414,8 @@ def start_motion(
 
 
 def _tip_at_start(design: Design, scenario: Scenario) -> Vector:
-    """The tip's centre at t = 0 in the axes of T: at the lower flank (M62), or anywhere before the mouth (M170)."""
+    """Return the tip's centre at t = 0 in the axes of T: at the lower flank (M62), or anywhere before the mouth
+    (M170)."""
     angle, cone, radius = design.cone.half_angle, design.cone, design.probe.tip_radius
     cos, sin = jnp.cos(angle), jnp.sin(angle)
     if scenario.start == "free":
@@ -426,16 +427,16 @@ def _tip_at_start(design: Design, scenario: Scenario) -> Vector:
 
 
 def _behind(design: Design, masses: Masses, tip: Scalar) -> tuple[Scalar, Scalar, Scalar]:
-    """Where the centres of mass of probe, cylinder and active vehicle are along their axis, the ``tip`` being there and
-    the spring at its free length [m]."""
+    """Return where the centres of mass of probe, cylinder and active vehicle are along their axis [m], the ``tip``
+    being there and the spring at its free length."""
     probe = tip - masses.front
     cylinder = probe - masses.rear - design.buffer.free_length + design.buffer.cylinder_length / 2
     return probe, cylinder, cylinder + design.buffer.cylinder_length / 2 - design.active.hinge_offset
 
 
 def _turned(design: Design, scenario: Scenario, masses: Masses, tip: Vector) -> tuple[list[Scalar], list[Scalar]]:
-    """Positions and velocities of S, B and P at a free start: they lie along an axis through the tip and turn about the
-    centre of mass of S as one body (M170)."""
+    """Return positions and velocities of S, B and P at a free start: they lie along an axis through the tip and turn
+    about the centre of mass of S as one body (M170)."""
     cos, sin = jnp.cos(scenario.active_angle), jnp.sin(scenario.active_angle)
     probe, cylinder, active = _behind(design, masses, 0.0)
     placed: list[Scalar] = []

@@ -17,7 +17,8 @@ ONE = "{} is one number"
 
 
 def bending_probe(probe: Probe) -> FlexibleBar | None:
-    """The rod, clamped at its rear end, with the tip at its front end (M108); None for a probe that does not bend."""
+    """Return the rod, clamped at its rear end, with the tip at its front end (M108); None for a probe that does not
+    bend."""
     if probe.bending_stiffness is None:
         return None
     rod = Bar(
@@ -34,7 +35,8 @@ def bending_probe(probe: Probe) -> FlexibleBar | None:
 
 
 def modal_scales(bar: FlexibleBar, speed: Scalar) -> tuple[list[Scalar], list[Scalar]]:
-    """Magnitudes that matter of each modal coordinate [m] and of its rate [m/s], as large in energy as each other.
+    """Return magnitudes that matter of each modal coordinate [m] and of its rate [m/s], as large in energy as each
+    other.
 
     **Arguments:** ``bar``; ``speed``: of the approach [m/s].
     """
@@ -44,7 +46,8 @@ def modal_scales(bar: FlexibleBar, speed: Scalar) -> tuple[list[Scalar], list[Sc
 
 
 def bending_frequencies(design: Design) -> Float[Array, " modes"]:
-    """(modes,) natural frequencies of the probe with its tip, clamped in its guide [Hz], in ascending order (M108).
+    """Return the natural frequencies of the probe with its tip, clamped in its guide [Hz], shape (modes,), in ascending
+    order (M108).
 
     **Arguments:** ``design``: one whose probe bends.
 
@@ -65,7 +68,7 @@ def bending_frequencies(design: Design) -> Float[Array, " modes"]:
 
 
 def with_bending(design: Design, frequency: float, damping_ratio: float = 0.02, modes: int = BENDING_MODES) -> Design:
-    """The design with a probe that bends at a given first frequency (M108).
+    """Return the design with a probe that bends at a given first frequency (M108).
 
     **Arguments:** ``design``; ``frequency``: the first one, clamped in the guide, with the tip [Hz]; ``damping_ratio``:
     ζ of that mode [-], the k-th has ζ f_k/f_1; ``modes``: how many.

@@ -18,7 +18,7 @@ def contradictions(design: Design, scenario: Scenario) -> list[str]:
 
 
 def _ball_in_throat(design: Design) -> Iterator[str]:
-    """What a ball that is larger than the throat cannot do (M65)."""
+    """Yield what a ball that is larger than the throat cannot do (M65)."""
     radius, throat, angle = (
         float(x) for x in (design.probe.tip_radius, design.cone.throat_radius, design.cone.half_angle)
     )
@@ -42,7 +42,8 @@ def _ball_in_throat(design: Design) -> Iterator[str]:
 
 
 def _miss(design: Design, scenario: Scenario) -> Iterator[str]:
-    """Whether the tip of a free start flies past the cone, by the straight flight and steady turning of both sides."""
+    """Yield a line if the tip of a free start flies past the cone, by the straight flight and steady turning of both
+    sides."""
     if scenario.start != "free" or (scenario.thrust is not None and float(scenario.thrust) < 0.0):
         return
     cone, radius = design.cone, float(design.probe.tip_radius)
@@ -64,7 +65,8 @@ def _miss(design: Design, scenario: Scenario) -> Iterator[str]:
 
 
 def _flight(design: Design, scenario: Scenario, start: float) -> tuple[np.ndarray, np.ndarray]:
-    """Where the tip's centre is in the axes of the passive vehicle [m] while nothing touches, at instants from 0 on.
+    """Return where the tip's centre is in the axes of the passive vehicle [m] while nothing touches, at instants from 0
+    on.
 
     ``start``: its x at t = 0 in those axes [m] (M170).
     """

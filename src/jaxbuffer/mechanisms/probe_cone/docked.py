@@ -87,7 +87,7 @@ def docked(mechanism: Assembled, start: EvaluatedState, log: Log, code: Int[Arra
 
 
 def _tip_rate(at: EvaluatedState) -> Scalar:
-    """How fast the tip's y in the axes of T changes [m/s]."""
+    """Return how fast the tip's y in the axes of T changes [m/s]."""
     cone = at.kin.frame(T)
     centre = at.contacts[0].centre
     return cone.unturn(centre.velocity - cone.velocity_at(centre.place - cone.origin)).y
@@ -116,7 +116,7 @@ def arrest_stroke(mechanism: Assembled, energy: Float[Array, ""]) -> Float[Array
 
 
 def _latch_share(mechanism: Assembled, end: EvaluatedState, largest: Scalar, torn: Bool[Array, ""]) -> Float[Array, ""]:
-    """The largest force of the latches over their strength [-].
+    """Return the largest force of the latches over their strength [-].
 
     Of torn ones it is above 1: with the force to which the mass that they hold would have stretched them, had they
     held. It is 1 where they just tear, and its slope leads out of that.
@@ -135,5 +135,5 @@ def _latch_share(mechanism: Assembled, end: EvaluatedState, largest: Scalar, tor
 
 
 def _last(log: Log) -> Int[Array, ""]:
-    """The entry of the run's end."""
+    """Return the entry of the run's end."""
     return jnp.maximum(log.count - 1, 0)

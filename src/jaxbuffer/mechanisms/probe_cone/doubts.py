@@ -79,7 +79,7 @@ def _same(value: object, usual: Design, entry: TableValue) -> bool:
 
 
 def _line(design: Design, entry: TableValue, ratio: float) -> str:
-    """ "cone.offset 96 mm: why; grown with the mass 670 mm"."""
+    """Return a line such as "cone.offset 96 mm: why; grown with the mass 670 mm"."""
     value, symbol = float(np.max(np.asarray(get(design, entry.path)))), unit(design, entry.path)
     text = f"{entry.path} {with_unit(*as_typed(value, symbol, entry.shown))}: {entry.why}"
     if entry.power == 0.0 or 1.0 / FAR < ratio < FAR:

@@ -33,7 +33,7 @@ def reference_share(capture: Capture) -> Float[Array, ""]:
 
 
 def _brought(capture: Capture) -> Float[Array, ""]:
-    """The energy of relative motion at the start [J]."""
+    """Return the energy of relative motion at the start [J]."""
     return capture.docked.energy_left / capture.docked.relative_energy
 
 

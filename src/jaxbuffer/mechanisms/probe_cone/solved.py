@@ -13,7 +13,7 @@ from .outcome import Outcome
 
 
 def capture(mechanism: Assembled, solved: Solved) -> Capture:
-    """What was solved, as a capture."""
+    """Return what was solved, as a capture."""
     largest, known, log = solved.common["maxima"], solved.known, solved.log
     stroke = solved.maxima.others["stroke"]
     code = jnp.where((solved.code == Outcome.timeout) & latched(mechanism, log), int(Outcome.latched), solved.code)

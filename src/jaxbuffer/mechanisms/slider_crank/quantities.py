@@ -7,7 +7,7 @@ from ..run import Run
 
 
 def deepest(run: Run) -> Float[Array, ""]:
-    """The deepest penetration where it is watched [m], else the depth that the peak force bounds (M72)."""
+    """Return the deepest penetration where it is watched [m], else the depth that the peak force bounds (M72)."""
     return run.maxima.get("penetration", run.penetration)
 
 

@@ -50,8 +50,8 @@ class TurnStatistics(NamedTuple):
 
 
 def turn_statistics(run: Run) -> TurnStatistics:
-    """Impacts, largest force, mean of the impacts' peaks and share of contact by turn of the crank, with the standard
-    errors of their means.
+    """Return impacts, largest force, mean of the impacts' peaks and share of contact by turn of the crank, with the
+    standard errors of their means.
 
     The first turn is left out: it begins where no steady motion would be. Turns that follow one another are alike, so
     an error comes from means of blocks of turns, as `standard_error` says.
@@ -90,13 +90,13 @@ def turn_statistics(run: Run) -> TurnStatistics:
 
 
 def overflown(run: Run) -> bool:
-    """Whether events found no room in the log."""
+    """Return whether events found no room in the log."""
     return bool(np.asarray(run._located.overflown))
 
 
 def turn_starts(run: Run) -> Float[np.ndarray, " turns"]:
-    """When each turn begins, and the last whole one ends [s]. Between two events of the log the crank's angle is the
-    cubic through its values and speeds at both."""
+    """Return when each turn begins, and the last whole one ends [s]. Between two events of the log the crank's angle is
+    the cubic through its values and speeds at both."""
     log, scenario = run._located, run.scenario
     count = min(int(log.count), log.room)
     time, first = np.unique(np.append(0.0, np.asarray(log.time)[:count]), return_index=True)
@@ -109,7 +109,7 @@ def turn_starts(run: Run) -> Float[np.ndarray, " turns"]:
 
 
 def contact_shares(run: Run, starts: Float[np.ndarray, " turns"]) -> Float[np.ndarray, " turns"]:
-    """Share of each turn in which a pin touches its bush."""
+    """Return the share of each turn in which a pin touches its bush."""
     log = run._located
     count = min(int(log.count), log.room)
     kind, time = np.asarray(log.kind)[:count], np.asarray(log.time)[:count]
@@ -129,8 +129,9 @@ def _mean(values: list[float] | np.ndarray, unit: str) -> Mean:
 
 
 def standard_error(values: Float[np.ndarray, " n"]) -> float:
-    """Of the mean of values that follow one another and may be alike (Flyvbjerg and Petersen 1989): the largest of the
-    errors that means of blocks of 1, 2, 4, … values give, at least eight blocks each; not a number of fewer than 2."""
+    """Return the standard error of the mean of values that follow one another and may be alike (Flyvbjerg and Petersen
+    1989): the largest of the errors that means of blocks of 1, 2, 4, … values give, at least eight blocks each; not a
+    number of fewer than 2."""
     errors, size = [], 1
     while size == 1 or len(values) // size >= LEAST_BLOCKS:
         blocks = values[: len(values) // size * size].reshape(-1, size).mean(axis=1)

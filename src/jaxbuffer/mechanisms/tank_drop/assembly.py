@@ -48,20 +48,21 @@ class Assembled(NamedTuple):
     half: "Assembled | None"
 
     def compression(self, positions: Float[Array, "nodes 2"]) -> Float[Array, " pressed"]:
-        """How far the cushion is pressed together at each node below it; without one, the wall into the slider [m]."""
+        """Return how far the cushion is pressed together at each node below it; without one, the wall into the slider
+        [m]."""
         if self.system.layers:
             return self.system.layers[0].compression(positions)
         strike = self.system.contacts[1]
         return -strike.surface.pairs(strike.slaves, positions, None).gap
 
     def force(self, instant: Instant) -> Float[Array, ""]:
-        """The upward part of the force on the slider, along its fall: the guide takes the sideways part [N]."""
+        """Return the upward part of the force on the slider, along its fall [N]: the guide takes the sideways part."""
         (normal,) = [forces.normal for forces in (instant.layers or instant.contacts[1:])]
         return jnp.cos(self.angle) * jnp.sum(normal)
 
 
 def assembled(design: TankDrop, scenario: TankDropScenario) -> Assembled:
-    """The parts put together, nothing loaded yet."""
+    """Return the parts put together, nothing loaded yet."""
     mesh = section(design, scenario.fill)
     whole = design.mesh.extent == "whole"
     nodes, factor = len(mesh.positions), (1.0 if whole else 2.0) * design.tank.length
@@ -106,7 +107,7 @@ def assembled(design: TankDrop, scenario: TankDropScenario) -> Assembled:
 
 
 def _above(design: TankDrop, mesh: Section, under: RigidPlane) -> Scalar:
-    """How high the slider is where it, or its cushion, just touches the tank [m]."""
+    """Return how high the slider is where it, or its cushion, just touches the tank [m]."""
     soft = design.cushion.thickness if design.cushion.kind == "layer" else 0.0
     if design.mesh.extent == "half":
         return design.tank.height + soft
@@ -130,8 +131,8 @@ def _material(design: TankDrop) -> Plastic | Orthotropic:
 
 
 def _with_ribs(design: TankDrop, quads: Quads) -> tuple[Quads, Float[Array, " elements"]]:
-    """Elements of which the ribs' are as deep as their share of a metre and, as narrow ribs are free to narrow along
-    the tank and plane elements are not, 1 - ν² of that; densities that give them their whole mass (M168)."""
+    """Return elements of which the ribs' are as deep as their share of a metre and, as narrow ribs are free to narrow
+    along the tank and plane elements are not, 1 - ν² of that; and densities that give them their whole mass (M168)."""
     narrowed = 1.0 - jnp.asarray(design.material.poisson_ratio, float) ** 2
     numbers = Numbering.of(design)
     half = len(numbers.corners)
@@ -146,28 +147,29 @@ def _strength(design: TankDrop) -> Scalar:
 
 
 def _support(design: TankDrop, mesh: Section, baffle: int) -> Contact:
-    """The outside, up to the level, on the baffle."""
+    """Return the contact of the outside, up to the level, with the baffle."""
     slaves = mesh.sets.support
     strips = jnp.linalg.norm(boundary_areas(mesh.positions[slaves]), axis=1)
     return Contact(slaves, RigidPlane(baffle, (0.0, 1.0)), design.support.method, design.support.stiffness * strips)
 
 
 def _strike(design: TankDrop, mesh: Section, under: RigidPlane) -> Contact:
-    """The slider without a cushion, on the outside from the level on, by the method of the support."""
+    """Return the contact of the slider without a cushion with the outside from the level on, by the method of the
+    support."""
     slaves = mesh.sets.pressed
     strips = jnp.linalg.norm(boundary_areas(mesh.positions[slaves]), axis=1)
     return Contact(slaves, under, design.support.method, design.support.stiffness * strips)
 
 
 def _air(design: TankDrop, mesh: Section) -> Gas:
-    """The air that is shut in above the liquid."""
+    """Return the air that is shut in above the liquid."""
     wall = mesh.positions[mesh.sets.inner]
     below = 0.0 if design.contents.kind == "none" else enclosed(mesh.liquid[mesh.sets.wet])
     return Gas(mesh.sets.inner, enclosed(wall) - below, enclosed(wall), design.contents.air_pressure)
 
 
 def _cushion(design: TankDrop, mesh: Section, under: RigidPlane) -> Layer:
-    """The cushion over the outside from the level on, in strips as wide as what faces it."""
+    """Return the cushion over the outside from the level on, in strips as wide as what faces it."""
     slaves = mesh.sets.pressed
     width = jnp.maximum(-(boundary_areas(mesh.positions[slaves]) @ stacked(under.normal)), 0.0)
     soft = design.cushion
@@ -206,7 +208,7 @@ def _liquid(design: TankDrop, mesh: Section) -> Liquid:
 
 
 def _holes(design: TankDrop, mesh: Section) -> Perforated:
-    """The plate, or both, as the liquid feels it."""
+    """Return the plate, or both, as the liquid feels it."""
     plates, sets, high = design.plates, mesh.sets, mesh.numbers.liquid.shape[1]
     left, right = sets.left_of_plate, sets.right_of_plate
     assert plates.aperture is not None

@@ -28,20 +28,20 @@ class Unknowns(NamedTuple):
     nodes: int
 
     def displacement(self, values: Float[Array, " unknowns"]) -> Float[Array, "nodes 2"]:
-        """Of all nodes [m]."""
+        """Return the displacement of all nodes [m]."""
         return jnp.zeros(2 * self.nodes).at[self.places].set(values).reshape(-1, 2)
 
 
 def falling(parts: Assembled, scenario: TankDropScenario) -> State:
-    """The tank at rest and the slider at the speed of its fall."""
+    """Return the tank at rest and the slider at the speed of its fall."""
     state = at_rest(parts)
     speed = jnp.sqrt(2.0 * scenario.gravity * scenario.height)
     return state._replace(velocity=state.velocity.at[parts.slider, 1].set(-speed))
 
 
 def at_rest(parts: Assembled) -> State:
-    """The tank in equilibrium with gravity and the liquid's static pressure, its flat bottom on the baffle where it
-    presses on it, or as deep in it as a penalty lets it; the slider where the cushion would just touch the tank
+    """Return the tank in equilibrium with gravity and the liquid's static pressure, its flat bottom on the baffle where
+    it presses on it, or as deep in it as a penalty lets it; the slider is where the cushion would just touch the tank
     undeformed. Newton's method finds it; derivatives are those of the equilibrium. The whole section stands as its half
     does and as that one's image: nothing holds it sideways, so that its own matrix is singular."""
     if parts.half is not None:
@@ -56,7 +56,7 @@ def at_rest(parts: Assembled) -> State:
 
 
 def _unknowns(parts: Assembled) -> Unknowns:
-    """All of the wall's, except sideways in the middle of the section."""
+    """Return all unknowns of the wall, without those sideways in the middle of the section."""
     mesh, nodes = parts.section, len(parts.system.positions)
     free = np.ones((nodes, 2), bool)
     free[parts.slider :] = False
@@ -66,8 +66,8 @@ def _unknowns(parts: Assembled) -> Unknowns:
 
 
 def _better(parts: Assembled, unknowns: Unknowns, values: Array, stands: Array) -> tuple[Array, Bool[Array, " bottom"]]:
-    """A step of Newton's method where these of the bottom's nodes stand, and which stand then: those that press, or
-    are below the baffle."""
+    """Return the values after a step of Newton's method where these of the bottom's nodes stand, and which stand then:
+    those that press, or are below the baffle."""
     contact = parts.system.contacts[0]
     matrix, left = _linearised(parts, unknowns, values)
     bottom, unknown = unknowns.bottom, len(unknowns.places)
@@ -83,8 +83,8 @@ def _better(parts: Assembled, unknowns: Unknowns, values: Array, stands: Array) 
 
 
 def _linearised(parts: Assembled, unknowns: Unknowns, values: Array) -> tuple[Array, Array]:
-    """The wall's stiffness (unknowns, unknowns) [N/m] and what is not in balance there (unknowns,) [N], without the
-    baffle."""
+    """Return the wall's stiffness (unknowns, unknowns) [N/m] and what is not in balance there (unknowns,) [N], without
+    the baffle."""
     system, wall, displacement = parts.system, parts.wall, unknowns.displacement(values)
     load = system.mass * system.gravity[None]
     if system.liquid is not None:

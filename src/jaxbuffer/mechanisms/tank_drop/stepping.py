@@ -214,14 +214,14 @@ def _next_tally(
 
 
 def _reserve(parts: Assembled, design: TankDrop, stress: Array) -> Array:
-    """Of a composite's plies now; of a plastic wall the largest stress tells it in the end."""
+    """Return the reserve of a composite's plies now; of a plastic wall the largest stress tells it in the end."""
     if not isinstance(parts.material, Orthotropic):
         return jnp.asarray(jnp.inf)
     return least_reserve(design.composite, design.mesh.refinement, stress, parts.material)
 
 
 def _with_row(parts: Assembled, duration: Scalar, rows: Row, instant: Instant, force: Array, stress: Array) -> Row:
-    """The history with this instant in the row of its share of the duration: the last one there stays."""
+    """Return the history with this instant in the row of its share of the duration: the last one there stays."""
     (wall,) = instant.resistances
     place = jnp.clip(jnp.floor(instant.time / duration * ROWS).astype(int), 0, ROWS - 1)
     row = Row(
