@@ -86,6 +86,7 @@ class OutOfRange(InputError):
             self.path, self.value, self.unit, self.limits, f"{before}{self.before}", f"{self.after}{after}"
         )
 
+    # Python pickles an exception with the message alone, from which one of this class could not be made.
     def __reduce__(self) -> tuple[type[InputError], tuple[str]]:
         return InputError, (str(self),)
 
@@ -100,6 +101,7 @@ def as_number(value: Any) -> Any:
     """Return a single number as a float, and a list or tuple of numbers as an array; anything else stays as it is."""
     if type(value) is float:
         return value
+    # True and False are integers to Python, and so is a time span of NumPy, which would lose its unit.
     if isinstance(value, (Real, Decimal)) and not isinstance(value, bool) and unit_of_library(value) is None:
         return _float(value)
     if isinstance(value, (list, tuple)) and value:
@@ -195,6 +197,7 @@ def inside(
     """Return whether numbers are finite and in a range (see `check_number`): NumPy's and JAX's, traced ones too."""
     above = (value > low) if low_open else (value >= low)
     below = (value < high) if high_open else (value <= high)
+    # NaN fails every comparison, and so is in no range.
     return above & below & (abs(value) < math.inf)
 
 
@@ -256,6 +259,7 @@ def check_entries(
 ) -> None:
     """Raise `InputError` unless each entry is inside its own range, open below (see `check_number`); ``too_low`` and
     ``too_high`` say what is wrong below and above it, and which other numbers end the range."""
+    # Most values are plain numbers within their range, which need no arrays.
     if type(value) is float and isinstance(low, float) and isinstance(high, float) and low < value < high:
         return
     check_plain(path, value, unit)
@@ -294,6 +298,7 @@ def check_single(path: str, value: Any, unit: str, instead: str, **limits: Any) 
 
 def check_whole(path: str, value: Any, least: int, most: int | None = None) -> None:
     """Raise `InputError` unless ``value`` is a whole number of at least ``least`` and at most ``most``, if given."""
+    # True is an integer to Python, and no count.
     whole = isinstance(value, Integral) and not isinstance(value, bool)
     if not whole or value < least or (most is not None and value > most):
         allowed = f"of at least {least}" if most is None else f"from {least} to {most}"
@@ -326,6 +331,7 @@ def check_names(path: str, names: Any, example: str) -> tuple[str, ...]:
     """Return the names as a tuple. **Raises:** `InputError` unless they are a list of words, none of them twice."""
     if isinstance(names, str):
         raise InputError(f"{path} = {shown(names)} is one name, not a list of them; write {path}=({names!r},)")
+    # What is no list at all is refused by the next check.
     given = tuple(names) if isinstance(names, Iterable) and not isinstance(names, bytes) else (None,)
     if not all(isinstance(name, str) for name in given):
         raise InputError(f"{path} = {shown(names)} is not a list of names; write {path}=({example!r},)")

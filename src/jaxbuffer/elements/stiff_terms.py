@@ -58,6 +58,7 @@ def linearised(
     directions = jnp.concatenate([*along, contacts.normals, contacts.tangents], axis=1)
     response = system.response(kin, directions[:n])
     if spin_inertia is not None:
+        # A ball that spins freely is held by no joint: its own inertia alone resists.
         response = jnp.concatenate([response, directions[n:] / spin_inertia[:, None]])
     return Linearisation(
         directions=directions,
@@ -87,6 +88,7 @@ def contact_slopes(pair: BallPair, approach: Approach, memory: Array, active: Ar
         return normal, -pair.friction.force(normal, slip)
 
     point = (-approach.gap, approach.approach_speed, approach.slip)
+    # A contact's forces depend on its own numbers alone, so that one tangent gives the slopes of all contacts.
     units = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     size = approach.gap.shape[0]
     return [jax.jvp(forces, point, tuple(jnp.full(size, u) for u in unit))[1] for unit in units]
@@ -121,6 +123,8 @@ def contact_directions(
             (tangents, approach.tangent_x[k], approach.tangent_y[k], lever),
         ):
             along = Vector(x, y)
+            # A ball that spins freely has a velocity of its own behind the coordinates': the slip feels that, not the
+            # body's.
             own = 0.0 if free_spin else spin
             foot = Vector(approach.foot_x[k], approach.foot_y[k]).cross(along)
             blocks = {

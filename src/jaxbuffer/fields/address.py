@@ -29,6 +29,7 @@ def check_address(design: eqx.Module, scenario: eqx.Module, address: str, where:
     """
     known = addresses(design, scenario)
     if address not in known:
+        # A section has fields and no number of its own.
         if any(path.startswith(f"{address}.") for path in known):
             raise InputError(f"{where}{address} is unknown: it is a section; name one of its fields")
         means = lambda it: meaning(*_owner(design, scenario, it))  # noqa: E731
@@ -83,6 +84,7 @@ def with_values(design: D, scenario: S, values: Mapping[str, Any]) -> tuple[D, S
 
     **Arguments:** ``values``: by address, in the field's unit. **Raises:** `InputError` as `replace` does.
     """
+    # Each part is replaced once, with all of its values: singly, some might not fit what is there yet.
     of_scenario = {name.removeprefix(SCENARIO): v for name, v in values.items() if name.startswith(SCENARIO)}
     of_design = {name: v for name, v in values.items() if not name.startswith(SCENARIO)}
     return replace(design, of_design), replace(scenario, of_scenario)

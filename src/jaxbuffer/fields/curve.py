@@ -54,6 +54,7 @@ class Curve(Portable):
                 in_unit(f"{path}.{name}[{k}]", number, unit, **POSITIVE)
                 if (array := concrete(number)) is None and isinstance(number, (str, bool, type(None))):
                     raise InputError(f"{path}.{name}[{k}]: {shown(number)} is not a number in {unit}")
+                # (0, 0) is a point of every curve, and the first one given must be above it.
                 before = np.zeros(()) if k == 0 else concrete(numbers[k - 1])
                 if array is None or before is None:  # traced
                     continue
@@ -117,6 +118,7 @@ class Curve(Portable):
         x, y = stacked([0.0, *self.places]), stacked([0.0, *self.values])
         h = x[1:] - x[:-1]
         secant = (y[1:] - y[:-1]) / h
+        # Two points have a straight line between them.
         if len(self.places) == 1:
             return MonotoneCubic(x, y, jnp.concatenate([secant, secant]))
         # the weighted harmonic mean of the secants beside a point; at both ends a one-sided parabola's slope

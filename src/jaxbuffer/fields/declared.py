@@ -32,6 +32,7 @@ def number(default: float | None, unit: str, *, doc: str = "", needs: Needs = ()
     it has no effect (`on`, `chosen`, `absent`); ``limits``: keywords of `check_number` that bound it (``low``,
     ``high``, ``low_open``, ``high_open``).
     """
+    # Text becomes a number in the field's unit before anything computes with it.
     convert = functools.partial(as_unit, unit=unit)
     return eqx.field(
         default=default, converter=convert, metadata={"unit": unit, "limits": limits, "doc": doc, "needs": needs}

@@ -95,6 +95,7 @@ def why_inactive(design: Any, scenario: Any, path: str, varied: Collection[str] 
         if need.reason:
             return need.reason
         names = [name if "." in name or not section else f"{section}.{name}" for name in need.paths]
+        # Without a scenario a condition on it counts as fulfilled.
         if scenario is None and any(name.startswith(ROOT) for name in names):
             continue
         values = [_value(design, scenario, name) for name in names]
@@ -147,6 +148,7 @@ def _differs(design: Any, scenario: Any, path: str) -> bool:
     holder = functools.reduce(getattr, sections, part)
     default = next(field.default for field in dataclasses.fields(holder) if field.name == name)
     value = getattr(holder, name)
+    # A number that was not given is the same object as the default.
     if value is None or value is default:
         return False
     numbers = concrete(value) if not isinstance(value, bool | str) else None

@@ -211,6 +211,7 @@ def _replace(module: T, values: dict[tuple[str, ...], Any]) -> T:
     for name in (field.name for field in dataclasses.fields(module)):
         inner = {key[1:]: value for key, value in values.items() if key[0] == name}
         current = getattr(module, name)
+        # The empty rest of a path is the field itself.
         if () in inner and len(inner) > 1:
             raise InputError(f"{name} and single numbers of it are given together; keep one")
         if () in inner:

@@ -29,6 +29,7 @@ def named(part: eqx.Module, path: str) -> str:
 
 def without_unit(name: str) -> tuple[str, str]:
     """Return a path, or any name, and the unit that stands behind it, "" for none: what `named` put together."""
+    # A curve's point has a bracket too, "force[2]", but no space before it.
     path, _, symbol = name.partition(" [")
     return path, symbol.removesuffix("]")
 

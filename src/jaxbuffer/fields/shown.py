@@ -37,6 +37,7 @@ def _text(part: eqx.Module, gradient: bool) -> str:
 def is_gradient(part: eqx.Module) -> bool:
     """Return whether a design's fields hold numbers that no design allows; False for traced ones, which are not
     known."""
+    # Traced numbers cannot be compared with their ranges.
     if any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(part)):
         return False
     in_range = getattr(part, "in_range", tuple)
@@ -50,6 +51,7 @@ def _lines(part: eqx.Module, gradient: bool) -> list[str]:
         per = "per " if gradient and symbol != "-" else ""
         name = f"{field.name} [{per}{symbol}]" if symbol else field.name
         equals = " = " if symbol else "="
+        # A measured curve is a module, yet shown as one value, the list of its points.
         is_part = isinstance(value, eqx.Module) and "curve" not in field.metadata
         inner = _text(value, gradient) if is_part else full_text(value)
         lines.append(f"{name}{equals}{inner}")

@@ -138,6 +138,7 @@ def in_unit(path: str, value: Any, unit: str, **limits: Any) -> Any:
     if reason := _misfit(value, unit):
         allowed = interval_text(unit=unit, **limits)
         raise InputError(f"{path} = {shown(value)}: {reason}; allowed: {allowed}")
+    # A number out of range is refused here, where its text still tells the unit that was typed.
     number = as_unit(value, unit)
     if isinstance(value, str) and type(number) is float and not inside(number, **limits):
         ends = tuple(limits.get(name, default) for name, default in _RANGE.items())
@@ -202,6 +203,7 @@ def _symbol_of(quantity: Any) -> str:
 def _scaled(numbers: Any, symbol: str, unit: str) -> Any:
     """Return numbers of a unit as those of another one, or what is wrong with it."""
     expected = _expected(unit)
+    # The exponent e of such a unit is a number of the design, which is not known here.
     if unit.endswith("^e"):
         return f"the unit depends on the exponent; write {expected} without one"
     try:
@@ -210,6 +212,7 @@ def _scaled(numbers: Any, symbol: str, unit: str) -> Any:
         return f"{_unknown(symbol)}; expected {expected}"
     if given.dimensionality != target.dimensionality:
         return f"{symbol} does not fit, expected {expected}{_instead(symbol, unit)}"
+    # Only the factor comes from pint, so that arrays of any library are scaled by one product.
     return numbers * float(_registry().Quantity(1.0, given).to(target).magnitude)
 
 
@@ -369,6 +372,7 @@ def _unknown(symbol: str) -> str:
             _parsed(word)
         except Exception:
             near = next((s for s in SYMBOLS if s.lower() == word.lower()), None) or nearest(word, SYMBOLS)
+            # A plural is meant before anything that only looks alike.
             if word[-1] == "s" and word[:-1] in SYMBOLS:
                 near = word[:-1]
             elif spaced := _spaced(word):
@@ -393,6 +397,7 @@ def _instead(symbol: str, unit: str) -> str:
 
 @functools.cache
 def _registry() -> Any:
+    # It is needed only where a text has a unit.
     import pint
 
     registry: Any = pint.UnitRegistry(None)

@@ -22,7 +22,7 @@ GROUP = "jaxbuffer.mechanisms"
 
 
 def all_mechanisms() -> "tuple[Mechanism, ...]":
-    """Return those of the folders, in the order above, and then all others by name.
+    """Return the mechanisms of the folders, in the order above, and then all others by name.
 
     A package whose mechanism cannot be imported is warned of and left out: the others are not to suffer from it.
     """

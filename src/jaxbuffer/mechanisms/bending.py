@@ -17,6 +17,7 @@ def build_up(mass: Any, peak_force: Any, penetration: Any) -> Any:
 
     **Arguments:** ``mass``: m that it stops [kg]; ``peak_force``: F [N]; ``penetration``: δ, the deepest [m].
     """
+    # A run without a contact has no force to divide by.
     force = np.maximum(np.asarray(peak_force), 1e-300)
     return np.sqrt(np.asarray(mass) * np.maximum(np.asarray(penetration), 0.0) / force)
 

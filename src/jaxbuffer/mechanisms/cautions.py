@@ -20,6 +20,7 @@ def cautions(design: Part, scenarios: Sequence[Part], varied: Collection[str] = 
     found: dict[str, list[int]] = {}
     for number, scenario in enumerate(scenarios, 1):
         lines = inactive(design, scenario, varied)
+        # Numbers that are traced are not known, and arrays are many designs at once: neither has one geometry.
         if geometry and _plain(design) and _plain(scenario):
             lines += view.contradictions(design, scenario)
         for line in lines:

@@ -79,6 +79,7 @@ class Band(NamedTuple):
         """Return where the stations would be if the band did not bend [m]."""
         at = frames[list(self.stations)]
         along = np.hypot(*np.diff(at[:, :2], axis=0).T)
+        # Straight, the stations keep their distances along the band.
         way = np.concatenate([[0.0], np.cumsum(along)])
         if self.clamped:
             return at[0, :2] + way[:, None] * np.array([np.cos(at[0, 2]), np.sin(at[0, 2])])
@@ -130,6 +131,7 @@ class Touch(NamedTuple):
         turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
         origin = self.carrier.at(frames)
         x, y = turn.T @ (self.ball.at(frames) - origin)
+        # Shapes are fixed in the carrier's axes: the foot is found there and turned back.
         foot = [float(np.ravel(part)[0]) for part in _foot(self.shape, float(x), float(y), self.side)]
         normal = turn @ np.array(foot[2:4])
         return origin + turn @ np.array(foot[:2]), normal, self.side * np.array([normal[1], -normal[0]])
@@ -192,6 +194,7 @@ def with_stations(
     ``modal``: how many modal coordinates of other bodies are before its own.
     """
     xi, length = np.linspace(0.0, 1.0, STATIONS), float(bar.bar.length)
+    # In the state the modal coordinates follow the three coordinates of every body.
     first, size = 3 * bodies + modal, bar.modes.size
     state = history.state
     modes = np.zeros((len(frames), size)) if state is None else np.asarray(state)[:, first : first + size]

@@ -21,6 +21,8 @@ class Energy(Portable):
 
     def __getattr__(self, name: str) -> Any:
         for part in ("stored", "lost"):
+            # An object without fields yet, as one that is being unpickled, would call this method for ever by
+            # `self.stored`.
             energies = object.__getattribute__(self, part)
             if name in energies:
                 return energies[name]

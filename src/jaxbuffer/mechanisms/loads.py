@@ -36,6 +36,7 @@ def load(
         return jnp.full(numbers.shape, jnp.nan)
     touch = (log.kind == Kind.TOUCHDOWN) & (log.which < contacts) & (slots < log.room)
     of = LOADS[name.value]
+    # Touchdowns first: a stable sort keeps their order, and the size is known when compiling.
     touchdowns = jnp.argsort(~touch, stable=True)[numbers]
     return jax.vmap(lambda slot: jnp.where(touch[slot], of(system, log, touch, slot), jnp.nan))(touchdowns)
 
@@ -49,6 +50,7 @@ def _effective_energy(
     """
     state, rate, contacts = log.rows[slot, 0], log.rates[slot, 0], system.impact_contacts
     closed = log.active[slot, :contacts] > 0.5
+    # At one instant every other contact can touch down once at most, and their entries follow this one's.
     for later in range(1, contacts):
         following = jnp.minimum(slot + later, log.kind.shape[0] - 1)
         together = touch[following] & (log.time[following] - log.time[slot] <= SIMULTANEOUS)
@@ -100,6 +102,7 @@ def _compression_end(
         return jnp.append(rate, 1.0), jax.jvp(closing, (point[:-1],), (rate,))[1]
 
     begin, start = log.rows[slot, 0], jnp.append(log.rows[top, 0], log.time[top])
+    # These two only measure the steps: where they lead does not depend on them, and neither do its derivatives.
     speed = jax.lax.stop_gradient(closing(begin))
     time = jax.lax.stop_gradient(jnp.maximum(log.time[top] - log.time[slot], system.impact_step(begin)))
 
@@ -113,9 +116,11 @@ def _compression_end(
 
     def onwards(point: Array, step: Array) -> tuple[Array, None]:
         after = _stepped(by_arc, point, step)
+        # A step that goes beyond the end of compression is not taken: the steps along the speed finish.
         return jnp.where(closing(after[:-1]) > 0.0, after, point), None
 
     near = jax.lax.scan(onwards, start, FINEST * GROWTH ** jnp.arange(STEPS))[0]
+    # With the closing speed as the variable the last step ends exactly where it is zero (Hénon's step).
     step = -closing(near[:-1]) / LAST
     end = jax.lax.fori_loop(0, LAST, lambda _, point: _stepped(by_speed, point, step), near)[-1]
     return jnp.where((end >= log.time[slot]) & (end <= last), end, jnp.nan)

@@ -242,6 +242,7 @@ class Mechanism:
     def required_end(self, names: Collection[str], quantities: Iterable[str] = ()) -> RequiredEnd | None:
         """Return the strictest of the ends that are named, or that some quantities wait for; None for no such end."""
         wanted = {*names, *(self.quantities[it].awaits for it in quantities if it in self.quantities)}
+        # Each of the ends is stricter than the one before it.
         return next((end for end in reversed(self.tuning.ends) if end.name in wanted), None)
 
     def strictest_end(self, value_at: Callable[[str], Any]) -> RequiredEnd | None:
@@ -261,6 +262,7 @@ class Mechanism:
     def succeeded(self, code: Any) -> Any:
         """Return which outcomes, given as codes, are successes; all that did not fail, where any end will do."""
         if not self.successes:
+            # Codes of failed runs follow those of all others (`RunOutcome`).
             return np.asarray(code) < self.outcomes["failed_steps"]
         return np.isin(code, [int(self.outcomes[name]) for name in self.successes])
 
@@ -269,6 +271,7 @@ class Mechanism:
         are put into it; without one the general ones."""
         others = dict[str, Any]()
         if design is not None:
+            # A study that varies a part's number gives the design that part, though it is not set yet.
             for path, changes in self.defaults.with_part.items():
                 others |= changes if path in varied or get(design, path) is not None else {}
         return dataclasses.replace(self.defaults, **others)

@@ -92,6 +92,7 @@ def of_impact(name: str) -> OfImpact | None:
     if not name.startswith("impact."):
         return None
     number, _, field = name.removeprefix("impact.").partition(".")
+    # Digits of other scripts are decimal, too.
     if not (number.isdecimal() and number.isascii() and int(number) >= 1):
         raise InputError(f"{name}: {number!r} is not an impact's number; they count from 1, as in impact.1.peak_force")
     if field not in OF_IMPACT:

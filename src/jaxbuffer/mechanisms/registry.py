@@ -12,6 +12,7 @@ _BY_DESIGN: dict[type, Mechanism] = {}
 def register(mechanism: Mechanism) -> Mechanism:
     """Make a mechanism known: from then on `simulate` and all else serve its designs. Registering a name again
     replaces the mechanism."""
+    # A module that is loaded again brings a new class of designs under the old name.
     for design, other in list(_BY_DESIGN.items()):
         if other.name == mechanism.name:
             del _BY_DESIGN[design]

@@ -109,6 +109,7 @@ class Run(Portable, Saved):
             return self.code
         if not np.ndim(self.code):
             return self.mechanism.outcomes(int(self.code))
+        # Objects in an array of the batch's shape: NumPy would make plain integers of outcomes.
         codes = np.asarray(self.code)
         return np.array([self.mechanism.outcomes(int(code)) for code in codes.flat], object).reshape(codes.shape)
 
@@ -199,6 +200,7 @@ class Run(Portable, Saved):
     def of_impact(self, address: OfImpact) -> Float[Array, ""]:
         """Return one number of one impact; in a slot beyond the last impact it means nothing."""
         if address.field in LOAD_UNITS:
+            # A finished run's loads are computed for a block of impacts at once, whose program serves them all.
             own = 0 if self._many else address.slot % TOGETHER
             return self.loads(address.field, address.slot - own + np.arange(1 if self._many else TOGETHER))[own]
         return getattr(self.impacts, address.field)[address.slot]

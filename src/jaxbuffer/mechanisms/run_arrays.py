@@ -100,6 +100,7 @@ def _quantities(run: Any, names: Names) -> dict[str, Labelled]:
         )
         for name in mechanism.swept
     }
+    # The number is -1 where nothing touches.
     largest = names.contacts[int(run.peak_contact)] if int(run.peak_contact) >= 0 else ""
     counts = {"impact_count": run.impact_count, "steps_accepted": run.accepted, "steps_attempted": run.attempts}
     return {

@@ -45,6 +45,7 @@ class SmoothMemory(NamedTuple):
     ) -> "SmoothMemory":
         """Return the memory's rate and decay, from the ``memory`` [m/s], the ``gap`` [m] and the approach ``speed``
         [m/s] of each contact, the ``time`` [s] of following, and the ``slowest`` memory [m/s]."""
+        # It follows while the contact is open and stays while it is closed, with a smooth change between the two (M61).
         decay = 0.5 * (1.0 + jnp.tanh(gap / onset)) / time
         return SmoothMemory(decay * (jnp.maximum(speed, slowest) - memory), decay)
 
@@ -204,6 +205,8 @@ class ContactSystem(HybridSystem):
     def saltation(self, closed: State, contact: Int[Array, ""]) -> State:
         """Return how sensitivities at fixed time jump where a force jumps: (f⁻ - f⁺) dt_c; its value is next to
         nothing."""
+        # What the other contacts exert is the same on both sides of the jump: the difference is found with all of them
+        # open.
         none, time = jnp.zeros(self.contact_count), jnp.zeros(())
         alone = jnp.where(jnp.arange(self.contact_count) == contact, 1.0, none)
         onset = self.derivative(time, closed, alone) - self.derivative(time, closed, none)
@@ -220,6 +223,7 @@ class ContactSystem(HybridSystem):
         gaps, closing = self.gaps_at(self.posture(state))
         mine = jnp.arange(gaps.shape[0]) == contact
         gap, speed = (jnp.sum(jnp.where(mine, x, 0.0)) for x in (gaps, closing))
+        # Where nothing moves there is no such time; a division by zero would make derivatives NaN.
         return gap / jnp.where(speed == 0.0, 1.0, speed), speed
 
     def terminals(self, state: State) -> Float[Array, " terminals"]:
@@ -233,6 +237,7 @@ class ContactSystem(HybridSystem):
         return self.observables_at(self.posture(state), rate, active)
 
     def watched(self, state: State, rate: State, active: Active) -> Watched:
+        # One look serves gaps, guards and observables, which a step's end needs together.
         at = self.posture(state)
         gap, closing = self.gaps_at(at)
         if any(self.one_way):  # closed, they are far from opening

@@ -37,6 +37,7 @@ class Names:
             values = np.asarray(others[name])
             yield self.shares.get(name, name), symbol, values
             if name in self.shares:
+                # A share of nothing is not known.
                 first = float(values[0]) if len(values) else 0.0
                 yield name, "-", values / first if first > 0.0 else np.full(len(values), np.nan)
 

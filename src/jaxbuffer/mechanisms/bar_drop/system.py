@@ -38,11 +38,13 @@ def bar_drop(design: BarDrop, scenario: BarDropScenario, stabilisation: Scalar =
     if design.plate.modes:
         plate = bending_plate(design)
         bodies.append(FlexibleBody(plate.modes))
+        # The plate's axes are held, and its modes alone move it.
         joints.append(Weld(GROUND, PLATE, top, Marker.on_frame(0.0, 0.0, plate.modes.size)))
         carrier, middle = PLATE, plate.middle
         shown.append(Shown("plate_deflection", plate_deflection))
     sine = scenario.height / bar.length
     cosine = jnp.sqrt(1.0 - jnp.asarray(sine) ** 2)
+    # The hinge is the origin, and the bar leans up from it so that its ball end is at the height.
     places = [half * cosine, half * sine, jnp.arctan2(sine, cosine), *([*top, 0.0] if design.plate.modes else [])]
     modes = sum(body.size for body in bodies if isinstance(body, FlexibleBody))
     q = stacked([*places, *[0.0] * modes])
@@ -91,6 +93,8 @@ def ball_on_plate(design: BarDrop) -> BallPair:
     }
     return BallPair(
         radius=design.bar.ball_radius,
+        # The ball end swings about the hinge, one length to the left of the origin, and so stays within two lengths of
+        # that.
         shape=Segment(-3.0 * length, 0.0, 1.0, 0.0, 4.0 * length),
         side=-jnp.ones(()),
         law=contact_law(impact.law, numbers),
@@ -112,6 +116,7 @@ def plate_deflection(mechanism: Assembled, at: EvaluatedState, rate: Array) -> S
 def bar_deflection(modes: int) -> Callable[..., Scalar]:
     """Return how far the bar's middle is from the straight line between its ends [m], to either side, as an observable
     of a bar in so many modes."""
+    # The mode shapes of a free uniform bar do not depend on its dimensions.
     shapes = free_bar(Bar.circle(1.0, 1.0, 1.0, 1.0), modes - 2).shapes
     start, middle, end = shapes.lateral(np.array([0.0, 0.5, 1.0]), 0)
     weights = middle - 0.5 * (start + end)

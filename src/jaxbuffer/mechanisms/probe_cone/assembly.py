@@ -129,6 +129,7 @@ def assemble(design: Design, scenario: Scenario, stabilisation: Scalar = 20.0) -
         closed=touching,
         first_memory=memory,
         quiet=design.latch.quiet if latched else None,
+        # Angles are compared at an arm of 0.1 m.
         size=(
             stacked([length, length, length / 0.1] * 4 + bent),
             stacked([speed, speed, speed / 0.1] * 4 + bending_rate),
@@ -150,6 +151,7 @@ def assemble(design: Design, scenario: Scenario, stabilisation: Scalar = 20.0) -
 def elements_of(design: Design, scenario: Scenario, probe: Masses) -> tuple[Element, ...]:
     """Return the elements of a design in a scenario, in the order in which its energies are listed."""
     buffer, latch, hinge, shock = design.buffer, design.latch, design.hinge, design.shock
+    # Both stops measure their stroke by the buffer's own spring, so that all three agree on it.
     axial = axial_force(buffer, probe)
     throat = Throat(
         design=design,
@@ -200,6 +202,7 @@ def assemble_system(design: Design, probe: Masses, stabilisation: Scalar) -> Sys
             Body(probe.mass, probe.inertia) if probe.bending is None else FlexibleBody(probe.bending.modes),
             Body(design.passive.mass, design.passive.inertia),
         ),
+        # With play the contact of the pin holds the hinge, in place of the joint (M109).
         joints=(guide,) if design.hinge.play is not None else (hinge, guide),
         stabilisation=stabilisation,
     )
@@ -212,6 +215,7 @@ def axial_force(buffer: BufferPart, probe: Masses) -> AxialSpringDamper:
         "second": P,
         "first_point": (-buffer.cylinder_length / 2, 0.0),
         "second_point": probe.guided(-probe.rear),
+        # They are None where a measured curve stands for them.
         "stiffness": 0.0 if buffer.k_A is None else buffer.k_A,
         "damping": 0.0 if buffer.c_A is None else buffer.c_A,
         "free_length": buffer.free_length,
@@ -290,6 +294,7 @@ def first_contact(tip: BallContact, scenario: Scenario, kin: Kinematics) -> tupl
 def pin_in_bush(design: Design) -> Pin:
     """Return the hinge's pin, on the active vehicle, in a bush with play on the cylinder (M109)."""
     hinge = design.hinge
+    # Pin and bush have no friction (M109): the slip speed means nothing.
     pair = BallPair(
         hinge.pin_radius, Hole(0.0, 0.0, hinge.bush_radius), jnp.ones(1), pin_law(design), RegularisedCoulomb(0.0, 1.0)
     )
@@ -331,6 +336,7 @@ def latches(design: Design, probe: Masses, plane: Scalar) -> Latch:
 
 def hinge_force(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
     """Return the size of the force that accelerates the active vehicle [N] (M68)."""
+    # The vehicle's acceleration tells the force also where the hinge has play, and so no multipliers (M68).
     return _size_of(rate[mechanism.coordinates : mechanism.coordinates + 2] * mechanism.parts.design.active.mass)
 
 
@@ -403,6 +409,7 @@ def start_motion(
     turn_cos, turn_sin = jnp.cos(scenario.misalignment), jnp.sin(scenario.misalignment)
     tip = Vector(turn_cos * local.x - turn_sin * local.y, turn_sin * local.x + turn_cos * local.y)
     modes = 0 if masses.bending is None else masses.bending.modes.size
+    # The modal coordinates follow those of all bodies; the probe starts straight.
     passive = [0.0, 0.0, scenario.misalignment, *[0.0] * modes]
     passive_rate = [0.0, 0.0, scenario.passive_rate, *[0.0] * modes]
     if scenario.start == "free":

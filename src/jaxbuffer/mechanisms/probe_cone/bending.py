@@ -28,6 +28,7 @@ def bending_probe(probe: Probe) -> FlexibleBar | None:
         density=probe.rod_mass / probe.length,
         youngs_modulus=1.0,
     )  # of which only mass and bending stiffness matter
+    # A tip that spins freely does not turn with the end of the rod.
     inertia = 0.0 if probe.free_tip else probe.tip_inertia
     bar = cantilever_bar(rod, probe.bending_modes - 2, tip_mass=probe.tip_mass, tip_inertia=inertia)
     modes = bar.modes.with_damping(probe.bending_damping * bar.modes.stiffness)
@@ -42,6 +43,7 @@ def modal_scales(bar: FlexibleBar, speed: Scalar) -> tuple[list[Scalar], list[Sc
     """
     mass, stiffness = bar.modes.mass_matrix, bar.modes.stiffness
     slow = CLOSER * speed
+    # At the scales ½ k q² is as large as ½ m q̇².
     return [slow * jnp.sqrt(mass[k, k] / stiffness[k, k]) for k in range(bar.modes.size)], [slow] * bar.modes.size
 
 
@@ -83,10 +85,12 @@ def with_bending(design: Design, frequency: float, damping_ratio: float = 0.02, 
     """
     check_single("frequency", frequency, "Hz", ONE.format("frequency"), **POSITIVE)
     check_single("damping_ratio", damping_ratio, "-", ONE.format("damping_ratio"), **NON_NEGATIVE)
+    # All frequencies go with the root of the bending stiffness: those of 1 N m² tell the one that is wanted.
     unit = replace(design, {"probe.bending_stiffness": 1.0, "probe.bending_modes": modes})
     first = float(bending_frequencies(unit)[0])
     values = {
         "probe.bending_stiffness": (frequency / first) ** 2,
+        # The damping ratio of a mode is β ω/2 (M108).
         "probe.bending_damping": damping_ratio / (np.pi * frequency),
     }
     return replace(unit, values)

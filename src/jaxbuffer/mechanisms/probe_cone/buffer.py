@@ -135,6 +135,7 @@ class Buffer(Part):
         if self.max_stroke is not None:
             yield inside(self.max_stroke, high=self.free_length, **POSITIVE)
         if self.stop_stiffness is None:
+            # Without a stop its damping must be zero, as `check_together` has it.
             yield inside(self.stop_damping, low=0.0, high=0.0)
         if self.rebound_stiffness is None:
             yield inside(self.rebound_damping, low=0.0, high=0.0)

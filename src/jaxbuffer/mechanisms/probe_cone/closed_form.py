@@ -93,6 +93,7 @@ def loss_factor(hysteresis: Scalar) -> Float[Array, ""]:
     def taken_up(w: Array, damping: Array) -> Array:
         return ((1.0 - w) - jnp.log((1.0 + damping) / (1.0 + damping * w)) / damping) / damping
 
+    # The factor is stationary at w, so that its derivative needs none of w: the bisection is left out of it.
     still = jax.lax.stop_gradient(damping)
 
     def halved(_: Array, bracket: tuple[Array, Array]) -> tuple[Array, Array]:

@@ -75,6 +75,7 @@ def compare_laws(
 
     def compared(name: str) -> ComparedLaw:
         def delivered(values: tuple[float, ...]) -> np.ndarray:
+            # A law without a restitution delivers the same, whatever is asked.
             if not hasattr(law(name, 1.0), "restitution"):
                 return np.full(len(values), float(law(name, 1.0).delivered_restitution(mass, speed)))
             return np.array([float(law(name, float(e)).delivered_restitution(mass, speed)) for e in values])

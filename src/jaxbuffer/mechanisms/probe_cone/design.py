@@ -62,6 +62,7 @@ class Design(DesignOf[Capture]):
 
     def in_range(self) -> Iterator[Bool[Array, ""]]:
         yield from super().in_range()
+        # The same as `check_together`, for traced numbers.
         mouth = self.cone.throat_radius + self.cone.length * jnp.sin(self.cone.half_angle)
         yield inside(self.probe.tip_radius, high=mouth, high_open=True, **POSITIVE)
 
@@ -144,6 +145,7 @@ class Scenario(Part):
     def check_together(self) -> None:
         free = self.start == "free"
         usual = {field.name: field for field in dataclasses.fields(self)}
+        # A number of the other kind of start would have no effect.
         for name in ("contact_distance",) if free else OF_FREE_START:
             value, default = concrete(getattr(self, name)), usual[name].default
             if value is not None and np.any(value != default):
@@ -177,6 +179,7 @@ def check_fit(design: Design, scenario: Scenario) -> None:
         return
     cone, tip = design.cone, design.probe.tip_radius
     start = _known("probe.tip_radius and cone", tip, cone.throat_radius, cone.half_angle)
+    # Traced numbers are checked by `valid`, in the program.
     least = 0.0 if start is None else least_contact_distance(*start)
     too_low = "; nearer to the throat the tip would be in the other flank at the start"
     distance = scenario.contact_distance

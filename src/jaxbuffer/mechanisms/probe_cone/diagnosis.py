@@ -52,6 +52,7 @@ def course(
         tip = mechanism.evaluated(posture, "throat")
         momentum = mechanism.momentum(state)[0]
         cone = posture.kin.frame(T)
+        # The active side has the momentum of the whole less that of the passive vehicle.
         x, y = ((momentum[k] - passive * v) / active - v for k, v in enumerate((cone.velocity.x, cone.velocity.y)))
         speed = x * cone.cos + y * cone.sin
         reduced = active * passive / (active + passive)
@@ -85,6 +86,7 @@ def turned_round(capture: Capture, motion: Course) -> Turn | None:
     approach = np.asarray(motion.approach)[:count]
     touched = (kind == Kind.TOUCHDOWN) & (which < len(CONTACTS))
     approaching = np.flatnonzero(approach > 0.0)
+    # They never approach, or still do, or nothing touches before they part: no impact turned them round.
     if not approaching.size or approaching[-1] == count - 1 or not np.any(touched[: approaching[-1] + 1]):
         return None
     at, parted = int(np.flatnonzero(touched[: approaching[-1] + 1])[-1]), int(approaching[-1]) + 1

@@ -63,8 +63,10 @@ def docked(mechanism: Assembled, start: EvaluatedState, log: Log, code: Int[Arra
     """Read off what a run says of docking. ``latch_force``: the largest one [N]."""
     last = _last(log)
     end, active = mechanism.posture(log.rows[last, 0]), log.active[last]
+    # At the start no contact is deep, so that none stores energy.
     before, left = mechanism.relative_energy(start, jnp.zeros_like(active)), mechanism.relative_energy(end, active)
     cross = crossing(mechanism, log, code)
+    # A factor, so that derivatives are NaN as well.
     known = jnp.where(cross.occurred, 1.0, jnp.nan)
     tip, cone, probe = mechanism.evaluated(cross.at, "throat").tip, cross.at.kin.frame(T), cross.at.kin.frame(P)
     rate = _tip_rate(cross.at)
@@ -96,6 +98,7 @@ def _tip_rate(at: EvaluatedState) -> Scalar:
 def arrest_stroke(mechanism: Assembled, energy: Float[Array, ""]) -> Float[Array, ""]:
     """Return the stroke at which axial spring and end stop store an energy [m], √(2 E/k_A) of a linear spring without a
     stop (M179)."""
+    # At zero the root below has no finite slope, and rounding may leave less than that.
     energy = jnp.maximum(energy, 1e-30)
     axial, stop = mechanism.element("buffer").force, mechanism.element("stop")
     if stop is None and not isinstance(axial, BufferForce):

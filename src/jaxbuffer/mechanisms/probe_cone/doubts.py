@@ -28,6 +28,7 @@ class TableValue(NamedTuple):
     why: str
 
 
+# With shape and density kept, a length goes with the cube root of the mass, an inertia with mass times length squared.
 LENGTH, INERTIA = 1.0 / 3.0, 5.0 / 3.0
 TABLE_VALUES = (
     TableValue("active.inertia", "kg m²", "active", INERTIA, "how fast the active vehicle turns after an impact"),

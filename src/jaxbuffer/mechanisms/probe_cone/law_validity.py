@@ -20,9 +20,9 @@ WAVES = 1.0  # of the highest mode, in the first impact
 
 
 class Validity(NamedTuple):
-    """Of one capture or of many (shape ...): ``depth`` [-]: penetration over the largest that the law is good for;
-    ``pressure`` [-]: Hertz's largest pressure over the one at which yield begins, 0 without a yield stress. An answer
-    is valid up to 1 of both."""
+    """How near one capture or many (shape ...) come to the limits: ``depth`` [-]: penetration over the largest that the
+    law is good for; ``pressure`` [-]: Hertz's largest pressure over the one at which yield begins, 0 without a yield
+    stress. An answer is valid up to 1 of both."""
 
     depth: Float[np.ndarray, "..."]
     pressure: Float[np.ndarray, "..."]
@@ -53,6 +53,7 @@ def limits(design: Design, peak_force: Any, penetration: Any = None) -> list[Val
     """Return both limits with what lies beyond them in words; the ``penetration`` follows from the peak force [N] if it
     is not given."""
     if penetration is None:
+        # As a run reports it: where the spring alone exerts the force (M72).
         penetration = tip_on_flanks(design).law.depth(peak_force)
     ratios = validity(design, np.asarray(penetration), np.asarray(peak_force))
     return [

@@ -21,6 +21,7 @@ def throat(mechanism: Assembled, log: Log, cross: Crossing, duration: Scalar) ->
     """
     last = jnp.maximum(log.count - 1, 0)
     end = mechanism.evaluated(mechanism.posture(log.rows[last, 0]), "throat")
+    # With latches a run goes on beyond the plane: how the tip crossed it counts, not where the latches hold it.
     if mechanism.element("latch") is None:
         return end.before, _through(mechanism, end, -(end.before + end.receding * (duration - log.time[last])))
     there = mechanism.evaluated(cross.at, "throat")

@@ -99,6 +99,7 @@ def _energy(capture: Capture) -> Panel:
         parts["in the rebound stop"] = energy.rebound + energy.rebound_damper
     if design.latch.stiffness is not None:
         parts["in the latches"] = energy.latch + energy.latch_damper
+    # The panel stacks them, so that the unit is that of their sum.
     largest = float(np.max(np.sum([np.asarray(values) for values in parts.values()], axis=0)))
     unit, many = energy_unit(largest)
     curves = tuple(Curve(name, many * np.asarray(value)) for name, value in parts.items())

@@ -181,6 +181,7 @@ class Slider(Part):
     @property
     def body(self) -> Body:
         """Return the slider as a rigid body."""
+        # The guide keeps it from turning: its inertia means nothing.
         return Body(self.mass, 1.0) if self.shape is None else rigid(self, shapes.SLIDER, self.scale)
 
 

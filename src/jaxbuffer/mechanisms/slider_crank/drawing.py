@@ -49,6 +49,7 @@ def drawing(design: SliderCrank, bodies: tuple[str, ...] = ()) -> Drawing:
     shank: Rod | Band = Rod(rear, front, wide_rod, "rod")
     if bends(design):
         shank = Band(stations(BODIES), wide_rod, "rod")
+        # The pins of a rod that bends are where its first and its last station are.
         rear, front = Spot(shank.stations[0]), Spot(shank.stations[-1])
     rod_shapes: tuple[Any, ...] = (shank, Disc(front, EYE * small), Disc(rear, EYE * large))
     if rod.shape is not None:

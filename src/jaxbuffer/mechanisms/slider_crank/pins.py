@@ -132,6 +132,7 @@ class Pin(Part):
         """Return the law of a pin in a hole with this name, that of a sphere for "adams"."""
         modulus, ratio = self.young_modulus, self.poisson_ratio
         return pin_in_hole_law(
+            # IMPACT takes its stiffness from the materials as a sphere does, unless it is given.
             "sphere" if self.law == ADAMS else self.law,
             bush_radius=self.bush_radius,
             clearance=self.clearance,

@@ -35,6 +35,7 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "torque_ripple": Quantity(
         "N m",
+        # The least torque is minus the largest braking torque.
         lambda run: run.maxima["drive_torque"] + run.maxima["braking_torque"],
         "largest less least torque of the drive",
         "torque ripple",

@@ -85,6 +85,7 @@ def reduced(text: str, names: tuple[str, str], modes: int) -> Any:
     """Return the mesh in so many modes, at least those that the attachments take, as `PlanarModes`."""
     from ...multibody.flexible import boundary, planar_modes  # scikit-fem takes long to import
 
+    # Modes are kept in the mesh's own units: dimensions and materials only scale them.
     mesh = placed_mesh(text, names)
     return planar_modes(mesh, [boundary(mesh, name) for name in names], max(modes - LEAST_MODES, 0), POISSONS_RATIO)
 
@@ -116,6 +117,7 @@ def _middle(text: str, names: tuple[str, str], modes: int) -> tuple[np.ndarray, 
     x, y = planar.nodes[:, vertices] - middle[:, None, None]
     across = np.flatnonzero((x.min(axis=0) <= 0.0) & (x.max(axis=0) >= 0.0))
     width = x[1, across] - x[0, across]
+    # How far along the edge, from its first vertex to its second, it crosses the middle.
     second = np.where(width == 0.0, 0.0, -x[0, across] / np.where(width == 0.0, 1.0, width))
     height = (1.0 - second) * y[0, across] + second * y[1, across]
     rows = [
@@ -133,6 +135,7 @@ def outlines(text: str, names: tuple[str, str], size: float) -> list[np.ndarray]
         follows.setdefault(int(first), []).append(int(second))
         follows.setdefault(int(second), []).append(int(first))
     lines = []
+    # Edges are followed from vertex to vertex until a line closes; those that are left belong to further lines.
     while any(follows.values()):
         start = here = next(vertex for vertex, others in follows.items() if others)
         line = [start]

@@ -99,12 +99,14 @@ def turn_starts(run: Run) -> Float[np.ndarray, " turns"]:
     the cubic through its values and speeds at both."""
     log, scenario = run._located, run.scenario
     count = min(int(log.count), log.room)
+    # The spline needs times that rise: of several events at one instant the first is taken.
     time, first = np.unique(np.append(0.0, np.asarray(log.time)[:count]), return_index=True)
     angle = np.append(float(np.asarray(scenario.crank_angle)), np.asarray(log.rows)[:count, 0, 2])[first]
     speed = np.append(float(np.asarray(scenario.crank_speed)), np.asarray(log.rates)[:count, 0, 2])[first]
     between = np.linspace(0.0, 1.0, POINTS_BETWEEN, endpoint=False)
     times = np.append((time[:-1, None] + np.diff(time)[:, None] * between).ravel(), time[-1])
     turned = np.abs(CubicHermiteSpline(time, angle - angle[0], speed)(times)) / (2.0 * np.pi)
+    # The small number keeps a last turn that is whole but for rounding.
     return np.interp(np.arange(int(turned[-1] + 1e-9) + 1), turned, times)
 
 
@@ -115,6 +117,7 @@ def contact_shares(run: Run, starts: Float[np.ndarray, " turns"]) -> Float[np.nd
     kind, time = np.asarray(log.kind)[:count], np.asarray(log.time)[:count]
     changes = np.isin(kind, (int(Kind.TOUCHDOWN), int(Kind.RELEASE)))
     touching = np.any(np.asarray(log.active)[:count] > 0.5, axis=1)
+    # After its last change a contact stays as it is, to the end.
     ends = np.append(time[changes], max(float(time[-1]), starts[-1]))
     closed = np.append(0.0, np.cumsum(np.diff(ends) * touching[changes]))  # time in contact up to each change
     upto = np.interp(starts, np.append(0.0, ends), np.append(0.0, closed))

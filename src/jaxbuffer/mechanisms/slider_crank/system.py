@@ -40,6 +40,7 @@ def slider_crank(design: SliderCrank, scenario: SliderCrankScenario, stabilisati
     off = crank.unbalance / crank.mass
     link, rear, front = rod_body(rod)
     block, guide, seat = slider_body(slider)
+    # A body's inertia is about its centre of mass: from that about the shaft Steiner's share is taken off.
     bodies = (Body(crank.mass, crank.inertia - crank.unbalance * off), link, block)
     joints: list[Joint] = [Revolute(GROUND, CRANK, second_point=(-off, 0.0)), guide]
     contacts: list[BallContact] = []
@@ -61,6 +62,7 @@ def slider_crank(design: SliderCrank, scenario: SliderCrankScenario, stabilisati
     drives, motors, torques = driven(design, scenario)
     q, v = ideal_motion(design, scenario)
     turning = design.drive.kind == "torque"
+    # A motor may bring the crank from rest to its no-load speed.
     fastest = jnp.maximum(jnp.abs(scenario.crank_speed), design.drive.no_load_speed if turning else 0.0)
     speed = crank.length * fastest
     return Assembled(
@@ -98,6 +100,7 @@ def slider_body(slider: Slider) -> tuple[Body, Prismatic, Point]:
     if slider.shape is None:
         return slider.body, Prismatic(GROUND, SLIDER), (0.0, 0.0)
     guide, seat = slider.places
+    # The guide's line is moved by as much as the pin lies beside the guide, so that the pin is on the x-axis.
     line = (0.0, guide[1] - seat[1])
     if not slider.modes:
         return slider.body, Prismatic(GROUND, SLIDER, line, guide), seat
@@ -113,6 +116,7 @@ def driven(
     if drive.kind == "speed":
         joint = DrivenAngle(GROUND, CRANK, ConstantSpeed(scenario.crank_angle, scenario.crank_speed))
         return (joint,), (), torques(driven_torque, of_rate=True)
+    # M_0 (1 - ω/ω_0) is a constant torque and a damper of M_0/ω_0.
     damping = drive.torque / drive.no_load_speed
     motor = (AppliedTorque(CRANK, drive.torque), TorsionalSpringDamper(GROUND, CRANK, 0.0, damping))
     return (), motor, torques(motor_torque, of_rate=False)
@@ -157,6 +161,7 @@ def ideal_motion(
     off = crank.unbalance / crank.mass
     theta, omega = jnp.asarray(scenario.crank_angle), scenario.crank_speed
     cos, sin = jnp.cos(theta), jnp.sin(theta)
+    # The rod leans so that the piston pin is on the x-axis.
     sine = -crank.length * sin / rod.length
     cosine = jnp.sqrt(1.0 - sine * sine)
     angle, spin = jnp.arcsin(sine), -crank.length * omega * cos / (rod.length * cosine)
@@ -185,6 +190,7 @@ def driven_torque(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scal
 
 def motor_torque(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
     """Return the torque of a motor whose torque falls with its speed [N m]."""
+    # The motor's two elements stand behind the weights.
     constant, damper = mechanism.system.forces[-2:]
     assert isinstance(constant, AppliedTorque) and isinstance(damper, TorsionalSpringDamper)
     return constant.torque + damper.torque(at.kin)

@@ -84,8 +84,11 @@ def assembled(design: TankDrop, scenario: TankDropScenario) -> Assembled:
         surface = mesh.liquid[mesh.numbers.liquid[0, -1], 1]
         static = design.contents.density * scenario.gravity * (surface - mesh.liquid[:, 1])
         if liquid.plate is not None:
+            # Some of the liquid in a plate's holes moves with it (m_h of M204).
             mass = mass.at[liquid.plate.plate, 0].add(liquid.plate.added_mass())
+    # An infinite mass holds a node: those on the axis sideways, the slider sideways, the baffle altogether.
     inverse = (1.0 / mass).at[mesh.sets.on_axis, 0].set(0.0)
+    # The section carries its share of the slider (M166).
     slider_inverse = jnp.stack([jnp.zeros(()), factor / jnp.asarray(design.slider.mass, float)])
     inverse = jnp.concatenate([inverse, slider_inverse[None], jnp.zeros((1, 2))])
     system = System(
@@ -171,6 +174,7 @@ def _air(design: TankDrop, mesh: Section) -> Gas:
 def _cushion(design: TankDrop, mesh: Section, under: RigidPlane) -> Layer:
     """Return the cushion over the outside from the level on, in strips as wide as what faces it."""
     slaves = mesh.sets.pressed
+    # What faces away from the slider carries none of the cushion.
     width = jnp.maximum(-(boundary_areas(mesh.positions[slaves]) @ stacked(under.normal)), 0.0)
     soft = design.cushion
     return Layer(
@@ -195,7 +199,9 @@ def _liquid(design: TankDrop, mesh: Section) -> Liquid:
     return Liquid(
         incidence,
         stiffness,
+        # Explicit steps take a lumped mass: the sums of its rows (M148).
         incidence.to_nodes(jnp.sum(mass, axis=2)),
+        # On the free surface the pressure is zero (M147).
         jnp.ones(count).at[mesh.sets.free].set(0.0),
         jnp.asarray(design.contents.density, float),
         mesh.sets.wetted,

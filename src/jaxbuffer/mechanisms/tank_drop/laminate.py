@@ -61,6 +61,7 @@ class Composite(Part):
 def equivalent(composite: Composite) -> Orthotropic:
     """Return the material of the wall's elements: in their plane as stiff as the laminate's membrane, across as a ply
     across its fibres."""
+    # Moduli are those of a stretch along one axis with the other one free, which the compliance has.
     compliance = jnp.linalg.inv(composite.laminate.stiffness().a)
     along_wall, along_tank = 1.0 / compliance[0, 0], 1.0 / compliance[1, 1]
     contraction = -compliance[0, 1] * along_wall

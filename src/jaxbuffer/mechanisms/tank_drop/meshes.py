@@ -43,6 +43,7 @@ def displaced(run: Any) -> tuple[Meshed, Meshed]:
         wall, _ = map(np.asarray, _moved(run.design, run.scenario, displacement[place]))
         across, down = 1e3 * since[:, 0] * (place > 0), -1e3 * since[:, 1] * (place > 0)
         both = _completed(run.design, Meshed(words, "", wall, corners, {ACROSS: across, ALONG: down}))
+        # What moves to the right moves to the left in the mirror image.
         image = np.where(np.arange(len(both.cells)) < len(corners), 1.0, -1.0)
         made.append(both._replace(values={**both.values, ACROSS: image * both.values[ACROSS]}))
     return made[0], made[1]
@@ -90,6 +91,7 @@ def _together(
     if "pressure" in fields:
         corners = sets.liquid_corners
         pressure = 1e-3 * fields["pressure"][corners].mean(axis=1)
+        # Wall and liquid are the cells of one mesh: a cell has NaN for what it does not have.
         values = {name: np.concatenate([one, np.full(len(corners), np.nan)]) for name, one in values.items()}
         values["pressure of the liquid [kPa]"] = np.concatenate([np.full(len(cells), np.nan), pressure])
         cells = np.concatenate([cells, corners + len(nodes)])

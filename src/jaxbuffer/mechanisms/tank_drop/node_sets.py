@@ -37,6 +37,7 @@ class Mirror(NamedTuple):
 
     def elements(self, corners: np.ndarray) -> Int[np.ndarray, "elements 4"]:
         """Return the half's elements, then their images, counter-clockwise; sides 1-2 and 3-4 keep their places."""
+        # A mirror image runs clockwise: exchanging neighbours turns it round.
         return np.concatenate([corners, self.image[corners][:, [1, 0, 3, 2]]])
 
     def across(self, nodes: np.ndarray) -> np.ndarray:
@@ -49,7 +50,7 @@ class Mirror(NamedTuple):
 
 
 class NodeSets(NamedTuple):
-    """Of half of the section, or of the whole. Nodes that bound an area have it on their left.
+    """The node sets of half of the section, or of the whole. Nodes that bound an area have it on their left.
 
     - ``corners``, ``liquid_corners``: (elements, 4) the elements' nodes, counter-clockwise; the whole's are the half's
       and then, in the same order, their images.
@@ -107,6 +108,7 @@ class NodeSets(NamedTuple):
             inner=wall.onwards(self.inner),
             outer=wall.onwards(self.outer),
             plate=np.concatenate([self.plate, wall.image[self.plate][::-1]]),
+            # Nothing holds the whole section sideways.
             on_axis=self.on_axis[:0],
             support=wall.across(self.support),
             pressed=wall.onwards(self.pressed),

@@ -14,7 +14,7 @@ UPRIGHT = 14  # elements along a plate
 
 
 class Numbering(NamedTuple):
-    """Of half of the cross-section.
+    """The numbers of nodes and elements of half of the cross-section.
 
     - ``wall``: (columns, across) its nodes: along it from the middle of the bottom on, in a column from the inside out.
     - ``plate``: (rows, across) the plate's nodes, upwards, from the middle of the tank on; no rows without one. Its
@@ -54,6 +54,7 @@ class Numbering(NamedTuple):
         wall = np.arange(columns * across).reshape(columns, across)
         plate = np.zeros((0, across), int)
         if design.plates.kind != "none":
+            # A plate has as many elements across as the wall, and stands on nodes of the wall's inside.
             foot = wall[fine * WITHIN :][:across, 0]
             head = wall[columns - 1 - fine * (WITHIN + 1) :][:across, 0][::-1]
             between = columns * across + np.arange((fine * UPRIGHT - 1) * across).reshape(-1, across)
@@ -65,6 +66,7 @@ class Numbering(NamedTuple):
         corner = flat + fine * CORNER // 2
         upper = columns - 1 - corner if full else level
         felt = design.plates.kind != "none" and design.plates.aperture is not None
+        # Between the faces of a plate that it feels the liquid has no nodes.
         blocks = corner + 1 - (fine - 1 if felt else 0), upper - corner + 1
         liquid = np.arange(np.prod(blocks)).reshape(blocks)
         side = fine * WITHIN if felt else -1
@@ -92,6 +94,7 @@ class Numbering(NamedTuple):
         sides = [self.liquid[:-1, :-1], self.liquid[1:, :-1], self.liquid[1:, 1:], self.liquid[:-1, 1:]]
         elements = np.stack(sides, axis=-1)
         if self.plate_side >= 0:
+            # Between the faces of such a plate there is no liquid.
             elements = np.delete(elements, self.plate_side, axis=0)
         return elements.reshape(-1, 4)
 

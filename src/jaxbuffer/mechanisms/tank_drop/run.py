@@ -30,9 +30,11 @@ def run_of(parameters: tuple[TankDrop, TankDropScenario, Scalar], duration: Scal
     known = jnp.where(code < int(TankOutcome.failed_steps), 1.0, jnp.nan)
     before, after = -jnp.sqrt(2.0 * scenario.gravity * scenario.height), drop.state.velocity[parts.slider, 1]
     end = jnp.where(drop.crushed, drop.state.time, duration)
+    # The force also stops what the weight adds until the end.
     momentum = jnp.asarray(design.slider.mass, float) * (after - before + scenario.gravity * end)
     area, scale = jnp.sum(parts.wall.quads.area), limit / SMOOTH
     mean = tally.sharpened - jnp.log(area * end)
+    # The smooth maximum is least where the largest stress is that of the smallest element for one step (M169).
     smallest = jnp.min(parts.wall.quads.area) * drop.step
     never = jnp.isinf(tally.failures)
     times = dict(zip(FORMS, jnp.where(never, jnp.nan, tally.failures), strict=True))
@@ -78,6 +80,7 @@ def _of_every_run(
         contact=touched[None] - 1,
         approach_speed=speed[None] * known,
         peak_force=force[None],
+        # A force that acts up to the end has not been released.
         release_time=jnp.where(tally.released < end - 2.0 * drop.step, tally.released, jnp.nan)[None],
         count=touched,
     )
@@ -114,6 +117,7 @@ def _of_every_run(
 def _code(drop: Dropped, deleted: Int[Array, ""]) -> Int[Array, ""]:
     finite = jnp.all(jnp.isfinite(drop.state.displacement)) & jnp.isfinite(drop.tally.stress)
     finite = finite & jnp.isfinite(drop.step)  # a mesh that is folded has no stable step
+    # Each line takes precedence over those before it.
     code = jnp.where(deleted > 0, int(TankOutcome.holed), int(TankOutcome.whole))
     code = jnp.where(drop.crushed, int(TankOutcome.crushed), code)
     code = jnp.where(finite, code, int(TankOutcome.failed_not_finite))

@@ -88,6 +88,7 @@ def liquid_within(wall: Float[Array, "nodes 2"], numbers: Numbering) -> Float[Ar
     knots = (1.0 - xi) * ((1.0 - eta) * corner_at(left, 0) + eta * corner_at(left, -1)) + xi * (
         (1.0 - eta) * corner_at(right, 0) + eta * corner_at(right, -1)
     )
+    # Each ruled surface has the corners: together they have them twice (Coons' patch).
     nodes = sides + ends - knots
     if numbers.plate_side >= 0:
         nodes = jnp.delete(_beside_plate(nodes, numbers), numbers.within_plate, axis=0, assume_unique_indices=True)
@@ -122,6 +123,7 @@ def _level(design: TankDrop, fill: Scalar) -> Float[Array, ""]:
     ends = _lengths(design)
     on_side = ends[1] + (level - radius)
     inner = radius - wall.upper_corner
+    # At 1 the slope of the arc sine is infinite.
     sine = jnp.clip((level - (height - radius)) / inner, 0.0, 1.0 - 1e-6)
     in_corner = ends[2] + radius * jnp.arcsin(sine)
     return jnp.where(level < height - radius, on_side, in_corner)
@@ -158,6 +160,7 @@ def wall_area(design: TankDrop) -> Float[Array, ""]:
     thickness = thickness_at(design, along)
     curved = ((along > ends[0]) & (along < ends[1])) | ((along > ends[2]) & (along < ends[3]))
     bent = jnp.where(curved, 1.0 / design.tank.corner_radius, 0.0)
+    # Round a corner the middle surface is shorter than the outside.
     strip = thickness * (1.0 - 0.5 * thickness * bent)
     if design.ribs.kind != "none":
         high = design.ribs.height

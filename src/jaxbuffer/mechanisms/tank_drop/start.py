@@ -49,8 +49,10 @@ def at_rest(parts: Assembled) -> State:
         of_wall, _ = mirrors(parts.section.numbers)
         return parts.system.start()._replace(displacement=jnp.concatenate([of_wall.vectors(half), jnp.zeros((2, 2))]))
     unknowns, count = _unknowns(parts), len(parts.section.numbers.outer[: parts.section.numbers.flat + 1])
+    # The whole bottom stands at first.
     first = jnp.zeros(len(unknowns.places)), jnp.ones(count, bool)
     solution, stands = jax.lax.fori_loop(0, ITERATIONS + count, lambda _, at: _better(parts, unknowns, *at), first)
+    # A last step of Newton's method from the solution keeps it, and has the derivative of the equilibrium.
     values, _ = _better(parts, unknowns, jax.lax.stop_gradient(solution), stands)
     return parts.system.start()._replace(displacement=unknowns.displacement(values))
 
@@ -59,6 +61,7 @@ def _unknowns(parts: Assembled) -> Unknowns:
     """Return all unknowns of the wall, without those sideways in the middle of the section."""
     mesh, nodes = parts.section, len(parts.system.positions)
     free = np.ones((nodes, 2), bool)
+    # Slider and baffle, the last two nodes, do not take part.
     free[parts.slider :] = False
     free[mesh.numbers.middle, 0] = False
     places = np.flatnonzero(free.ravel())
@@ -76,6 +79,7 @@ def _better(parts: Assembled, unknowns: Unknowns, values: Array, stands: Array) 
         bed = jnp.zeros(unknown).at[bottom].set(jnp.where(stands, stiffness, 0.0))
         after = values - jnp.linalg.solve(matrix + jnp.diag(bed), left + bed * values)
         return after, after[bottom] < 0.0
+    # Where a node stands, its equation says that it is on the baffle; what is then out of balance presses.
     fixed = jnp.zeros(unknown, bool).at[bottom].set(stands)
     change = jnp.linalg.solve(jnp.where(fixed[:, None], jnp.eye(unknown), matrix), -jnp.where(fixed, values, left))
     after, pressed = values + change, (left + matrix @ change)[bottom]

@@ -125,8 +125,10 @@ def dropped(
     parts = assembled(design, scenario)
     start = falling(parts, scenario)
     share = jnp.sqrt(jnp.minimum(jnp.asarray(options.tolerance.rtol, float) / TOLERANCE, 1.0))
+    # How long steps are is a choice of the method, through which nothing is differentiated.
     longest = jax.lax.stop_gradient(SAFETY * share * parts.system.stable_step())
     blocks = duration / (BLOCK * longest)
+    # Rounded up to one of a few numbers of blocks (`GRADES`), so that steps are never longer than they may be.
     blocks = jax.lax.stop_gradient(jnp.ceil(2.0 ** (jnp.ceil(GRADES * jnp.log2(blocks)) / GRADES)))
     too_many = blocks * BLOCK > options.max_steps
     step = duration / (BLOCK * blocks)
