@@ -44,7 +44,7 @@ class InputError(ValueError):
         super().__init__(" ".join(str(message).split()))
 
     def between(self, before: str = "", after: str = "") -> "InputError":
-        """The same error with words before and after its own."""
+        """Return the same error with words before and after its own."""
         return InputError(f"{before}{self}{after}")
 
 
@@ -86,20 +86,22 @@ class OutOfRange(InputError):
             self.path, self.value, self.unit, self.limits, f"{before}{self.before}", f"{self.after}{after}"
         )
 
+    # Python pickles an exception with the message alone, from which one of this class could not be made.
     def __reduce__(self) -> tuple[type[InputError], tuple[str]]:
         return InputError, (str(self),)
 
 
 def shown(value: Any) -> str:
-    """A value as a message shows it: on one line, cut where it is long."""
+    """Return a value as a message shows it: on one line, cut where it is long."""
     text = " ".join(repr(value).split())
     return text if len(text) <= LONGEST else text[: LONGEST - 1] + "…"
 
 
 def as_number(value: Any) -> Any:
-    """Any single number as a float, a list or tuple of numbers as an array; everything else as it is."""
+    """Return a single number as a float, and a list or tuple of numbers as an array; anything else stays as it is."""
     if type(value) is float:
         return value
+    # True and False are integers to Python, and so is a time span of NumPy, which would lose its unit.
     if isinstance(value, (Real, Decimal)) and not isinstance(value, bool) and unit_of_library(value) is None:
         return _float(value)
     if isinstance(value, (list, tuple)) and value:
@@ -175,7 +177,8 @@ def _float(value: Any) -> float:
 
 
 def concrete(value: Any) -> "np.ndarray | None":
-    """The value as a NumPy array, or None where it is not made of real numbers or, inside a trace, not known yet."""
+    """Return the value as a NumPy array, or None where it is not made of real numbers or is traced and not known
+    yet."""
     import jax
     import numpy as np
 
@@ -191,9 +194,10 @@ def concrete(value: Any) -> "np.ndarray | None":
 def inside(
     value: Any, *, low: Any = -math.inf, high: Any = math.inf, low_open: bool = False, high_open: bool = False
 ) -> Any:
-    """Whether numbers are finite and in a range (see `check_number`): NumPy's and JAX's, traced ones too."""
+    """Return whether numbers are finite and in a range (see `check_number`): NumPy's and JAX's, traced ones too."""
     above = (value > low) if low_open else (value >= low)
     below = (value < high) if high_open else (value <= high)
+    # NaN fails every comparison, and so is in no range.
     return above & below & (abs(value) < math.inf)
 
 
@@ -232,7 +236,8 @@ def check_number(
 
 
 def meant(value: float, unit: str, **limits: Any) -> str:
-    """A hint at the smaller unit (degrees, millimetres, per cent) in which a number is in its range; "" for none."""
+    """Return a hint at the smaller unit (degrees, millimetres, per cent) in which a number is in its range; "" for
+    none."""
     least, smaller, factor = MEANT.get(unit, (math.inf, "", 1.0))
     return (
         f'; "{with_unit(value, smaller)}" if that is meant'
@@ -252,8 +257,9 @@ def check_entries(
     too_high: str = "",
     high_open: bool = True,
 ) -> None:
-    """`check_number` of each entry against its own range, open below; ``too_low`` and ``too_high`` say what is wrong
-    below and above it, and which other numbers end the range."""
+    """Raise `InputError` unless each entry is inside its own range, open below (see `check_number`); ``too_low`` and
+    ``too_high`` say what is wrong below and above it, and which other numbers end the range."""
+    # Most values are plain numbers within their range, which need no arrays.
     if type(value) is float and isinstance(low, float) and isinstance(high, float) and low < value < high:
         return
     check_plain(path, value, unit)
@@ -271,7 +277,7 @@ def check_entries(
 
 
 def same_shape(path: str, known: "Iterable[np.ndarray | None]") -> "list[np.ndarray]":
-    """Arrays broadcast against each other. **Raises:** `InputError` where their lengths differ."""
+    """Return arrays broadcast against each other. **Raises:** `InputError` where their lengths differ."""
     import numpy as np
 
     arrays = [array for array in known if array is not None]
@@ -283,7 +289,8 @@ def same_shape(path: str, known: "Iterable[np.ndarray | None]") -> "list[np.ndar
 
 
 def check_single(path: str, value: Any, unit: str, instead: str, **limits: Any) -> None:
-    """`check_number` for what must be one number; ``instead`` says what takes an array of them."""
+    """Raise `InputError` unless ``value`` is one number inside its range (see `check_number`); ``instead`` says what
+    takes an array of them."""
     check_number(path, value, unit, **limits)
     if (array := concrete(value)) is not None and array.ndim:
         raise InputError(f"{path} has shape {array.shape}, but it must be one number: {instead}")
@@ -291,6 +298,7 @@ def check_single(path: str, value: Any, unit: str, instead: str, **limits: Any) 
 
 def check_whole(path: str, value: Any, least: int, most: int | None = None) -> None:
     """Raise `InputError` unless ``value`` is a whole number of at least ``least`` and at most ``most``, if given."""
+    # True is an integer to Python, and no count.
     whole = isinstance(value, Integral) and not isinstance(value, bool)
     if not whole or value < least or (most is not None and value > most):
         allowed = f"of at least {least}" if most is None else f"from {least} to {most}"
@@ -320,9 +328,10 @@ def check_type(path: str, value: Any, kind: type, instead: str) -> None:
 
 
 def check_names(path: str, names: Any, example: str) -> tuple[str, ...]:
-    """The names as a tuple. **Raises:** `InputError` unless they are a list of words, none of them twice."""
+    """Return the names as a tuple. **Raises:** `InputError` unless they are a list of words, none of them twice."""
     if isinstance(names, str):
         raise InputError(f"{path} = {shown(names)} is one name, not a list of them; write {path}=({names!r},)")
+    # What is no list at all is refused by the next check.
     given = tuple(names) if isinstance(names, Iterable) and not isinstance(names, bytes) else (None,)
     if not all(isinstance(name, str) for name in given):
         raise InputError(f"{path} = {shown(names)} is not a list of names; write {path}=({example!r},)")

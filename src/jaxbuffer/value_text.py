@@ -75,6 +75,7 @@ def relative_change(before: float | None, after: float | None) -> float | None:
         return None
     if before == after:
         return 0.0
+    # A change from zero, or through it, is no share of anything.
     if before == 0.0 or before * after < 0.0:
         return None
     change = after / before - 1.0
@@ -94,6 +95,7 @@ def percent_text(share: float | None, spec: str = ".2g") -> str:
 
 def quotient_unit(above: str, below: str) -> str:
     """Return the unit of a quotient: "N/kg", "N/(N/m)"."""
+    # A product or quotient below would be read as part of the first quotient.
     return f"{above}/({below})" if {" ", "/"} & set(below) else f"{above}/{below}"
 
 
@@ -107,6 +109,7 @@ def digits_apart(value: float, bound: float, fewest: int = 4) -> int:
     """Return how many digits tell a value from the bound that it breaks, which is written with `DIGITS`."""
     written = float(f"{bound:.{DIGITS}g}")
     for digits in range(fewest, MOST):
+        # Rounded, a value may fall on the other side of the bound, and seem to keep it.
         if (rounded := float(f"{value:.{digits}g}")) != written and (rounded > written) == (value > bound):
             return digits
     return MOST

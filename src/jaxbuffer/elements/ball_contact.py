@@ -87,6 +87,7 @@ class BallContact(eqx.Module):
         carrier = Carrier(*origin.place, origin.cos, origin.sin, *origin.velocity, origin.spin)
         approach = self.pair.approach(ball, carrier)
         if self.segments == 1:
+            # One segment has an axis too, so that all that follows treats one and several alike.
             approach = Approach(*(jnp.reshape(part, (1,)) for part in approach))
         return BallState(approach, centre, origin, turning)
 
@@ -97,6 +98,7 @@ class BallContact(eqx.Module):
 
     def _exerting(self, closed: Segments) -> Segments:
         """Return 1 for segments whose force follows the gap, 0 for open ones."""
+        # Without events nothing says that a contact has closed: the rounded penetration alone does (M60).
         return closed if self.onset_length is None else jnp.ones(self.segments)
 
     def _onset(self, approach: Approach) -> Approach:
@@ -114,12 +116,14 @@ class BallContact(eqx.Module):
         foot_x: Array | float = a.foot_x
         foot_y: Array | float = a.foot_y
         if self.fixed_foot is not None:
+            # The paper's arm is fixed in the carrier, where the first contact was (M34).
             shape, axes = self.pair.shape, at.origin
             assert isinstance(shape, Segment)
             frozen_x = shape.start_x + self.fixed_foot * shape.direction_x
             frozen_y = shape.start_y + self.fixed_foot * shape.direction_y
             foot_x, foot_y = axes.cos * frozen_x - axes.sin * frozen_y, axes.sin * frozen_x + axes.cos * frozen_y
         on_carrier = -jnp.sum(foot_x * y - foot_y * x)
+        # A ball that spins freely takes this moment by itself (M8); its body feels the force alone.
         on_ball = 0.0 if self.spins else self.spin_moment(at, forces)
         return load_at(at.centre, push, on_ball), load_at(at.origin, -push, on_carrier)
 
@@ -152,6 +156,6 @@ class BallContact(eqx.Module):
         return contact_directions(system, at.approach, side, at.centre, at.origin, self.spins)
 
     def term(self, system: System, at: BallState, memory: Segments, closed: Segments) -> ContactTerm:
-        """Return its share of the stiff part."""
+        """Return the contact's share of the stiff part."""
         slopes = contact_slopes(self.pair, self._onset(at.approach), memory, self._exerting(closed))
         return ContactTerm(*self.directions(system, at), *slopes)

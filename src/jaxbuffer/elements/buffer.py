@@ -45,6 +45,7 @@ class BufferForce(AxialSpringDamper):
         """Return F_s [N] (M171, M173)."""
         force = self.stiffness * stroke if self.spring_curve is None else self.spring_curve.value(stroke)
         if self.preload is not None:
+            # A preload that acted at once would jump where the stroke changes sign; it is reached over a length (M171).
             force = force + self.preload * stroke / jnp.sqrt(stroke**2 + self.preload_length**2)
         return force
 
@@ -68,6 +69,7 @@ class BufferForce(AxialSpringDamper):
 
     def friction_force(self, speed: Scalar) -> Scalar:
         """Return F_f tanh(ṡ/v_f) [N] (M172)."""
+        # Coulomb's friction jumps where the motion turns round; regularised by a speed it is smooth there (M172).
         return 0.0 if self.friction is None else self.friction * jnp.tanh(speed / self.friction_speed)
 
     def friction_loss(self, kin: Kinematics) -> Scalar:
@@ -78,6 +80,7 @@ class BufferForce(AxialSpringDamper):
     # --- as a force element -------------------------------------------------------------------------------------------
 
     def springs(self, kin: Kinematics) -> tuple[SpringDirection, ...]:
+        # Neither force need be linear: implicit steps take its slope at this stroke and speed.
         direction = super().springs(kin)[0]
         stroke, speed = (jnp.asarray(x, float) for x in self.stroke(kin))
         one = jnp.ones(())
@@ -131,6 +134,7 @@ class Buffer(Element):
     def stiffness_at_rest(self) -> Scalar:
         """Return the stiffness of its spring at its free length [N/m]."""
         curve = self.force.spring_curve if isinstance(self.force, BufferForce) else None
+        # A measured curve begins at (0, 0): its first secant is about its slope there.
         return self.force.stiffness if curve is None else curve.values[0] / curve.places[0]
 
     @property
@@ -155,6 +159,7 @@ class Buffer(Element):
         lost = self.force.dissipation(at.kin)
         if not isinstance(self.force, BufferForce) or self.force.friction is None:
             return {self.lost_in: lost}
+        # The dissipation of the force is both losses together; they are listed apart.
         rubbed = self.force.friction_loss(at.kin)
         return {self.lost_in: lost - rubbed, self.rubbed_in: rubbed}
 

@@ -54,27 +54,27 @@ class Element(eqx.Module):
 
     @property
     def name(self) -> str:
-        """Return what it is called; each class has a field for it."""
+        """Return the element's name; each class has a field for it."""
         raise NotImplementedError
 
     # --- what it adds to the mechanism's state ------------------------------------------------------------------------
 
     @property
     def variables(self) -> tuple[str, ...]:
-        """Return the names of its numbers in the state."""
+        """Return the names of the element's numbers in the state."""
         return ()
 
     def start(self, kin: Kinematics) -> Own:
-        """Return their values at t = 0."""
+        """Return the values of `variables` at t = 0."""
         return jnp.zeros(len(self.variables))
 
     def scales(self, size: Magnitudes) -> list[Scalar]:
-        """Return the magnitude below which an error in each of them does not matter."""
+        """Return the magnitude below which an error does not matter, for each of `variables`."""
         return []
 
     @property
     def switches(self) -> tuple[Switch, ...]:
-        """Return what opens and closes."""
+        """Return what of the element opens and closes."""
         return ()
 
     @property
@@ -85,7 +85,7 @@ class Element(eqx.Module):
     # --- one instant --------------------------------------------------------------------------------------------------
 
     def evaluate(self, kin: Kinematics, own: Own) -> Any:
-        """Return its geometry and motion at one instant, which all that follows is computed from."""
+        """Return the element's geometry and motion at one instant, from which all that follows is computed."""
         return kin
 
     def gaps(self, at: Any) -> list[tuple[Scalar, Scalar]]:
@@ -98,55 +98,55 @@ class Element(eqx.Module):
         return ()
 
     def rates(self, at: Any, closed: Closed) -> list[Scalar]:
-        """Return the rates of its numbers in the state."""
+        """Return the rates of `variables`."""
         return []
 
     def after_closing(self, at: Any, own: Own, closing: Closed) -> Own:
-        """Return its numbers just after switches have closed. ``closing``: 1 for those that close, 0 for all others."""
+        """Return `variables` just after switches have closed. ``closing``: 1 for those that close, 0 for all others."""
         return own
 
     # --- energy -------------------------------------------------------------------------------------------------------
 
     def stored(self, at: Any, closed: Closed) -> Mapping[str, Scalar]:
-        """Return the energy that it stores, by name [J]."""
+        """Return the energy that the element stores, by name [J]."""
         return {}
 
     @property
     def loss_names(self) -> tuple[str, ...]:
-        """Return the names of the energies that it loses."""
+        """Return the names of the energies that the element loses."""
         return ()
 
     def losses(self, at: Any, closed: Closed) -> Mapping[str, Scalar]:
-        """Return the power that it loses, by the names of `loss_names` [W]."""
+        """Return the power that the element loses, by the names of `loss_names` [W]."""
         return {}
 
     def supplied(self, own: Own) -> Mapping[str, Scalar]:
-        """Return the energy that it has put in from outside so far, by name [J]."""
+        """Return the energy that the element has put in from outside so far, by name [J]."""
         return {}
 
     def impulse(self, own: Own) -> tuple[Vector, Scalar] | None:
-        """Return the impulse [N s] and the angular impulse about the origin [N m s] that it has put in from outside;
-        None where it puts in none."""
+        """Return the impulse [N s] and the angular impulse about the origin [N m s] that the element has put in from
+        outside; None where it puts in none."""
         return None
 
     @property
     def balanced(self) -> bool:
-        """Return whether the energies above hold the work of all that it exerts."""
+        """Return whether the energies above hold the work of all forces of the element."""
         return True
 
     # --- ends of a run, and what is watched ---------------------------------------------------------------------------
 
     @property
     def outcomes(self) -> tuple[str, ...]:
-        """Return the outcomes that it may end a run with."""
+        """Return the outcomes with which the element may end a run."""
         return ()
 
     def guards(self, at: Any) -> list[Scalar]:
-        """Return for each of them what ends the run where it rises through zero."""
+        """Return the guard of each of `outcomes`: the run ends where it rises through zero."""
         return []
 
     def settled(self, at: Any) -> Any:
-        """Return whether it has done what it does only once: closed a latch, ended a thrust."""
+        """Return whether the element has done what it does only once: closed a latch, ended a thrust."""
         return True
 
     def closed_by_state(self, at: Any) -> list[Scalar]:
@@ -159,11 +159,11 @@ class Element(eqx.Module):
         return ()
 
     def observables(self, at: Any, closed: Closed) -> Mapping[str, Scalar]:
-        """Return their values, by name."""
+        """Return the values of `observed`, by name."""
         return {}
 
     def negligible(self) -> Mapping[str, Scalar]:
-        """Return of some of them the value that is rounding where nothing acts; of all others it is zero."""
+        """Return the value that is rounding where nothing acts, of some of `observed`; of all others it is zero."""
         return {}
 
     def recorded(self, at: Any, closed: Closed) -> Mapping[str, Scalar]:
@@ -173,30 +173,30 @@ class Element(eqx.Module):
     # --- time stepping ------------------------------------------------------------------------------------------------
 
     def springs(self, at: Any, closed: Closed) -> tuple[SpringDirection, ...]:
-        """Return its spring-dampers with their directions frozen: what implicit steps take for stiff."""
+        """Return the element's spring-dampers with their directions frozen: what implicit steps take for stiff."""
         return ()
 
     def contact_term(self, system: System, at: Any, closed: Closed) -> ContactTerm | None:
-        """Return a contact's share of the stiff part; None if it has none."""
+        """Return a contact's share of the stiff part; None if the element has no contact."""
         return None
 
     def stiff_force(self, at: Any, closed: Closed) -> Scalar:
-        """Return the size of its stiff forces [N], of which rounding of positions makes an error in the energy."""
+        """Return the size of the stiff forces [N], of which rounding of positions makes an error in the energy."""
         return 0.0
 
     def followers(self, first: int) -> Followers | None:
-        """Return its oscillators for implicit steps; None if it has none. ``first``: where its numbers stand, counted
-        from the end of the velocities."""
+        """Return the element's oscillators for implicit steps; None if it has none. ``first``: where `variables` stand,
+        counted from the end of the velocities."""
         return None
 
     @property
     def sudden(self) -> bool:
-        """Return whether it makes reactions rise within a step from far below their largest value to above it."""
+        """Return whether reactions may rise within a step from far below their largest value to above it."""
         return False
 
     @property
     def tolerance_share(self) -> float:
-        """Return the share of a run's tolerance that steps keep to: less where its force is not smooth."""
+        """Return the share of a run's tolerance that steps keep to: less where a force is not smooth."""
         return 1.0
 
     @property

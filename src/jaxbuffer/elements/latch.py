@@ -97,6 +97,7 @@ class Latch(Element):
             share=share,
             share_rate=rate,
             before=self.plane - local.x,
+            # The plane turns with the second body: to the relative velocity comes that of the turning axes.
             receding=-jnp.asarray(moves.x + other.spin * local.y),
             off_seat=off_origin - other.turn(Vector(*self.seat)),
             velocity=held.velocity - opposite.velocity,
@@ -116,9 +117,12 @@ class Latch(Element):
         return share, jnp.where(at_once, 0.0, 6.0 * x * (1.0 - x) * rate)
 
     def gaps(self, at: LatchState) -> list[tuple[Scalar, Scalar]]:
+        # The second gap is a time, that until the latches are closed; it passes only once the point has crossed the
+        # plane.
         return [(at.before, -at.receding), (self.closing_time - at.since, jnp.where(at.since > 0.0, 1.0, 0.0))]
 
     def rates(self, at: LatchState, closed: Closed) -> list[Scalar]:
+        # While the share grows it lets in springs that are already stretched: that work comes from outside (M176).
         return [closed[0], closed[0] * at.share_rate * self._closed_energy(at)]
 
     def after_closing(self, at: LatchState, own: Own, closing: Closed) -> Own:
@@ -135,6 +139,7 @@ class Latch(Element):
     def _closed_force(self, at: LatchState) -> Vector:
         """Return what closed latches would exert, away from the seat [N]."""
         length = self.preload_length
+        # At the seat itself a pull towards it has no direction: within the preload length it falls to zero there.
         pull = self.preload / jnp.sqrt(at.off_seat.dot(at.off_seat) + length * length)
         return at.off_seat * (self.stiffness + pull) + at.velocity * self.damping
 
@@ -149,6 +154,7 @@ class Latch(Element):
         moment = -closed[0] * at.share * (self.turn_stiffness * at.angle + self.turn_damping * at.spin)
         none = Vector(0.0, 0.0)
         turning = Load(self.first, none, moment), Load(self.second, none, -moment)
+        # Both forces act at one point, on each body's material there, so that they conserve angular momentum (M175).
         return load_at(at.held, force), load_at(at.opposite, -force), *turning
 
     def stored(self, at: LatchState, closed: Closed) -> dict[str, Scalar]:
@@ -203,6 +209,7 @@ class Latch(Element):
         """Return a spring along x, one along y, and one against a turn."""
         length, share = self.preload_length, closed[0] * at.share
         pull = self.preload / jnp.sqrt(at.off_seat.dot(at.off_seat) + length * length)
+        # For implicit steps the pull is a spring that is as stiff along x and y as it is towards the seat.
         stiffness, damping = share * (self.stiffness + pull), share * self.damping
         straight = [
             SpringDirection({self.first: at.held.along(x), self.second: at.opposite.along(-x)}, stiffness, damping)

@@ -59,9 +59,11 @@ class Oscillators(Element):
         return (*(f"{it}_deflection" for it in axes), *(f"{it}_velocity" for it in axes))
 
     def start(self, kin: Kinematics) -> Own:
+        # At t = 0 an oscillator is at rest on its body (M180).
         return jnp.concatenate([jnp.zeros(self.axes), self._base(kin)])
 
     def scales(self, size: Magnitudes) -> list[Scalar]:
+        # A base whose speed jumps by v deflects an oscillator by v/ω.
         return [*(size.speed / self.rates_of_axes), *[size.speed] * self.axes]
 
     def _base(self, kin: Kinematics) -> Float[Array, " axes"]:
@@ -83,6 +85,7 @@ class Oscillators(Element):
         return self.names
 
     def observables(self, at: OscillatorState, closed: Closed) -> dict[str, Scalar]:
+        # The small number below the root keeps its slope finite where nothing moves.
         of = self.acceleration(at)
         return {name: jnp.sqrt(of[2 * k] ** 2 + of[2 * k + 1] ** 2 + 1e-24) for k, name in enumerate(self.names)}
 

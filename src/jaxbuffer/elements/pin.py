@@ -42,6 +42,7 @@ class Pin(Element):
 
     def force(self, at: BallState, closed: Closed) -> Float[Array, " 1"]:
         """Return the force of the bush on the pin [N]."""
+        # The law has no memory: the one that it is given means nothing.
         return closed * self.contact.pair.normal_force(at.approach, jnp.ones(1))
 
     def loads(self, at: BallState, closed: Closed) -> tuple[Load, ...]:

@@ -48,7 +48,7 @@ def linearised(
     spin_inertia: Float[Array, " spins"] | None = None,
     decay: Float[Array, " rest"] | None = None,
 ) -> Linearisation:
-    """How the forces act on the velocities and answer to motion.
+    """Return how the forces act on the velocities and answer to motion.
 
     **Arguments:** ``contacts``: those of all pairs together; ``spin_inertia`` [kg m²]: of each velocity beyond
     the coordinates' own, if there are any; ``decay``: as of `Linearisation`.
@@ -58,6 +58,7 @@ def linearised(
     directions = jnp.concatenate([*along, contacts.normals, contacts.tangents], axis=1)
     response = system.response(kin, directions[:n])
     if spin_inertia is not None:
+        # A ball that spins freely is held by no joint: its own inertia alone resists.
         response = jnp.concatenate([response, directions[n:] / spin_inertia[:, None]])
     return Linearisation(
         directions=directions,
@@ -70,7 +71,8 @@ def linearised(
 
 
 def _coupling(springs: list[Scalar], contact: tuple[Array, Array], friction: Array) -> Float[Array, "rank rank"]:
-    """Rows: springs, normal forces, friction; columns: what each answers to, in the same order."""
+    """Return the forces' slopes: rows are springs, normal forces, friction; columns what each answers to, in that
+    order."""
     m = contact[0].shape[0]
     diagonal = jnp.concatenate([stacked(springs) if springs else jnp.zeros(0), contact[0], friction])
     rank = diagonal.shape[0]
@@ -79,20 +81,22 @@ def _coupling(springs: list[Scalar], contact: tuple[Array, Array], friction: Arr
 
 
 def contact_slopes(pair: BallPair, approach: Approach, memory: Array, active: Array) -> list[tuple[Array, Array]]:
-    """Derivatives of (F_n, -F_t) of a pair's contacts by penetration, approach speed and slip."""
+    """Return the derivatives of (F_n, -F_t) of a pair's contacts by penetration, approach speed and slip."""
 
     def forces(depth: Array, speed: Array, slip: Array) -> tuple[Array, Array]:
         normal = active * pair.law.force(depth, speed, memory)
         return normal, -pair.friction.force(normal, slip)
 
     point = (-approach.gap, approach.approach_speed, approach.slip)
+    # A contact's forces depend on its own numbers alone, so that one tangent gives the slopes of all contacts.
     units = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     size = approach.gap.shape[0]
     return [jax.jvp(forces, point, tuple(jnp.full(size, u) for u in unit))[1] for unit in units]
 
 
 def inverse_masses(system: System, kin: Kinematics, directions: Float[Array, "coordinates m"]) -> Float[Array, "m m"]:
-    """What forces along some directions do to the speeds along them, the joints holding: A M_c⁻¹ Aᵀ [1/kg] (M200)."""
+    """Return A M_c⁻¹ Aᵀ [1/kg], the speeds along some directions that unit impulses along them give while the joints
+    hold (M200)."""
     response = system.response(kin, directions)
     return jnp.sum(directions[:, :, None] * response[:, None, :], axis=0)
 
@@ -105,7 +109,7 @@ def contact_directions(
     carrier: MaterialPoint,
     free_spin: bool = False,
 ) -> tuple[Float[Array, "velocities m"], Float[Array, "velocities m"]]:
-    """Columns b with δ̇ = b·w and v_t = b·w of a ball's m contacts.
+    """Return columns b with δ̇ = b·w and v_t = b·w of a ball's m contacts.
 
     **Arguments:** ``side`` of the tangents (see `BallPair`); ``ball``: its centre; ``carrier``: the origin of the
     shape's axes; ``free_spin``: whether the ball spins on its own, with one velocity more, rather than with its body.
@@ -119,6 +123,8 @@ def contact_directions(
             (tangents, approach.tangent_x[k], approach.tangent_y[k], lever),
         ):
             along = Vector(x, y)
+            # A ball that spins freely has a velocity of its own behind the coordinates': the slip feels that, not the
+            # body's.
             own = 0.0 if free_spin else spin
             foot = Vector(approach.foot_x[k], approach.foot_y[k]).cross(along)
             blocks = {
@@ -131,5 +137,5 @@ def contact_directions(
 
 
 def _combined(along: Block, factor: Scalar, turning: Block) -> Block:
-    """A block plus ``factor`` times another."""
+    """Return a block plus ``factor`` times another."""
     return tuple(a + factor * b for a, b in zip(along, turning, strict=True))

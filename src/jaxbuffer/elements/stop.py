@@ -67,6 +67,7 @@ class EndStop(Element):
 
     def loads(self, at: StopState, closed: Closed) -> tuple[Load, ...]:
         force = self.force(at, closed)
+        # The end stop pushes the ends apart (M28), the rebound stop pulls them together (M174).
         push = at.along * (-force if self.rebound else force)
         return load_at(at.first, -push), load_at(at.second, push)
 
@@ -90,6 +91,7 @@ class EndStop(Element):
         return {name: self.force(at, closed) for name in self.observed}
 
     def springs(self, at: StopState, closed: Closed) -> tuple[SpringDirection, ...]:
+        # Where the damper would pull, the force is cut off at zero and answers to nothing.
         pushing = closed[0] * (self.force(at, closed) > 0.0)
         blocks = {at.first.body: at.first.along(-at.along), at.second.body: at.second.along(at.along)}
         return (SpringDirection(blocks, pushing * self.law.linear_stiffness, pushing * self.law.damping),)

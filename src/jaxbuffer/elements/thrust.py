@@ -43,6 +43,7 @@ class Thrust(Element):
 
     @property
     def switches(self) -> tuple[Switch, ...]:
+        # The end of the thrust is an event, since the force jumps there.
         return (Switch(f"{self.name} over", one_way=True),)
 
     def evaluate(self, kin: Kinematics, own: Own) -> ThrustState:
@@ -60,6 +61,7 @@ class Thrust(Element):
         return (Load(self.body, self.force(at, closed), jnp.zeros(())),)
 
     def rates(self, at: ThrustState, closed: Closed) -> list[Scalar]:
+        # Work and impulses are states, so that energy and momentum can be checked though they come from outside (M178).
         force = self.force(at, closed)
         return [1.0, force.dot(at.frame.velocity), force.x, force.y, at.frame.origin.cross(force)]
 

@@ -17,7 +17,8 @@ S = TypeVar("S", bound=eqx.Module)
 
 
 def addresses(design: eqx.Module, scenario: eqx.Module) -> list[str]:
-    """The addresses of all fields of a design and a scenario, choices and the points of measured curves included."""
+    """Return the addresses of all fields of a design and a scenario, choices and the points of measured curves
+    included."""
     return [*paths(design), *point_paths(design), *(SCENARIO + path for path in paths(scenario))]
 
 
@@ -28,6 +29,7 @@ def check_address(design: eqx.Module, scenario: eqx.Module, address: str, where:
     """
     known = addresses(design, scenario)
     if address not in known:
+        # A section has fields and no number of its own.
         if any(path.startswith(f"{address}.") for path in known):
             raise InputError(f"{where}{address} is unknown: it is a section; name one of its fields")
         means = lambda it: meaning(*_owner(design, scenario, it))  # noqa: E731
@@ -35,12 +37,12 @@ def check_address(design: eqx.Module, scenario: eqx.Module, address: str, where:
 
 
 def single_fields(design: eqx.Module, scenario: eqx.Module) -> set[str]:
-    """The addresses of all fields that are no measured curve, which has numbers of its own."""
+    """Return the addresses of all fields; those of a measured curve are the ones of its numbers."""
     return {*single_paths(design), *(SCENARIO + path for path in single_paths(scenario))}
 
 
 def single_paths(part: eqx.Module) -> tuple[str, ...]:
-    """The paths of a part, for measured curves those of their numbers."""
+    """Return the paths of a part; those of a measured curve are the ones of its numbers."""
     return tuple(path for path in (*paths(part), *point_paths(part)) if "curve" not in metadata(part, path))
 
 
@@ -50,17 +52,17 @@ def _owner(design: eqx.Module, scenario: eqx.Module, address: str) -> tuple[eqx.
 
 
 def value_at(design: eqx.Module, scenario: eqx.Module, address: str) -> Any:
-    """The value at ``address``. **Raises:** `InputError` with the nearest path for one that is unknown."""
+    """Return the value at ``address``. **Raises:** `InputError` with the nearest path for one that is unknown."""
     return get(*_owner(design, scenario, address))
 
 
 def unit_at(design: eqx.Module, scenario: eqx.Module, address: str) -> str:
-    """The unit of what is at ``address``, "" for a choice."""
+    """Return the unit of what is at ``address``, "" for a choice."""
     return unit(*_owner(design, scenario, address))
 
 
 def metadata_at(design: eqx.Module, scenario: eqx.Module, address: str) -> Mapping[str, Any]:
-    """What the field at ``address`` declares of itself."""
+    """Return what the field at ``address`` declares of itself."""
     return metadata(*_owner(design, scenario, address))
 
 
@@ -77,10 +79,12 @@ def check_alone(design: eqx.Module, scenario: eqx.Module, address: str, value: A
 
 
 def with_values(design: D, scenario: S, values: Mapping[str, Any]) -> tuple[D, S]:
-    """Design and scenario with the values at some addresses replaced, validated like new ones; traced values work.
+    """Return design and scenario with the values at some addresses replaced, validated like new ones; traced values
+    work.
 
     **Arguments:** ``values``: by address, in the field's unit. **Raises:** `InputError` as `replace` does.
     """
+    # Each part is replaced once, with all of its values: singly, some might not fit what is there yet.
     of_scenario = {name.removeprefix(SCENARIO): v for name, v in values.items() if name.startswith(SCENARIO)}
     of_design = {name: v for name, v in values.items() if not name.startswith(SCENARIO)}
     return replace(design, of_design), replace(scenario, of_scenario)
@@ -89,7 +93,7 @@ def with_values(design: D, scenario: S, values: Mapping[str, Any]) -> tuple[D, S
 def check_numbers(
     design: eqx.Module, scenario: eqx.Module, addresses: Sequence[str], instead: str
 ) -> tuple[tuple[str, ...], np.ndarray]:
-    """The addresses to differentiate by, checked, and the values there, (addresses,).
+    """Return the addresses to differentiate by, checked, and the values there, (addresses,).
 
     **Arguments:** ``addresses``: the addresses; ``instead``: what takes an array of numbers, for the message.
 

@@ -54,6 +54,7 @@ class Curve(Portable):
                 in_unit(f"{path}.{name}[{k}]", number, unit, **POSITIVE)
                 if (array := concrete(number)) is None and isinstance(number, (str, bool, type(None))):
                     raise InputError(f"{path}.{name}[{k}]: {shown(number)} is not a number in {unit}")
+                # (0, 0) is a point of every curve, and the first one given must be above it.
                 before = np.zeros(()) if k == 0 else concrete(numbers[k - 1])
                 if array is None or before is None:  # traced
                     continue
@@ -94,7 +95,7 @@ class Curve(Portable):
         return f"{self.axes[axis][0]}[{k + 1}]" if k + 1 < len(self.places) else None
 
     def _find(self, address: str) -> tuple[int, int]:
-        """The axis and index of an address."""
+        """Return the axis and index of an address."""
         match = _POINT.fullmatch(address)
         assert match is not None
         return [name for name, _ in self.axes].index(match[1]), int(match[2])
@@ -117,6 +118,7 @@ class Curve(Portable):
         x, y = stacked([0.0, *self.places]), stacked([0.0, *self.values])
         h = x[1:] - x[:-1]
         secant = (y[1:] - y[:-1]) / h
+        # Two points have a straight line between them.
         if len(self.places) == 1:
             return MonotoneCubic(x, y, jnp.concatenate([secant, secant]))
         # the weighted harmonic mean of the secants beside a point; at both ends a one-sided parabola's slope
@@ -142,7 +144,8 @@ class MonotoneCubic(Portable):
         return self._summed(at)[1]
 
     def _summed(self, at: Scalar) -> tuple[Array, Array]:
-        """Value and integral, as sums over all pieces of what each adds up to the place: no piece is looked up."""
+        """Return value and integral as sums over all pieces of what each adds up to the place, so that no piece is
+        looked up."""
         x, y, slope = self.places, self.values, self.slopes
         h, rise = x[1:] - x[:-1], y[1:] - y[:-1]
         # A point belongs to the piece after it: clipping would count half the slopes of both there, and with rounding
@@ -167,12 +170,12 @@ def number_metadata(axes: tuple[Axis, Axis], address: str) -> Mapping[str, Any]:
 
 
 def _end_slope(own: Array, other: Array, secant: Array, next_secant: Array) -> Float[Array, ""]:
-    """The slope at an end, from the two pieces nearest to it: never falling, as all secants rise."""
+    """Return the slope at an end, from the two pieces nearest to it; it is never negative, as all secants rise."""
     return jnp.maximum(((2.0 * own + other) * secant - own * next_secant) / (own + other), 0.0)
 
 
 def curve(place: Axis, value: Axis, *, instead_of: tuple[str, ...] = (), doc: str = "") -> Any:
-    """A field that takes a measured curve, as a list of points; None if there is none.
+    """Declare a field that takes a measured curve, as a list of points; None if there is none.
 
     **Arguments:** ``place``, ``value``: name and unit of both numbers of a point; ``instead_of``: the fields beside it
     that it stands for; ``doc``: as of `number`.

@@ -24,14 +24,15 @@ else:
 
 
 def number(default: float | None, unit: str, *, doc: str = "", needs: Needs = (), **limits: Any) -> Any:
-    """A differentiable field with its unit and allowed range; lists of numbers become arrays, and text with a unit
-    ("0.5 kN/m") becomes a number in the field's.
+    """Declare a differentiable field with its unit and allowed range; lists of numbers become arrays, and text with a
+    unit ("0.5 kN/m") becomes a number in the field's.
 
     **Arguments:** ``default``: in the field's unit, None if it may be left out; ``unit``: as in messages and tables;
     ``doc``: what the field means, in a few words, for tables, studies and editors; ``needs``: conditions without which
     it has no effect (`on`, `chosen`, `absent`); ``limits``: keywords of `check_number` that bound it (``low``,
     ``high``, ``low_open``, ``high_open``).
     """
+    # Text becomes a number in the field's unit before anything computes with it.
     convert = functools.partial(as_unit, unit=unit)
     return eqx.field(
         default=default, converter=convert, metadata={"unit": unit, "limits": limits, "doc": doc, "needs": needs}
@@ -39,13 +40,14 @@ def number(default: float | None, unit: str, *, doc: str = "", needs: Needs = ()
 
 
 def whole(default: int, least: int, most: int | None = None, *, doc: str = "", needs: Needs = ()) -> Any:
-    """A static field that takes whole numbers from ``least`` up, or from there to ``most``; ``doc`` and ``needs`` as of
-    `number`."""
+    """Declare a static field that takes whole numbers from ``least`` up, or from there to ``most``; ``doc`` and
+    ``needs`` as of `number`."""
     return eqx.field(default=default, static=True, metadata={"least": least, "most": most, "doc": doc, "needs": needs})
 
 
 def choice(default: str, *options: str, doc: str = "", needs: Needs = ()) -> Any:
-    """A static field that takes one of a few words, one of the ``options``; ``doc`` and ``needs`` as of `number`."""
+    """Declare a static field that takes one of a few words, one of the ``options``; ``doc`` and ``needs`` as of
+    `number`."""
     return eqx.field(default=default, static=True, metadata={"choices": options, "doc": doc, "needs": needs})
 
 
@@ -98,7 +100,7 @@ class Part(Portable):
         self.check_together()
 
     def _replaced_by_curve(self, name: str) -> bool:
-        """Whether a measured curve stands for the number of this name."""
+        """Return whether a measured curve stands for the number of this name."""
         declared = dataclasses.fields(self)
         return any(
             name in field.metadata.get("instead_of", ()) and getattr(self, field.name) is not None for field in declared
@@ -113,7 +115,8 @@ class Part(Portable):
         """Raise `InputError` where fields, each good in itself, don't go together."""
 
     def in_range(self) -> Iterator[Bool[Array, ""]]:
-        """Whether each number is in its declared range, for numbers known only inside compiled code; NaN is in none.
+        """Yield whether each number is in its declared range, for numbers known only inside compiled code; NaN is in
+        none.
 
         A part with a `check_together` of its own overrides this too.
         """
@@ -126,5 +129,5 @@ class Part(Portable):
 
 
 def all_of(conditions: Iterable[Bool[Array, ""]]) -> Bool[Array, ""]:
-    """Whether all hold. ``conditions``: 0-d booleans."""
+    """Return whether all conditions hold. ``conditions``: 0-d booleans."""
     return functools.reduce(operator.and_, map(jnp.asarray, conditions))

@@ -19,7 +19,7 @@ SHAPES = {3: "MeshTri", 4: "MeshQuad"}  # by corners of a cell
 
 
 def mesh(*boundaries: str, doc: str = "") -> Any:
-    """A static field that takes a mesh with these named ``boundaries``; ``doc`` as of `number`."""
+    """Declare a static field that takes a mesh with these named ``boundaries``; ``doc`` as of `number`."""
     metadata = {"mesh": boundaries, "check": functools.partial(_check, boundaries), "doc": doc}
     return eqx.field(default=None, static=True, converter=_as_text, metadata=metadata)
 

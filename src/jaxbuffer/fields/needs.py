@@ -35,32 +35,33 @@ Needs = tuple[Need, ...]
 
 
 def on(*names: str) -> Needs:
-    """The field has an effect where one of the fields ``names`` is set and is not zero."""
+    """Return the need of a field that has an effect where one of the fields ``names`` is set and is not zero."""
     return (Need(names),)
 
 
 def chosen(name: str, *words: str) -> Needs:
-    """The field has an effect where the field ``name`` is one of ``words``."""
+    """Return the need of a field that has an effect where the field ``name`` is one of ``words``."""
     return (Need((name,), words),)
 
 
 def chosen_in(names: tuple[str, ...], *words: str) -> Needs:
-    """The field has an effect where one of the fields ``names`` is one of ``words``."""
+    """Return the need of a field that has an effect where one of the fields ``names`` is one of ``words``."""
     return (Need(names, words),)
 
 
 def chosen_of(name: str, words: Callable[[], tuple[str, ...]]) -> Needs:
-    """The field has an effect where the field ``name`` is one of the words that ``words`` returns then."""
+    """Return the need of a field that has an effect where the field ``name`` is one of the words that ``words`` returns
+    then."""
     return (Need((name,), words),)
 
 
 def absent(*names: str) -> Needs:
-    """The field has an effect where none of the fields ``names``, which replace it, is set."""
+    """Return the need of a field that has an effect where none of the fields ``names``, which replace it, is set."""
     return (Need(names, absent=True),)
 
 
 def outside_runs(reason: str) -> Needs:
-    """The field has no effect on any run; ``reason`` says what reads it."""
+    """Return the need of a field that has no effect on any run; ``reason`` says what reads it."""
     return (Need((), reason=reason),)
 
 
@@ -94,6 +95,7 @@ def why_inactive(design: Any, scenario: Any, path: str, varied: Collection[str] 
         if need.reason:
             return need.reason
         names = [name if "." in name or not section else f"{section}.{name}" for name in need.paths]
+        # Without a scenario a condition on it counts as fulfilled.
         if scenario is None and any(name.startswith(ROOT) for name in names):
             continue
         values = [_value(design, scenario, name) for name in names]
@@ -112,13 +114,13 @@ def why_inactive(design: Any, scenario: Any, path: str, varied: Collection[str] 
 
 
 def _inactive(design: Any, scenario: Any, varied: Collection[str]) -> Iterator[tuple[str, str]]:
-    """The paths of all fields without effect, with the reason."""
+    """Return the paths of all fields without effect, each with the reason."""
     every = [*paths(design), *(f"{ROOT}{path}" for path in (() if scenario is None else paths(scenario)))]
     return ((path, why) for path in every if (why := why_inactive(design, scenario, path, varied)))
 
 
 def _owner(design: Any, scenario: Any, path: str) -> tuple[Any, str]:
-    """The design or the scenario, and the path in it."""
+    """Return the design or the scenario, whichever has the path, and the path in it."""
     return (scenario, path.removeprefix(ROOT)) if path.startswith(ROOT) else (design, path)
 
 
@@ -132,7 +134,7 @@ def _value(design: Any, scenario: Any, path: str) -> Any:
 
 
 def _is_set(value: Any) -> bool:
-    """Whether a field is set: neither None nor zero. What is not known yet counts as set."""
+    """Return whether a field is set: neither None nor zero. What is not known yet counts as set."""
     if value is None or value is False:
         return False
     numbers = concrete(value) if not isinstance(value, bool | str) else None
@@ -140,12 +142,13 @@ def _is_set(value: Any) -> bool:
 
 
 def _differs(design: Any, scenario: Any, path: str) -> bool:
-    """Whether a field was set to another value than its default."""
+    """Return whether a field was set to another value than its default."""
     part, own = _owner(design, scenario, path)
     *sections, name = own.split(".")
     holder = functools.reduce(getattr, sections, part)
     default = next(field.default for field in dataclasses.fields(holder) if field.name == name)
     value = getattr(holder, name)
+    # A number that was not given is the same object as the default.
     if value is None or value is default:
         return False
     numbers = concrete(value) if not isinstance(value, bool | str) else None
@@ -155,7 +158,7 @@ def _differs(design: Any, scenario: Any, path: str) -> bool:
 
 
 def _text(design: Any, scenario: Any, path: str) -> str:
-    """A value with its unit; the first one of several."""
+    """Return a value with its unit as text; of several, the first one."""
     part, own = _owner(design, scenario, path)
     value = get(part, own)
     if isinstance(value, str):

@@ -15,7 +15,7 @@ T = TypeVar("T", bound=eqx.Module)
 
 
 def paths(module: eqx.Module, prefix: str = "") -> Iterator[str]:
-    """All dotted paths of a design or scenario, static choices included; a measured curve has one.
+    """Yield all dotted paths of a design or scenario, static choices included; a measured curve has one.
 
     **Arguments:**
 
@@ -36,7 +36,7 @@ def paths(module: eqx.Module, prefix: str = "") -> Iterator[str]:
 
 
 def point_paths(module: eqx.Module) -> Iterator[str]:
-    """The paths of the numbers of a design's measured curves, such as "buffer.spring_curve.force[2]"."""
+    """Yield the paths of the numbers of a design's measured curves, such as "buffer.spring_curve.force[2]"."""
     for path in paths(module):
         value = _at(module, path)
         if isinstance(value, Curve):
@@ -63,12 +63,12 @@ def check_path(module: eqx.Module, path: str) -> None:
 
 @functools.cache
 def _declared(kind: type[eqx.Module]) -> Mapping[str, Mapping[str, Any]]:
-    """What each field of a class declares of itself, by name."""
+    """Return what each field of a class declares of itself, by name."""
     return {field.name: field.metadata for field in dataclasses.fields(kind)}
 
 
 def _has_field(module: eqx.Module, path: str) -> bool:
-    """Whether ``path`` is one of `paths`, without listing them: a tuning asks this thousands of times."""
+    """Return whether ``path`` is one of `paths`, without listing them: a tuning asks this thousands of times."""
     value: Any = module
     for name in path.split("."):
         if not isinstance(value, eqx.Module) or isinstance(value, Curve) or name not in _declared(type(value)):
@@ -78,8 +78,8 @@ def _has_field(module: eqx.Module, path: str) -> bool:
 
 
 def unknown(module: eqx.Module, path: str, known: Collection[str], means: Meaning) -> str:
-    """What to say of a path that is none of the ``known`` ones: the nearest, or that its curve is not set; ``means``
-    says in words what a known one means."""
+    """Return what to say of a path that is none of the ``known`` ones: the nearest, or that its curve is not set;
+    ``means`` says in words what a known one means."""
     curve = path.rpartition(".")[0]
     if curve in paths(module) and "curve" in metadata(module, curve):
         value = _at(module, curve)
@@ -91,13 +91,13 @@ def unknown(module: eqx.Module, path: str, known: Collection[str], means: Meanin
 
 
 def no_number(module: eqx.Module, path: str) -> str:
-    """What a field without a number of its own is, and for a curve which numbers it has instead."""
+    """Return what a field without a number of its own is, and for a curve which numbers it has instead."""
     axes = metadata(module, path).get("curve")
     return "a choice" if axes is None else f"a measured curve, whose numbers are {path}.{axes[1][0]}[0] and so on"
 
 
 def get(module: eqx.Module, path: str) -> Any:
-    """The value at a dotted path.
+    """Return the value at a dotted path.
 
     **Arguments:**
 
@@ -119,7 +119,7 @@ def get(module: eqx.Module, path: str) -> Any:
 
 
 def _at(module: eqx.Module, path: str) -> Any:
-    """The value at a path that is known to exist."""
+    """Return the value at a path that is known to exist."""
     value: Any = module
     for name in path.split("."):
         value = value.get(name) if isinstance(value, Curve) else getattr(value, name)
@@ -127,8 +127,8 @@ def _at(module: eqx.Module, path: str) -> Any:
 
 
 def metadata(module: eqx.Module, path: str) -> Mapping[str, Any]:
-    """What the field at ``path`` of ``module`` declares of itself: unit, limits, choices; for a number of a curve also
-    where that is not set."""
+    """Return what the field at ``path`` of ``module`` declares of itself: unit, limits, choices; for a number of a
+    curve also where that is not set."""
     *owners, name = path.split(".")
     if "[" in name:
         return number_metadata(metadata(module, ".".join(owners))["curve"], name)
@@ -137,23 +137,23 @@ def metadata(module: eqx.Module, path: str) -> Mapping[str, Any]:
 
 
 def meaning(module: eqx.Module, path: str) -> str:
-    """What the field at ``path`` of ``module`` means, in a few words; its name where it declares none."""
+    """Return what the field at ``path`` of ``module`` means, in a few words; its name where it declares none."""
     return metadata(module, path).get("doc") or path.rpartition(".")[2].replace("_", " ")
 
 
 def limits_of(module: eqx.Module, path: str) -> Mapping[str, Any]:
-    """The declared range of the numbers at ``path`` of ``module``, as keywords of `check_number`."""
+    """Return the declared range of the numbers at ``path`` of ``module``, as keywords of `check_number`."""
     limits: Mapping[str, Any] = metadata(module, path).get("limits", {})
     return limits
 
 
 def unit(module: eqx.Module, path: str) -> str:
-    """The unit of what is at ``path`` of ``module``, "" for a choice."""
+    """Return the unit of what is at ``path`` of ``module``, "" for a choice."""
     return metadata(module, path).get("unit", "")
 
 
 def replace(module: T, values: Mapping[str, Any]) -> T:
-    """A copy with the values at dotted paths replaced, validated like a new one; works on traced values.
+    """Return a copy with the values at dotted paths replaced, validated like a new one; works on traced values.
 
     **Arguments:**
 
@@ -182,7 +182,7 @@ def by_path(
     fields: Collection[str] = (),
     prefix: str = "",
 ) -> dict[str, Any]:
-    """TOML's nested tables as dotted paths: in TOML an unquoted ``buffer.k_A = …`` is a table in a table.
+    """Return TOML's nested tables as dotted paths: in TOML an unquoted ``buffer.k_A = …`` is a table in a table.
 
     **Arguments:**
 
@@ -211,6 +211,7 @@ def _replace(module: T, values: dict[tuple[str, ...], Any]) -> T:
     for name in (field.name for field in dataclasses.fields(module)):
         inner = {key[1:]: value for key, value in values.items() if key[0] == name}
         current = getattr(module, name)
+        # The empty rest of a path is the field itself.
         if () in inner and len(inner) > 1:
             raise InputError(f"{name} and single numbers of it are given together; keep one")
         if () in inner:
@@ -222,14 +223,14 @@ def _replace(module: T, values: dict[tuple[str, ...], Any]) -> T:
 
 
 def _replaced(current: Any, values: dict[tuple[str, ...], Any]) -> Any:
-    """A part or a curve with some of its numbers replaced."""
+    """Return a part or a curve with some of its numbers replaced."""
     if isinstance(current, Curve):
         return current.replaced({key[0]: value for key, value in values.items()})
     return _replace(current, values)
 
 
 def _left_out(module: eqx.Module, fields: Mapping[str, Any], given: Collection[str]) -> dict[str, None]:
-    """The numbers that a curve newly given stands for, unless they are given too: they are left out."""
+    """Return None for each number that a newly given curve stands for, unless that number is given too."""
     declared = {field.name: field.metadata.get("instead_of", ()) for field in dataclasses.fields(module)}
     return {
         number: None for name in given if fields[name] is not None for number in declared[name] if number not in given

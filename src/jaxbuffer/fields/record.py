@@ -14,7 +14,7 @@ T = TypeVar("T", bound=eqx.Module)
 
 
 def record(part: eqx.Module) -> dict[str, Any]:
-    """Every field by its dotted path with its unit: ``{"buffer.k_A [N/m]": 500.0, "contact.law": "hertz"}``.
+    """Return every field by its dotted path with its unit: ``{"buffer.k_A [N/m]": 500.0, "contact.law": "hertz"}``.
 
     Numbers that are not finite, which JSON lacks, become None.
     """
@@ -22,24 +22,26 @@ def record(part: eqx.Module) -> dict[str, Any]:
 
 
 def named(part: eqx.Module, path: str) -> str:
-    """A path with the unit of what is there, as in ``"buffer.k_A [N/m]"``; a choice's path as it is."""
+    """Return a path with the unit of what is there, as in ``"buffer.k_A [N/m]"``; a choice's path as it is."""
     symbol = unit(part, path)
     return f"{path} [{symbol}]" if symbol else path
 
 
 def without_unit(name: str) -> tuple[str, str]:
     """Return a path, or any name, and the unit that stands behind it, "" for none: what `named` put together."""
+    # A curve's point has a bracket too, "force[2]", but no space before it.
     path, _, symbol = name.partition(" [")
     return path, symbol.removesuffix("]")
 
 
 def json_record(part: eqx.Module) -> str:
-    """The `record` as one line of JSON, numbers to the last digit."""
+    """Return the `record` as one line of JSON, numbers to the last digit."""
     return json.dumps(record(part), ensure_ascii=False, allow_nan=False)
 
 
 def from_json(default: T, text: str) -> T:
-    """The design or scenario that `json_record` wrote. ``default``: any of its kind; fields it lacks keep its values.
+    """Return the design or scenario that `json_record` wrote. ``default``: any of its kind; fields it lacks keep its
+    values.
 
     **Raises:** `InputError` for fields that are unknown and values out of range; `ValueError` for what is no JSON.
     """

@@ -16,7 +16,7 @@ DIGITS = 8
 
 
 def part_text(part: eqx.Module) -> str:
-    """A field a line, its unit beside its name: ``k_A [N/m] = 500.0``.
+    """Return a part as text, a field a line, its unit beside its name: ``k_A [N/m] = 500.0``.
 
     A gradient has a design's fields, and each of its numbers is the derivative by its field: ``k_A [per N/m] = 0.2``,
     in the quantity's unit per that of the field. It is known by a number that no design allows: derivatives by fields
@@ -35,7 +35,9 @@ def _text(part: eqx.Module, gradient: bool) -> str:
 
 
 def is_gradient(part: eqx.Module) -> bool:
-    """Whether a design's fields hold numbers that no design allows. Traced numbers are not known."""
+    """Return whether a design's fields hold numbers that no design allows; False for traced ones, which are not
+    known."""
+    # Traced numbers cannot be compared with their ranges.
     if any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(part)):
         return False
     in_range = getattr(part, "in_range", tuple)
@@ -49,6 +51,7 @@ def _lines(part: eqx.Module, gradient: bool) -> list[str]:
         per = "per " if gradient and symbol != "-" else ""
         name = f"{field.name} [{per}{symbol}]" if symbol else field.name
         equals = " = " if symbol else "="
+        # A measured curve is a module, yet shown as one value, the list of its points.
         is_part = isinstance(value, eqx.Module) and "curve" not in field.metadata
         inner = _text(value, gradient) if is_part else full_text(value)
         lines.append(f"{name}{equals}{inner}")
@@ -56,7 +59,7 @@ def _lines(part: eqx.Module, gradient: bool) -> list[str]:
 
 
 def numbers_text(title: str, numbers: Mapping[str, tuple[Any, str, float]]) -> str:
-    """A title, and below it a number a line with its unit.
+    """Return a title, and below it a number a line with its unit.
 
     **Arguments:** ``numbers``: by name the number or array of them, the unit in which people are shown it, and how many
     of those its own unit is. A number that is not known, inside compiled code say, is shown as JAX shows it.
@@ -83,7 +86,7 @@ def _scaled(value: np.ndarray) -> str:
 
 
 def cut(text: str) -> str:
-    """A text, or of a long one, such as a mesh's, its beginning and how long it is."""
+    """Return a text; of a long one, such as a mesh's, its beginning and how long it is."""
     return text if len(text) <= LONGEST else f"{text[:20]}… {len(text)} characters in all"
 
 
@@ -97,7 +100,7 @@ def field_text(value: Any, unit: str) -> str:
 
 
 def full_text(value: Any) -> str:
-    """A number in full, an array's entries to eight digits, anything else as it calls itself."""
+    """Return a number in full, an array's entries to eight digits, and anything else as it calls itself."""
     if isinstance(value, str):
         return repr(cut(value))
     if isinstance(value, jax.core.Tracer) or not isinstance(value, jax.Array | np.ndarray | np.generic):

@@ -85,8 +85,8 @@ NON_NEGATIVE: dict[str, Any] = {"low": 0.0}
 
 
 def as_unit(value: Any, unit: str) -> Any:
-    """`as_number`, and a text with a unit that fits as a number in ``unit``; any other text stays as it is, for the
-    check that names its field.
+    """Return a value as `as_number` does, and a text with a unit that fits as a number in ``unit``; any other text
+    stays as it is, for the check that names its field.
 
     **Raises:** `InputError` for a list in which some values have a unit and others none.
     """
@@ -115,12 +115,13 @@ def _unwrapped(value: np.ndarray) -> Any:
 
 
 def _has_unit(value: Any) -> bool:
-    """Whether a value brings a unit: a text that may have one, or a quantity of another library."""
+    """Return whether a value brings a unit: a text that may have one, or a quantity of another library."""
     return isinstance(value, str) or unit_of_library(value) is not None
 
 
 def in_unit(path: str, value: Any, unit: str, **limits: Any) -> Any:
-    """`as_unit` of the value of a field; a text's number must be in its range, which an error tells in the text's unit.
+    """Return the value of a field as `as_unit` does; a text's number must be in its range, which an error tells in the
+    text's unit.
 
     **Arguments:** ``path``: as shown to the user; ``unit``: the field's; ``limits``: its range, as in `check_number`.
 
@@ -137,6 +138,7 @@ def in_unit(path: str, value: Any, unit: str, **limits: Any) -> Any:
     if reason := _misfit(value, unit):
         allowed = interval_text(unit=unit, **limits)
         raise InputError(f"{path} = {shown(value)}: {reason}; allowed: {allowed}")
+    # A number out of range is refused here, where its text still tells the unit that was typed.
     number = as_unit(value, unit)
     if isinstance(value, str) and type(number) is float and not inside(number, **limits):
         ends = tuple(limits.get(name, default) for name, default in _RANGE.items())
@@ -179,7 +181,7 @@ def _converted(value: Any, unit: str) -> Any:
 
 
 def _in_other_units(quantity: Any) -> Iterator[Any]:
-    """A quantity as it is, then in its library's base units where it has any: their symbols are known here."""
+    """Yield a quantity as it is, then in its library's base units where it has any: their symbols are known here."""
     yield quantity
     for name in ("to_base_units", "decompose", "in_mks"):
         if callable(convert := getattr(quantity, name, None)):
@@ -188,7 +190,7 @@ def _in_other_units(quantity: Any) -> Iterator[Any]:
 
 
 def _symbol_of(quantity: Any) -> str:
-    """The unit of a quantity of another library as units are written here."""
+    """Return the unit of a quantity of another library as units are written here."""
     units = getattr(quantity, "units", None)
     try:
         text = f"{units:~D}"  # pint's short symbols
@@ -201,6 +203,7 @@ def _symbol_of(quantity: Any) -> str:
 def _scaled(numbers: Any, symbol: str, unit: str) -> Any:
     """Return numbers of a unit as those of another one, or what is wrong with it."""
     expected = _expected(unit)
+    # The exponent e of such a unit is a number of the design, which is not known here.
     if unit.endswith("^e"):
         return f"the unit depends on the exponent; write {expected} without one"
     try:
@@ -209,11 +212,13 @@ def _scaled(numbers: Any, symbol: str, unit: str) -> Any:
         return f"{_unknown(symbol)}; expected {expected}"
     if given.dimensionality != target.dimensionality:
         return f"{symbol} does not fit, expected {expected}{_instead(symbol, unit)}"
+    # Only the factor comes from pint, so that arrays of any library are scaled by one product.
     return numbers * float(_registry().Quantity(1.0, given).to(target).magnitude)
 
 
 def typed_unit(value: Any) -> str:
-    """The unit that was typed with a value, or with the first of a list's or a table's that has one; "" for none."""
+    """Return the unit that was typed with a value, or with the first of a list's or a table's that has one; "" for
+    none."""
     if isinstance(value, (list, tuple, Mapping)):
         values = value.values() if isinstance(value, Mapping) else value
         return next(filter(None, map(typed_unit, values)), "")
@@ -222,7 +227,8 @@ def typed_unit(value: Any) -> str:
 
 
 def as_typed(value: float, unit: str, typed: str) -> tuple[float, str]:
-    """A value in ``unit`` as one in the unit that was ``typed``, and that unit; the same where none was typed."""
+    """Return a value in ``unit`` as one in the unit that was ``typed``, and that unit; the same where none was
+    typed."""
     try:
         return (
             (float(_registry().Quantity(value, _parsed(unit)).to(_parsed(typed)).magnitude), typed)
@@ -255,8 +261,8 @@ def as_displayed(value: float, unit: str) -> tuple[float, str]:
 
 
 def as_written(value: float, unit: str, typed: str) -> float | str:
-    """A value as it is written into a study: a text in the unit that was ``typed``, with as few digits as give exactly
-    this value when it is read, or the number in ``unit`` where none was typed or no such text is."""
+    """Return a value as it is written into a study: a text in the unit that was ``typed``, with as few digits as give
+    exactly this value when it is read, or the number in ``unit`` where none was typed or no such text is."""
     number, symbol = as_typed(value, unit, typed)
     if typed and symbol == typed and math.isfinite(number):
         # The conversion there and back may round, so that a neighbour of the number is what is read as the value.
@@ -271,7 +277,7 @@ def as_written(value: float, unit: str, typed: str) -> float | str:
 
 @contextlib.contextmanager
 def errors_in_typed_units(units: Mapping[str, str]) -> Iterator[None]:
-    """Errors of numbers out of range tell them in the ``units`` that were typed, by path."""
+    """Raise errors of numbers out of range in the ``units`` that were typed, by path."""
     try:
         yield
     except OutOfRange as error:
@@ -279,7 +285,7 @@ def errors_in_typed_units(units: Mapping[str, str]) -> Iterator[None]:
 
 
 def _in_unit_of(error: OutOfRange, typed: str) -> OutOfRange:
-    """The error in the unit that was typed."""
+    """Return the error in the unit that was typed."""
     value, symbol = as_typed(error.value, error.unit, typed)
     low, high = (as_typed(end, error.unit, typed)[0] for end in error.limits[:2])
     limits = (low, high, *error.limits[2:])
@@ -321,7 +327,7 @@ _RANGE = {"low": -math.inf, "high": math.inf, "low_open": False, "high_open": Fa
 
 
 def _read(text: str, unit: str) -> float | str:
-    """The number in ``unit`` that a text means, or what is wrong with its unit; "" if it is no number at all."""
+    """Return the number in ``unit`` that a text means, or what is wrong with its unit; "" if it is no number at all."""
     if (match := _TEXT.fullmatch(text)) is None:
         return _without_unit(text.strip(), unit)
     number, symbol = float(match[1]), match[2].strip()
@@ -349,7 +355,7 @@ def _expected(unit: str) -> str:
 
 
 def _without_unit(text: str, unit: str) -> str:
-    """What is wrong with a text that has a decimal comma, or a number alone; "" for any other."""
+    """Return what is wrong with a text that has a decimal comma, or with a number alone; "" for any other."""
     pointed = _COMMA.sub(r"\1.\2", text)
     if pointed != text:
         return f"numbers have a decimal point here; write {pointed}"
@@ -360,12 +366,13 @@ def _without_unit(text: str, unit: str) -> str:
 
 
 def _unknown(symbol: str) -> str:
-    """Which word of a unit is unknown, and the unit meant."""
+    """Return which word of a unit is unknown, and the unit meant."""
     for word in _WORD.findall(symbol):
         try:
             _parsed(word)
         except Exception:
             near = next((s for s in SYMBOLS if s.lower() == word.lower()), None) or nearest(word, SYMBOLS)
+            # A plural is meant before anything that only looks alike.
             if word[-1] == "s" and word[:-1] in SYMBOLS:
                 near = word[:-1]
             elif spaced := _spaced(word):
@@ -375,7 +382,7 @@ def _unknown(symbol: str) -> str:
 
 
 def _spaced(word: str) -> str:
-    """Two symbols that are written as one word: "N m" for "Nm"."""
+    """Return the two symbols that are written as one word: "N m" for "Nm"; "" where it is not two."""
     pairs = ((word[:k], word[k:]) for k in range(1, len(word)))
     return next((f"{a} {b}" for a, b in pairs if a in SYMBOLS and b in SYMBOLS), "")
 
@@ -390,6 +397,7 @@ def _instead(symbol: str, unit: str) -> str:
 
 @functools.cache
 def _registry() -> Any:
+    # It is needed only where a text has a unit.
     import pint
 
     registry: Any = pint.UnitRegistry(None)
@@ -399,6 +407,6 @@ def _registry() -> Any:
 
 @functools.cache
 def _parsed(symbol: str) -> Any:
-    """A unit from its symbol; spaces multiply, and what follows a / up to the next one divides, as in tables."""
+    """Return a unit from its symbol; spaces multiply, and what follows a / up to the next one divides, as in tables."""
     plain = "" if symbol == "-" else re.sub(r"^1\s*/", "dimensionless/", symbol.replace("·", " "))
     return _registry().parse_units(plain)

@@ -22,7 +22,7 @@ GROUP = "jaxbuffer.mechanisms"
 
 
 def all_mechanisms() -> "tuple[Mechanism, ...]":
-    """Return those of the folders, in the order above, and then all others by name.
+    """Return the mechanisms of the folders, in the order above, and then all others by name.
 
     A package whose mechanism cannot be imported is warned of and left out: the others are not to suffer from it.
     """
@@ -58,7 +58,7 @@ def mechanism_named(name: Any) -> "Mechanism":
 
 @functools.cache
 def _entries(path: tuple[str, ...]) -> EntryPoints:
-    """The entry points of the distributions on a path, read once: a file is opened for all that is installed."""
+    """Return the entry points of the distributions on a path, read once: a file is opened for all that is installed."""
     return entry_points(group=GROUP)
 
 

@@ -332,6 +332,7 @@ class Assembled(ContactSystem):
     def kinematics(self, state: State) -> Kinematics:
         """Return the frames of the bodies."""
         places = self.places
+        # Time enters by the drives' constraints alone.
         time = state[places["drives"]][1] if self.system.driven else 0.0
         return self.system.kinematics(state[places["q"]], state[places["v"]], time)
 
@@ -359,6 +360,7 @@ class Assembled(ContactSystem):
     def first_posture(self) -> tuple[EvaluatedState, Closed]:
         kin = self.system.kinematics(self.q, self.v)
         given = jnp.asarray(self.closed, float)
+        # Contacts of which nothing is said are open.
         closed = jnp.concatenate([given, jnp.zeros(self.contact_count - given.shape[0])])
         own = [element.start(kin) for element in self.elements]
         spins = [kin.point(self.contacts[k].body, self.contacts[k].point).spin for k in self._spinning]
@@ -367,6 +369,7 @@ class Assembled(ContactSystem):
         state = jnp.concatenate([*moving, *own, jnp.zeros(len(self.integrals)), self._start_memory(kin, closed)])
         at = self.posture(state)
         if self.quiet is not None:
+            # A run ends as held below a share of the first energy (M177), which therefore stands in the state.
             energy = self.relative_energy(at, closed)
             at = at._replace(state=state.at[self.places["first energy"]].set(energy))
         return at, closed
@@ -420,6 +423,7 @@ class Assembled(ContactSystem):
             self.contacts[k].spin_moment(at.contacts[k], exerted.contacts[k]) / inertia
             for k, inertia in self._spinning.items()
         ]
+        # A drive's constraint depends on time, which is a state beside the energy that it puts in.
         drives = [self.system.drive_power(at.kin, exerted.motion.multipliers), 1.0] if self.system.driven else []
         first_energy = [0.0] * (self.quiet is not None)
         switches = self._of_elements(active)
@@ -464,6 +468,7 @@ class Assembled(ContactSystem):
 
     def touchdown(self, state: State, acceleration: Float[Array, ""], contact: Int[Array, ""]) -> State:
         after = super().touchdown(state, acceleration, contact)
+        # Hardly an element changes its numbers as it closes: without one, the state need not be evaluated once more.
         if all(type(element).after_closing is Element.after_closing for element in self.elements):
             return after
         at, places = self.posture(state), self.places
@@ -489,6 +494,7 @@ class Assembled(ContactSystem):
             ends += element.guards(it)
         pairs = zip(at.contacts, self.contacts, strict=True)
         deep = [jnp.max(-it.approach.gap) - DEEPEST * jnp.asarray(contact.pair.radius) for it, contact in pairs]
+        # Without a contact the guard never rises.
         ends.append(jnp.max(jnp.stack(deep)) if deep else -jnp.ones(()))
         return stacked([*ends, *([] if self.quiet is None else [self._at_rest(at)])])
 
@@ -531,6 +537,7 @@ class Assembled(ContactSystem):
         others = self._element_observables(at, active)
         for element, *part in zip(self.elements, at.elements, self._of_elements(active), strict=True):
             others |= element.recorded(*part)
+        # Those recorded come last: where a size is watched, the history has the value with its sign.
         others |= {shown.name: shown.of(self, at, rate) for shown in (*self.shown, *self.recorded)}
         if self.momentum_size is not None:
             others["relative_energy"] = self.relative_energy(at, active)
@@ -573,6 +580,7 @@ class Assembled(ContactSystem):
 
     def energy_at(self, at: EvaluatedState, active: Closed) -> Energy:
         always_stored, always_lost = (dict.fromkeys(names, jnp.zeros(())) for names in self.listed)
+        # What came from outside is counted negative, so that the total stays constant (M76).
         put_in = {name: -energy for name, energy in self.supplied(at.state).items()}
         stored = always_stored | self.stored(at, active) | put_in
         lost = always_lost | dict(zip(self.loss_names, self.part(at.state, "lost"), strict=True))
@@ -607,6 +615,7 @@ class Assembled(ContactSystem):
         place, motion = (jnp.broadcast_to(jnp.asarray(size, float), (n,)) for size in self.size)
         momentum = 1.0 if self.momentum_size is None else self.momentum_size
         magnitudes = Magnitudes(speed, energy, momentum)
+        # A ball that rolls at the typical speed spins at that over its radius.
         rest: list[Scalar] = [speed / self.contacts[k].pair.radius for k in self._spinning]
         rest += [energy] * len(self.loss_names) + [energy, 1.0] * self.system.driven
         rest += [energy] * (self.quiet is not None)
@@ -617,6 +626,8 @@ class Assembled(ContactSystem):
 
     def impact_step(self, state: State) -> Float[Array, ""]:
         """Return a fifteenth of the shortest impact of a contact's ball and its body; 1e-6 s without contacts [s]."""
+        # A lossless Hertz impact lasts 3.2 of its law's time scales (M58, M80): a fifth of one is about a fifteenth of
+        # it.
         memory, steps = self._of_contacts(self.memory(state)), []
         for contact, speeds in zip(self.contacts, memory, strict=True):
             speed = jnp.max(speeds)
@@ -627,6 +638,7 @@ class Assembled(ContactSystem):
 
     def inverse_masses_at(self, at: EvaluatedState) -> Float[Array, "contacts contacts"]:
         normals = [
+            # A ball's own spin does not change how fast its contact closes: its rows are zero, and left out.
             contact.directions(self.system, it)[0][: self.coordinates]
             for contact, it in zip(self.contacts, at.contacts, strict=True)
         ]
@@ -665,6 +677,7 @@ class Assembled(ContactSystem):
         return None
 
     def _spring_term(self, spring: SpringDirection) -> SpringTerm:
+        # A spring acts on bodies alone: balls that spin by themselves do not feel it.
         direction = jnp.pad(self.system.direction(spring.blocks), (0, self.spins))
         return SpringTerm(direction, spring.stiffness, spring.damping)
 
@@ -686,6 +699,7 @@ class Assembled(ContactSystem):
         after = spins if contact is None else spins - 1 - before
 
         def widened(columns: Array) -> Array:
+            # A contact turns its own ball and no other one.
             own = columns[rows:]
             return jnp.concatenate([columns[:rows], jnp.pad(own, ((before, after), (0, 0)))])
 

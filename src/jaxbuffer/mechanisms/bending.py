@@ -13,16 +13,17 @@ UNIT = Bar.rectangle(1.0, 1.0, math.sqrt(12.0), 1.0, 1.0)  # of radius of gyrati
 
 
 def build_up(mass: Any, peak_force: Any, penetration: Any) -> Any:
-    """√(m δ/F) [s]: how long a force takes to its peak, with a spring or with a damper; arrays broadcast.
+    """Return √(m δ/F) [s], how long a force takes to its peak, with a spring or with a damper; arrays broadcast.
 
     **Arguments:** ``mass``: m that it stops [kg]; ``peak_force``: F [N]; ``penetration``: δ, the deepest [m].
     """
+    # A run without a contact has no force to divide by.
     force = np.maximum(np.asarray(peak_force), 1e-300)
     return np.sqrt(np.asarray(mass) * np.maximum(np.asarray(penetration), 0.0) / force)
 
 
 def period(bar: Bar, frequency: float) -> Any:
-    """Period [s] of a bar's mode, from the mode's ``frequency`` [Hz] of `UNIT`."""
+    """Return the period [s] of a bar's mode, from the mode's ``frequency`` [Hz] of `UNIT`."""
     sound = np.sqrt(np.asarray(bar.youngs_modulus) / np.asarray(bar.density))
     gyration = np.sqrt(np.asarray(bar.second_moment) / np.asarray(bar.area))
     return np.asarray(bar.length) ** 2 / (gyration * sound * frequency)
@@ -30,27 +31,28 @@ def period(bar: Bar, frequency: float) -> Any:
 
 @functools.cache
 def highest_of_free(modes: int) -> float:
-    """Highest frequency of `UNIT` as a free bar in so many modes [Hz]."""
+    """Return the highest frequency of `UNIT` as a free bar in so many modes [Hz]."""
     return float(free_bar(UNIT, modes - 2).modes.frequencies()[-1])
 
 
 @functools.cache
 def highest_of_plate(which: tuple[int, ...], support: str) -> float:
-    """Highest frequency of `UNIT` as a plate strip in these modes [Hz]."""
+    """Return the highest frequency of `UNIT` as a plate strip in these modes [Hz]."""
     return float(plate_strip(UNIT, which[-1:], support=support).modes.frequencies()[0])
 
 
 def too_few(part: str, modes: int, highest: Any, time: Any) -> ValidityLimit:
-    """How the highest mode's period [s], ``highest``, compares with a force's ``time`` [s]: a slower one is too few."""
+    """Return how the highest mode's period [s], ``highest``, compares with a force's ``time`` [s]: if it is slower, the
+    modes are too few."""
     said = f"the {part}'s {modes} modes are too few for the peak: the highest is slower than the force"
     return ValidityLimit(said, highest / np.maximum(time, 1e-300))
 
 
 def modes_line(part: str, modes: str, highest: Any) -> str:
-    """A summary's line: number of modes of a part, and the highest's period [s]."""
+    """Return a summary's line: number of modes of a part, and the highest's period [s]."""
     return f"  {f'{part} modes':24} {modes}; period of the highest {1e6 * float(highest):.3g} µs"
 
 
 def force_line(time: Any) -> str:
-    """A summary's line beside it: how long the force took [s]."""
+    """Return the line that goes with it: how long the force took [s]."""
     return f"  {'force rises within':24} {1e6 * float(time):.3g} µs"

@@ -20,6 +20,7 @@ def cautions(design: Part, scenarios: Sequence[Part], varied: Collection[str] = 
     found: dict[str, list[int]] = {}
     for number, scenario in enumerate(scenarios, 1):
         lines = inactive(design, scenario, varied)
+        # Numbers that are traced are not known, and arrays are many designs at once: neither has one geometry.
         if geometry and _plain(design) and _plain(scenario):
             lines += view.contradictions(design, scenario)
         for line in lines:
@@ -28,7 +29,7 @@ def cautions(design: Part, scenarios: Sequence[Part], varied: Collection[str] = 
 
 
 def _where(numbers: list[int], count: int) -> str:
-    """In which of several scenarios that is so."""
+    """Return in which of several scenarios that is so."""
     if len(numbers) == count:
         return ""
     more = f" and {len(numbers) - 1} more" if len(numbers) > 1 else ""
@@ -36,6 +37,6 @@ def _where(numbers: list[int], count: int) -> str:
 
 
 def _plain(part: Part) -> bool:
-    """Whether all numbers are known, and single."""
+    """Return whether all numbers are known, and single."""
     leaves = jax.tree.leaves(part)
     return not any(isinstance(leaf, jax.core.Tracer) or np.ndim(leaf) for leaf in leaves)

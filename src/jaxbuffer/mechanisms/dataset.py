@@ -8,7 +8,7 @@ from .mechanism import Mechanism
 
 
 def attributes(mechanism: Mechanism, design: Any, scenario: Any) -> dict[str, Any]:
-    """What a dataset says of its origin: with it a file stands on its own."""
+    """Return what a dataset says of its origin: with it a file stands on its own."""
     return {
         "title": mechanism.view.title,
         "kind": mechanism.name,

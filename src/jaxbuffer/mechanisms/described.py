@@ -7,7 +7,8 @@ from .mechanism import Mechanism
 
 
 def described(mechanism: Mechanism) -> str:
-    """Every field with unit, default, allowed range and meaning, and every quantity with unit and meaning."""
+    """Return a table of every field with unit, default, allowed range and meaning, and of every quantity with unit and
+    meaning."""
     fields = table(
         f'{mechanism.view.title}: kind = "{mechanism.name}"', left=("field", "unit", "default", "allowed", "meaning")
     )
@@ -22,7 +23,7 @@ def described(mechanism: Mechanism) -> str:
 
 
 def _declared(part: Part, path: str) -> tuple[str, str, str]:
-    """Unit, default and allowed range of a field."""
+    """Return unit, default and allowed range of a field."""
     known, value = metadata(part, path), get(part, path)
     default = "none" if value is None else field_text(value, "")
     if "choices" in known:

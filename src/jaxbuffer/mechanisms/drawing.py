@@ -26,7 +26,7 @@ class Spot(NamedTuple):
     y: float = 0.0
 
     def at(self, frames: Frames) -> Float[np.ndarray, "2"]:
-        """Where it is in inertial axes [m]."""
+        """Return where the spot is in inertial axes [m]."""
         return placed(np.array([[self.x, self.y]]), self.body, frames)[0]
 
 
@@ -76,16 +76,17 @@ class Band(NamedTuple):
     clamped: bool = False
 
     def straight(self, frames: Frames) -> Points:
-        """Where the stations would be if it did not bend [m]."""
+        """Return where the stations would be if the band did not bend [m]."""
         at = frames[list(self.stations)]
         along = np.hypot(*np.diff(at[:, :2], axis=0).T)
+        # Straight, the stations keep their distances along the band.
         way = np.concatenate([[0.0], np.cumsum(along)])
         if self.clamped:
             return at[0, :2] + way[:, None] * np.array([np.cos(at[0, 2]), np.sin(at[0, 2])])
         return at[0, :2] + way[:, None] / max(way[-1], 1e-300) * (at[-1, :2] - at[0, :2])
 
     def bent(self, frames: Frames, magnified: float = 1.0) -> Points:
-        """Its centre line, with its bending ``magnified`` [m]."""
+        """Return the band's centre line, with its bending ``magnified`` [m]."""
         straight = self.straight(frames)
         return straight + magnified * (frames[list(self.stations)][:, :2] - straight)
 
@@ -124,11 +125,13 @@ class Touch(NamedTuple):
     side: float
 
     def at(self, frames: Frames) -> tuple[Float[np.ndarray, "2"], Float[np.ndarray, "2"], Float[np.ndarray, "2"]]:
-        """The point of contact [m], and the unit normal and tangent there, along which the forces on the ball act."""
+        """Return the point of contact [m], and the unit normal and tangent there, along which the forces on the ball
+        act."""
         angle = _angle(self.carrier.body, frames)
         turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
         origin = self.carrier.at(frames)
         x, y = turn.T @ (self.ball.at(frames) - origin)
+        # Shapes are fixed in the carrier's axes: the foot is found there and turned back.
         foot = [float(np.ravel(part)[0]) for part in _foot(self.shape, float(x), float(y), self.side)]
         normal = turn @ np.array(foot[2:4])
         return origin + turn @ np.array(foot[:2]), normal, self.side * np.array([normal[1], -normal[0]])
@@ -136,7 +139,7 @@ class Touch(NamedTuple):
 
 @stored
 def _foot(shape: Shape, x: Any, y: Any, side: Any) -> Any:
-    """`Shape.foot`, as a program that is kept, so that a second start compiles nothing to draw."""
+    """Return `Shape.foot`, from a program that is kept, so that a second start compiles nothing to draw."""
     return shape.foot(x, y, side)
 
 
@@ -154,7 +157,7 @@ class Detail(NamedTuple):
 
 
 def as_they_are(history: Any) -> Float[np.ndarray, "steps bodies 3"]:
-    """The bodies' frames over a history: all that a plain drawing needs."""
+    """Return the bodies' frames over a history: all that a plain drawing needs."""
     return np.asarray(history.position)
 
 
@@ -184,13 +187,14 @@ def with_stations(
     body: int,
     modal: int = 0,
 ) -> Float[np.ndarray, "steps more 3"]:
-    """Frames, and behind them those of `STATIONS` stations along a body that bends.
+    """Return frames, and behind them those of `STATIONS` stations along a body that bends.
 
     **Arguments:** ``frames``: so far; ``history``: whose states hold the modal coordinates; one without states, read
     from a file say, shows the body straight; ``bodies``: how many; ``bar``: the body's modes; ``body``: its number;
     ``modal``: how many modal coordinates of other bodies are before its own.
     """
     xi, length = np.linspace(0.0, 1.0, STATIONS), float(bar.bar.length)
+    # In the state the modal coordinates follow the three coordinates of every body.
     first, size = 3 * bodies + modal, bar.modes.size
     state = history.state
     modes = np.zeros((len(frames), size)) if state is None else np.asarray(state)[:, first : first + size]
@@ -204,12 +208,12 @@ def with_stations(
 
 
 def stations(first: int) -> tuple[int, ...]:
-    """The numbers of the frames that `with_stations` adds to ``first`` frames."""
+    """Return the numbers of the frames that `with_stations` adds to ``first`` frames."""
     return tuple(range(first, first + STATIONS))
 
 
 def plain_drawing(design: Part | None, bodies: tuple[str, ...] = ()) -> Drawing:
-    """A cross at every body's origin: 1 cm wide, or up to the axes where a body is not named."""
+    """Return a cross, 1 cm wide, at the origin of every body that is named."""
     arm = 5e-3  # m
     crosses = []
     for number, name in enumerate(bodies):
@@ -219,7 +223,7 @@ def plain_drawing(design: Part | None, bodies: tuple[str, ...] = ()) -> Drawing:
 
 
 def placed(points: Points, body: int, frames: Frames) -> Points:
-    """Points of a body's axes in inertial axes [m]."""
+    """Return points of a body's axes in inertial axes [m]."""
     if body == GROUND:
         return points
     x, y, angle = frames[body]
@@ -228,7 +232,7 @@ def placed(points: Points, body: int, frames: Frames) -> Points:
 
 
 def box(left: float, right: float, bottom: float, top: float) -> Points:
-    """The corners of a rectangle [m]."""
+    """Return the corners of a rectangle [m]."""
     return np.array([[left, bottom], [right, bottom], [right, top], [left, top]])
 
 

@@ -21,6 +21,8 @@ class Energy(Portable):
 
     def __getattr__(self, name: str) -> Any:
         for part in ("stored", "lost"):
+            # An object without fields yet, as one that is being unpickled, would call this method for ever by
+            # `self.stored`.
             energies = object.__getattribute__(self, part)
             if name in energies:
                 return energies[name]
@@ -32,27 +34,27 @@ class Energy(Portable):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """All of them, and "total"."""
+        """Return the names of all energies, and "total"."""
         return (*self.stored, *self.lost, "total")
 
     @property
     def dissipated(self) -> Float[Array, "..."]:
-        """Everything lost so far [J]."""
+        """Return the energy lost so far [J]."""
         return _sum(self.lost)
 
     @property
     def total(self) -> Float[Array, "..."]:
-        """Stored and lost together [J]: constant in time."""
+        """Return stored and lost energy together [J]: constant in time."""
         return _sum(self.stored) + _sum(self.lost)
 
     @property
     def size(self) -> Float[Array, "..."]:
-        """The sum of their magnitudes [J], of which rounding errors are a share."""
+        """Return the sum of the energies' magnitudes [J], of which rounding errors are a share."""
         return _sum({name: abs(energy) for name, energy in {**self.stored, **self.lost}.items()})
 
 
 def _sum(energies: dict[str, Float[Array, "..."]]) -> Any:
-    """Their sum; that of NumPy's arrays is one, so that nothing is compiled to print a run."""
+    """Return the sum of energies; that of NumPy's arrays is one, so that nothing is compiled to print a run."""
     return sum(energies.values(), start=np.zeros(()))
 
 
@@ -81,11 +83,11 @@ ENERGY_UNITS = (("kJ", 1e-3), ("J", 1.0), ("mJ", 1e3), ("µJ", 1e6))
 
 
 def energy_unit(largest: Any) -> tuple[str, float]:
-    """The unit in which energies up to ``largest`` [J] are read best, and how many of it a joule is."""
+    """Return the unit in which energies up to ``largest`` [J] are read best, and how many of it a joule is."""
     return unit_by_size(float(largest), ENERGY_UNITS, 1.0)
 
 
 def energy_text(energy: Any) -> str:
-    """An energy [J] in words: "4.495 J", "1.43 kJ"."""
+    """Return an energy [J] in words: "4.495 J", "1.43 kJ"."""
     unit, many = energy_unit(energy)
     return with_unit(many * float(energy), unit, 4)

@@ -51,6 +51,8 @@ class History(Portable):
         return "\n".join([*lines, f"  energy [J]: {', '.join(self.energy.names)}"])
 
     def __getattr__(self, name: str) -> Any:
+        # An object without fields yet, as one that is being unpickled, would call this method for ever by
+        # `self.others`.
         others = object.__getattribute__(self, "others")
         if name in others:
             return others[name]

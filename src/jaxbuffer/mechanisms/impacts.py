@@ -32,11 +32,11 @@ class Impacts(Portable):
 
     @property
     def _concrete(self) -> bool:
-        """Whether these are one run's, with numbers."""
+        """Return whether these are one run's, with numbers."""
         return not isinstance(self.count, jax.core.Tracer) and np.ndim(self.count) == 0
 
     def _table(self) -> Table:
-        """The impacts that happened, counted from 1."""
+        """Return a table of the impacts that happened, counted from 1."""
         count = int(self.count)
         shown = table(f"{count} impact{'' if count == 1 else 's'}")
         columns = {

@@ -62,11 +62,13 @@ class Limit:
         known = np.array(values, dtype=float)
         if not self.lowest:
             return np.where(np.isnan(known), np.inf, known / self.bound)
+        # A lower limit is used up the more, the smaller the value: without end at zero.
         positive = known > 0.0
         return np.where(positive, self.bound / np.where(positive, known, 1.0), np.inf)
 
     def margin(self, value: float | None) -> float | None:
         """Return how far a value keeps from the limit, relative to it; None where it is not known."""
+        # Adding zero makes 0 of -0, which would be shown with its sign.
         return None if value is None or math.isnan(value) else -float(self.rows(value)) + 0.0
 
     def worst(self, values: Sequence[float | None]) -> float | None:

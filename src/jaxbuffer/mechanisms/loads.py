@@ -25,7 +25,7 @@ LAST = 4  # steps along the closing speed
 def load(
     name: Static, parameters: tuple[Any, Any, Any], log: Log, numbers: Int[Array, " impacts"]
 ) -> Float[Array, " impacts"]:
-    """One load of some impacts, by their ``numbers`` from 0, with derivatives as the impacts move.
+    """Return one load of some impacts, by their ``numbers`` from 0, with derivatives as the impacts move.
 
     **Arguments:** ``name``: of the load, a key of `LOADS`; ``parameters``: design, scenario and Baumgarte's gain [1/s];
     ``log`` of the run, with derivatives at fixed times. **Returns:** it, NaN for what is no impact.
@@ -36,6 +36,7 @@ def load(
         return jnp.full(numbers.shape, jnp.nan)
     touch = (log.kind == Kind.TOUCHDOWN) & (log.which < contacts) & (slots < log.room)
     of = LOADS[name.value]
+    # Touchdowns first: a stable sort keeps their order, and the size is known when compiling.
     touchdowns = jnp.argsort(~touch, stable=True)[numbers]
     return jax.vmap(lambda slot: jnp.where(touch[slot], of(system, log, touch, slot), jnp.nan))(touchdowns)
 
@@ -43,12 +44,13 @@ def load(
 def _effective_energy(
     system: ContactSystem, log: Log, touch: Bool[Array, " slots"], slot: Int[Array, ""]
 ) -> Float[Array, ""]:
-    """T_c⁻ [J] over the contacts that are closed after the touchdown at a slot.
+    """Return T_c⁻ [J] over the contacts that are closed after the touchdown at a slot.
 
     Touchdowns that no impact could tell apart are one impact: each of them counts the contacts of all.
     """
     state, rate, contacts = log.rows[slot, 0], log.rates[slot, 0], system.impact_contacts
     closed = log.active[slot, :contacts] > 0.5
+    # At one instant every other contact can touch down once at most, and their entries follow this one's.
     for later in range(1, contacts):
         following = jnp.minimum(slot + later, log.kind.shape[0] - 1)
         together = touch[following] & (log.time[following] - log.time[slot] <= SIMULTANEOUS)
@@ -63,7 +65,8 @@ def _effective_energy(
 def effective_energy(
     system: ContactSystem, state: Float[Array, " state"], closed: Bool[Array, " contacts"]
 ) -> Float[Array, ""]:
-    """T_c [J] of a state along the normals of the contacts that are ``closed``, of those that have impacts (M200)."""
+    """Return T_c [J] of a state along the normals of the contacts that are ``closed``, of those that have impacts
+    (M200)."""
     at = system.posture(state)
     # An open contact is a row and a column of the identity, with no speed.
     inverse = jnp.where(closed[:, None] & closed[None], system.inverse_masses_at(at), jnp.eye(closed.shape[0]))
@@ -74,7 +77,7 @@ def effective_energy(
 def _compression_end(
     system: ContactSystem, log: Log, touch: Bool[Array, " slots"], slot: Int[Array, ""]
 ) -> Float[Array, ""]:
-    """When the contact that touches down at a slot is no longer closing [s] (M203); NaN if the run ends before.
+    """Return when the contact that touches down at a slot is no longer closing [s] (M203); NaN if the run ends before.
 
     From the largest force on, which no law has later than the deepest penetration, the contact goes on closing. Steps
     are short where the closing speed changes fast, and long where a damper alone slows it down; the last ones are along
@@ -94,11 +97,12 @@ def _compression_end(
         return system.gaps_at(system.posture(state))[1][contact]
 
     def rates(point: Array) -> tuple[Array, Array]:
-        """Of state and time, and of the closing speed."""
+        """Return the rates of state and time, and of the closing speed."""
         rate = system.derivative(log.time[top], point[:-1], active)
         return jnp.append(rate, 1.0), jax.jvp(closing, (point[:-1],), (rate,))[1]
 
     begin, start = log.rows[slot, 0], jnp.append(log.rows[top, 0], log.time[top])
+    # These two only measure the steps: where they lead does not depend on them, and neither do its derivatives.
     speed = jax.lax.stop_gradient(closing(begin))
     time = jax.lax.stop_gradient(jnp.maximum(log.time[top] - log.time[slot], system.impact_step(begin)))
 
@@ -112,16 +116,18 @@ def _compression_end(
 
     def onwards(point: Array, step: Array) -> tuple[Array, None]:
         after = _stepped(by_arc, point, step)
+        # A step that goes beyond the end of compression is not taken: the steps along the speed finish.
         return jnp.where(closing(after[:-1]) > 0.0, after, point), None
 
     near = jax.lax.scan(onwards, start, FINEST * GROWTH ** jnp.arange(STEPS))[0]
+    # With the closing speed as the variable the last step ends exactly where it is zero (Hénon's step).
     step = -closing(near[:-1]) / LAST
     end = jax.lax.fori_loop(0, LAST, lambda _, point: _stepped(by_speed, point, step), near)[-1]
     return jnp.where((end >= log.time[slot]) & (end <= last), end, jnp.nan)
 
 
 def _stepped(slope: Callable[[Array], Array], point: Array, step: Array) -> Array:
-    """A step of the classical Runge-Kutta method."""
+    """Return the point after a step of the classical Runge-Kutta method."""
     first = slope(point)
     second = slope(point + 0.5 * step * first)
     third = slope(point + 0.5 * step * second)

@@ -89,7 +89,7 @@ class EndCount(NamedTuple):
 
     @property
     def complete(self) -> bool:
-        """Whether it was in all of them."""
+        """Return whether this was the end of all runs."""
         return self.reached == self.runs
 
     def __str__(self) -> str:
@@ -132,12 +132,12 @@ class Request(NamedTuple):
 
     @property
     def system(self) -> ContactSystem:
-        """The equations of motion, ready to be stepped."""
+        """Return the equations of motion, ready to be stepped."""
         return self.mechanism.system(*self.parameters)
 
     @property
     def allowed(self) -> Bool[Array, ""]:
-        """Whether all numbers are in range."""
+        """Return whether all numbers are in range."""
         design, scenario, stabilisation = self.parameters
         numbers = (self.duration, *self.tolerances, stabilisation)
         within = (inside(x, **limits) for x, limits in zip(numbers, LIMITS.values(), strict=True))
@@ -182,7 +182,7 @@ def no_equations(design: Part, scenario: Part, stabilisation: Any = 0.0) -> Cont
 
 
 def plain_valid(design: Part, scenario: Part) -> Bool[Array, ""]:
-    """Whether every number is in its declared range, for numbers known only inside compiled code."""
+    """Return whether every number is in its declared range, for numbers known only inside compiled code."""
     return all_of([*design.in_range(), *scenario.in_range()])
 
 
@@ -232,7 +232,7 @@ class Mechanism:
 
     @property
     def success(self) -> str | None:
-        """How a run should end, in a word: the first of ``successes``; None where any end will do."""
+        """Return how a run should end, in a word: the first of ``successes``; None where any end will do."""
         return self.successes[0] if self.successes else None
 
     def success_of(self, design: Part) -> str | None:
@@ -242,6 +242,7 @@ class Mechanism:
     def required_end(self, names: Collection[str], quantities: Iterable[str] = ()) -> RequiredEnd | None:
         """Return the strictest of the ends that are named, or that some quantities wait for; None for no such end."""
         wanted = {*names, *(self.quantities[it].awaits for it in quantities if it in self.quantities)}
+        # Each of the ends is stricter than the one before it.
         return next((end for end in reversed(self.tuning.ends) if end.name in wanted), None)
 
     def strictest_end(self, value_at: Callable[[str], Any]) -> RequiredEnd | None:
@@ -261,6 +262,7 @@ class Mechanism:
     def succeeded(self, code: Any) -> Any:
         """Return which outcomes, given as codes, are successes; all that did not fail, where any end will do."""
         if not self.successes:
+            # Codes of failed runs follow those of all others (`RunOutcome`).
             return np.asarray(code) < self.outcomes["failed_steps"]
         return np.isin(code, [int(self.outcomes[name]) for name in self.successes])
 
@@ -269,6 +271,7 @@ class Mechanism:
         are put into it; without one the general ones."""
         others = dict[str, Any]()
         if design is not None:
+            # A study that varies a part's number gives the design that part, though it is not set yet.
             for path, changes in self.defaults.with_part.items():
                 others |= changes if path in varied or get(design, path) is not None else {}
         return dataclasses.replace(self.defaults, **others)
@@ -291,12 +294,12 @@ class Mechanism:
 
     @property
     def swept(self) -> tuple[str, ...]:
-        """Quantities that sweeps, records and summaries have."""
+        """Return the quantities that sweeps, records and summaries have."""
         return tuple(name for name, quantity in self.quantities.items() if quantity.swept)
 
     def meant(self, value_at: Callable[[str], Any]) -> tuple[str, ...]:
-        """Of the `swept` quantities those that mean something for a design, given as its value at a path: not the
-        bending of what does not bend."""
+        """Return those of the `swept` quantities that mean something for a design, given as its value at a path: not
+        the bending of what does not bend."""
         return tuple(name for name in self.swept if not (part := self.quantities[name].part) or value_at(part))
 
     def has(self, name: str, design: Part) -> bool:
@@ -306,5 +309,5 @@ class Mechanism:
 
     @property
     def tuned(self) -> tuple[str, ...]:
-        """Quantities that objectives and limits may use."""
+        """Return the quantities that objectives and limits may use."""
         return tuple(name for name, quantity in self.quantities.items() if quantity.tuned)

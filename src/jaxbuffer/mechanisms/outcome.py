@@ -33,7 +33,7 @@ class RunOutcome(Code):
     reason: str
 
     def __new__(cls, code: int, reason: str = "") -> "RunOutcome":
-        """A member of an enumeration."""
+        """Make a member of the enumeration from its code and its reason in words."""
         member = int.__new__(cls, code)
         member._value_ = code
         member.reason = reason
@@ -46,7 +46,7 @@ class RunOutcome(Code):
 
     @property
     def failed(self) -> bool:
-        """Whether the equations were not solved."""
+        """Return whether the equations were not solved."""
         return self >= type(self)["failed_steps"]
 
 
@@ -76,6 +76,7 @@ def outcome_code(outcomes: type[RunOutcome], ends: tuple[str, ...], status: Int[
             raise InputError(f"no outcome {name!r} of the mechanism's end{suggest(name, outcomes.__members__)}")
     by_time = {int(Status.TIMEOUT): outcomes.time_is_up()}
     names = dict(enumerate(ends)) | by_time | {int(s): name for s, name in FAILURES.items()}
+    # The status is known only inside the program: each one that there can be is compared with it.
     code = jnp.asarray(int(outcomes["failed_not_finite"]))
     for value, name in names.items():
         code = jnp.where(status == value, int(outcomes[name]), code)

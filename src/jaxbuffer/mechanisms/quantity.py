@@ -40,7 +40,7 @@ class Quantity(NamedTuple):
 
     @property
     def in_figures(self) -> tuple[str, float]:
-        """The unit that people are shown, and how many of those its own unit is."""
+        """Return the unit that people are shown, and how many of those its own unit is."""
         return self.shown or (self.unit, 1.0)
 
     def in_words(self, value: float, digits: int = DIGITS) -> str:
@@ -85,13 +85,14 @@ class OfImpact(NamedTuple):
 
 
 def of_impact(name: str) -> OfImpact | None:
-    """The impact and field that "impact.3.peak_force" asks for; None for names of the whole run.
+    """Return the impact and field that "impact.3.peak_force" asks for; None for names of the whole run.
 
     **Raises:** `InputError` for an impact's quantity that does not exist.
     """
     if not name.startswith("impact."):
         return None
     number, _, field = name.removeprefix("impact.").partition(".")
+    # Digits of other scripts are decimal, too.
     if not (number.isdecimal() and number.isascii() and int(number) >= 1):
         raise InputError(f"{name}: {number!r} is not an impact's number; they count from 1, as in impact.1.peak_force")
     if field not in OF_IMPACT:
@@ -100,23 +101,23 @@ def of_impact(name: str) -> OfImpact | None:
 
 
 def unit_of(catalogue: Catalogue, name: str) -> str:
-    """The unit of a quantity."""
+    """Return the unit of a quantity."""
     address = of_impact(name)
     return OF_IMPACT[address.field] if address else catalogue[name].unit
 
 
 def is_signed(catalogue: Catalogue, name: str) -> bool:
-    """Whether a quantity can change sign."""
+    """Return whether a quantity can change sign."""
     return name in catalogue and catalogue[name].signed
 
 
 def _meaning(catalogue: Catalogue) -> Meaning:
-    """What a quantity of the catalogue means, by its name, for `suggest`."""
+    """Return a function that says what a quantity of the catalogue means, by its name, for `suggest`."""
     return lambda name: f"{it.title} {it.description}" if (it := catalogue.get(name)) else ""
 
 
 def check_differentiable(catalogue: Catalogue, names: Sequence[str]) -> tuple[str, ...]:
-    """The names, once it is sure that all exist and have derivatives. **Raises:** `InputError` otherwise."""
+    """Return the names, once it is sure that all exist and have derivatives. **Raises:** `InputError` otherwise."""
     names = check_quantities(catalogue, names)
     for name in names:
         if name in catalogue and not catalogue[name].differentiable:
@@ -125,7 +126,7 @@ def check_differentiable(catalogue: Catalogue, names: Sequence[str]) -> tuple[st
 
 
 def check_quantities(catalogue: Catalogue, names: Sequence[str]) -> tuple[str, ...]:
-    """The names, once it is sure that all exist. **Raises:** `InputError` with the nearest name otherwise."""
+    """Return the names, once it is sure that all exist. **Raises:** `InputError` with the nearest name otherwise."""
     names = check_names("quantities", names, "peak_force")
     for name in names:
         if name not in catalogue and of_impact(name) is None:

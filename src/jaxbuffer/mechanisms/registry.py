@@ -12,6 +12,7 @@ _BY_DESIGN: dict[type, Mechanism] = {}
 def register(mechanism: Mechanism) -> Mechanism:
     """Make a mechanism known: from then on `simulate` and all else serve its designs. Registering a name again
     replaces the mechanism."""
+    # A module that is loaded again brings a new class of designs under the old name.
     for design, other in list(_BY_DESIGN.items()):
         if other.name == mechanism.name:
             del _BY_DESIGN[design]
@@ -20,7 +21,7 @@ def register(mechanism: Mechanism) -> Mechanism:
 
 
 def mechanism_of(design: Any) -> Mechanism:
-    """The mechanism of a design. **Raises:** `InputError` for what is no design of any."""
+    """Return the mechanism of a design. **Raises:** `InputError` for what is no design of any."""
     if (mechanism := _of_type(type(design))) is not None:
         return mechanism
     known = ", ".join(f"{m.design.__name__} of {m.name}" for m in _BY_DESIGN.values())
@@ -29,7 +30,7 @@ def mechanism_of(design: Any) -> Mechanism:
 
 
 def mechanism_of_type(design: type) -> Mechanism:
-    """The mechanism of a type of designs: what a pickled mechanism becomes again. **Raises:** `InputError`."""
+    """Return the mechanism of a type of designs: what a pickled mechanism becomes again. **Raises:** `InputError`."""
     if (mechanism := _of_type(design)) is not None:
         return mechanism
     raise InputError(f"{design.__name__} is not the design of a mechanism that this process has registered")
@@ -40,7 +41,7 @@ def _of_type(design: type) -> Mechanism | None:
 
 
 def mechanism_of_scenario(scenario: Any) -> Mechanism:
-    """The mechanism of a scenario. **Raises:** `InputError` for what is no scenario of any."""
+    """Return the mechanism of a scenario. **Raises:** `InputError` for what is no scenario of any."""
     for mechanism in _BY_DESIGN.values():
         if isinstance(scenario, mechanism.scenario):
             return mechanism
@@ -48,7 +49,7 @@ def mechanism_of_scenario(scenario: Any) -> Mechanism:
 
 
 def registered(name: Any) -> Mechanism:
-    """The mechanism of a name. **Raises:** `InputError` that lists those there are."""
+    """Return the mechanism of a name. **Raises:** `InputError` that lists those there are."""
     for mechanism in _BY_DESIGN.values():
         if mechanism.name == name:
             return mechanism
@@ -59,7 +60,7 @@ def registered(name: Any) -> Mechanism:
 
 
 def all_registered() -> tuple[Mechanism, ...]:
-    """All that are registered by now."""
+    """Return all mechanisms that are registered by now."""
     return tuple(_BY_DESIGN.values())
 
 

@@ -28,15 +28,17 @@ def rigid_energy(system: System, kin: Kinematics, spins: Sequence[tuple[Scalar, 
     inertia = system.angular_momentum(turning) + sum(inertia for inertia, _ in spins)
     mass = sum((body.mass for body in system.bodies), start=jnp.zeros(()))
     centre_x, centre_y = arm[1] / mass, -arm[0] / mass
+    # From the origin to the centre of mass (Steiner).
     angular = angular - (centre_x * linear[1] - centre_y * linear[0])
     inertia = inertia - mass * (centre_x**2 + centre_y**2)
     return 0.5 * jnp.sum(linear**2) / mass + 0.5 * angular**2 / inertia
 
 
 def _turning(system: System, kin: Kinematics) -> Float[Array, " coordinates"]:
-    """The velocities of a turn of the whole about the origin, at 1 rad/s."""
+    """Return the velocities of a turn of the whole about the origin, at 1 rad/s."""
     entries: list[Scalar] = []
     for body in range(len(system.bodies)):
         origin = kin.frame(body).origin
         entries += [-origin.y, origin.x, 1.0]
+    # Nothing bends in a rigid motion: the rates of all modes are zero.
     return stacked([*entries, *[0.0] * (system.coordinates - len(entries))])

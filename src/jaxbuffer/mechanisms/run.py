@@ -98,24 +98,25 @@ class Run(Portable, Saved):
 
     @property
     def mechanism(self) -> Mechanism:
-        """What this is a run of."""
+        """Return the mechanism that this is a run of."""
         return mechanism_of(self.design)
 
     @property
     def outcome(self) -> RunOutcome | Any:
-        """How it ended; of a batch an array of that, and inside compiled code the integer code, which compares with
-        the outcomes alike."""
+        """Return how the run ended; of a batch an array of that, and inside compiled code the integer code, which
+        compares with the outcomes alike."""
         if isinstance(self.code, jax.core.Tracer):
             return self.code
         if not np.ndim(self.code):
             return self.mechanism.outcomes(int(self.code))
+        # Objects in an array of the batch's shape: NumPy would make plain integers of outcomes.
         codes = np.asarray(self.code)
         return np.array([self.mechanism.outcomes(int(code)) for code in codes.flat], object).reshape(codes.shape)
 
     if not TYPE_CHECKING:  # which would take any attribute for one that there is
 
         def __getattr__(self, name):
-            """The quantities of the mechanism's catalogue that the run has not as a field, by name."""
+            """Return a quantity of the mechanism's catalogue that the run has not as a field, by name."""
             if not name.startswith("_") and "design" in vars(self):
                 catalogue = self.mechanism.quantities
                 if name in catalogue:
@@ -129,7 +130,7 @@ class Run(Portable, Saved):
 
     @property
     def diagnosis(self) -> list[str]:
-        """What held the run back, a line each; nothing of one that succeeded or failed."""
+        """Return what held the run back, a line each; nothing of one that succeeded or failed."""
         mechanism, outcome = self.mechanism, self.outcome
         if mechanism.succeeded(int(outcome)) or outcome.failed or not (reasons := mechanism.view.diagnosis(self)):
             return []
@@ -140,12 +141,12 @@ class Run(Portable, Saved):
 
     @property
     def log(self) -> Log:
-        """Located events, differentiable as they move with design and scenario: see `hybrid.moving`."""
+        """Return located events, differentiable as they move with design and scenario: see `hybrid.moving`."""
         return moving(self._located, (self.design, self.scenario, self.stabilisation), self.mechanism.system)
 
     @property
     def maximum_times(self) -> dict[str, float]:
-        """When each of the ``maxima`` is reached [s], by name; they have no derivatives.
+        """Return when each of the ``maxima`` is reached [s], by name; they have no derivatives.
 
         NaN of one that stays zero, or where events are not located.
 
@@ -185,7 +186,7 @@ class Run(Portable, Saved):
         return {name: reached(name) for name in self.maxima}
 
     def quantity(self, name: str) -> Float[Array, ""]:
-        """A quantity of the mechanism's catalogue by name, or of an impact, as in "impact.3.peak_force".
+        """Return a quantity of the mechanism's catalogue by name, or of an impact, as in "impact.3.peak_force".
 
         **Raises:** `InputError` with the nearest name for one that is unknown.
         """
@@ -197,8 +198,9 @@ class Run(Portable, Saved):
         return jnp.where(address.slot < self.impacts.count, self.of_impact(address), jnp.nan)
 
     def of_impact(self, address: OfImpact) -> Float[Array, ""]:
-        """One number of one impact; in a slot beyond the last impact it means nothing."""
+        """Return one number of one impact; in a slot beyond the last impact it means nothing."""
         if address.field in LOAD_UNITS:
+            # A finished run's loads are computed for a block of impacts at once, whose program serves them all.
             own = 0 if self._many else address.slot % TOGETHER
             return self.loads(address.field, address.slot - own + np.arange(1 if self._many else TOGETHER))[own]
         return getattr(self.impacts, address.field)[address.slot]
@@ -206,7 +208,8 @@ class Run(Portable, Saved):
     def loads(
         self, name: str, numbers: Int[Array, " impacts"] | Int[np.ndarray, " impacts"] | None = None
     ) -> Float[Array, " impacts"]:
-        """How hard impacts are, computed after the run: ``effective_energy`` T_c⁻ [J] or ``compression_end`` [s].
+        """Return how hard impacts are, computed after the run: ``effective_energy`` T_c⁻ [J] or ``compression_end``
+        [s].
 
         **Arguments:** ``name``; ``numbers``: which impacts, from 0 (default: all of a run that is solved).
 
@@ -234,11 +237,11 @@ class Run(Portable, Saved):
 
     @property
     def _many(self) -> bool:
-        """Whether this is a batch, or traced."""
+        """Return whether this is a batch, or traced."""
         return isinstance(self.code, jax.core.Tracer) or bool(np.ndim(self.code))
 
     def to_xarray(self) -> Dataset:
-        """The run as labelled arrays, each with its unit in the attribute ``units``.
+        """Return the run as labelled arrays, each with its unit in the attribute ``units``.
 
         - Without dimension: the quantities that sweeps have, such as ``peak_force``.
         - Along ``impact``, the impacts that happened: ``impact_time``, ``impact_contact``, ``impact_approach_speed``,
@@ -265,7 +268,7 @@ class Run(Portable, Saved):
         return run_dataset(self)
 
     def to_pandas(self) -> DataFrame:
-        """The history as a table: a row a step, columns named with their units, as in ``"time [s]"``.
+        """Return the history as a table: a row a step, columns named with their units, as in ``"time [s]"``.
 
         **Raises:** `InputError` for a run without a history.
 
@@ -289,7 +292,7 @@ class Run(Portable, Saved):
         return "\n".join([first, *said, *rest, *(f"  {line}" for line in self.diagnosis)])
 
     def _batch_text(self) -> str:
-        """How many runs ended how, and the range of the largest contact force."""
+        """Return how many runs ended how, and the range of the largest contact force."""
         outcomes, (codes, forces) = self.mechanism.outcomes, map(np.asarray, (self.code, self.peak_force))
         ends = ", ".join(
             f"{count} {outcomes(code).name}" for code, count in sorted(Counter(codes.ravel().tolist()).items())
@@ -333,12 +336,12 @@ class Solved(NamedTuple):
 
 
 def plain_run(system: Any, solved: Solved) -> Run:
-    """The run of a mechanism that adds nothing of its own."""
+    """Return the run of a mechanism that adds nothing of its own."""
     return Run(**solved.common)
 
 
 def value_of(run: Run, name: str) -> float:
-    """A quantity of a finished run; NaN if it failed or has no such impact."""
+    """Return a quantity of a finished run; NaN if it failed or has no such impact."""
     address = of_impact(name)
     if address is None:
         return float(run.mechanism.quantities[name].of(run))

@@ -35,7 +35,7 @@ IMPACT_MEANING = {
 
 
 def history_columns(run: Any) -> dict[str, np.ndarray]:
-    """Columns of shape (steps,) by heading: times, contacts, the mechanism's own, motion, multipliers, energies.
+    """Return columns of shape (steps,) by heading: times, contacts, the mechanism's own, motion, multipliers, energies.
 
     **Raises:** `InputError` for a run without a history.
     """
@@ -60,7 +60,7 @@ def history_columns(run: Any) -> dict[str, np.ndarray]:
 
 
 def run_dataset(run: Any) -> Dataset:
-    """A run that is solved, as `Run.to_xarray` says."""
+    """Return a run that is solved as a dataset, as `Run.to_xarray` says."""
     mechanism, names = run.mechanism, run.mechanism.view.names(run.design)
     variables = {**_quantities(run, names), **_impacts(run, names)}
     energies = tuple(run.energy.names)
@@ -91,7 +91,7 @@ def _warnings(run: Any) -> list[str]:
 
 
 def _quantities(run: Any, names: Names) -> dict[str, Labelled]:
-    """Single numbers of the whole run."""
+    """Return the single numbers of the whole run."""
     mechanism = run.mechanism
     catalogue = mechanism.quantities
     arrays = {
@@ -100,6 +100,7 @@ def _quantities(run: Any, names: Names) -> dict[str, Labelled]:
         )
         for name in mechanism.swept
     }
+    # The number is -1 where nothing touches.
     largest = names.contacts[int(run.peak_contact)] if int(run.peak_contact) >= 0 else ""
     counts = {"impact_count": run.impact_count, "steps_accepted": run.accepted, "steps_attempted": run.attempts}
     return {
@@ -110,7 +111,7 @@ def _quantities(run: Any, names: Names) -> dict[str, Labelled]:
 
 
 def _impacts(run: Any, names: Names) -> dict[str, Labelled]:
-    """One entry for each impact that happened."""
+    """Return arrays with one entry for each impact that happened."""
     count, hits = int(run.impacts.count), run.impacts
     contacts = [names.contacts[int(k)] for k in np.asarray(hits.contact)[:count]]
     arrays = {"impact_contact": Labelled(("impact",), np.array(contacts, str), "", run.mechanism.view.contact)}
@@ -121,7 +122,7 @@ def _impacts(run: Any, names: Names) -> dict[str, Labelled]:
 
 
 def _history(history: History, names: Names) -> dict[str, Labelled]:
-    """Everything along the accepted steps."""
+    """Return everything along the accepted steps."""
     arrays = {
         name: Labelled(("step", "contact"), getattr(history, name), unit, name.replace("_", " "))
         for name, unit in CONTACT_UNITS.items()

@@ -43,13 +43,15 @@ class SmoothMemory(NamedTuple):
         onset: Scalar = ONSET,
         slowest: Scalar = SLOWEST_TOUCHDOWN,
     ) -> "SmoothMemory":
-        """With the ``memory`` [m/s], the ``gap`` [m] and the approach ``speed`` [m/s] of each contact, the ``time`` [s]
-        of following, and the ``slowest`` memory [m/s]."""
+        """Return the memory's rate and decay, from the ``memory`` [m/s], the ``gap`` [m] and the approach ``speed``
+        [m/s] of each contact, the ``time`` [s] of following, and the ``slowest`` memory [m/s]."""
+        # It follows while the contact is open and stays while it is closed, with a smooth change between the two (M61).
         decay = 0.5 * (1.0 + jnp.tanh(gap / onset)) / time
         return SmoothMemory(decay * (jnp.maximum(speed, slowest) - memory), decay)
 
     def all_decay(self, state: State, before: int) -> Float[Array, " rest"]:
-        """Those of all that follows the first ``before`` numbers in the state, of which the memory is the last."""
+        """Return the decays of all that follows the first ``before`` numbers in the state, of which the memory is the
+        last."""
         return jnp.pad(self.decay, (len(state) - before - len(self.decay), 0))
 
 
@@ -65,121 +67,122 @@ class ContactSystem(HybridSystem):
 
     @property
     def observed(self) -> tuple[str, ...]:
-        """What `observables` are; the first ones are the contact forces of the contacts that have impacts."""
+        """Return what `observables` are; the first ones are the contact forces of the contacts that have impacts."""
         raise NotImplementedError
 
     @property
     def least_maxima(self) -> Mapping[str, float]:
-        """What the largest values of some observables are at least, by name."""
+        """Return what the largest values of some observables are at least, by name."""
         return {}
 
     @property
     def contact_count(self) -> int:
-        """How many contacts there are."""
+        """Return how many contacts there are."""
         raise NotImplementedError
 
     @property
     def impact_contacts(self) -> int:
-        """How many contacts have impacts, the first ones."""
+        """Return how many contacts have impacts, the first ones."""
         raise NotImplementedError
 
     @property
     def one_way(self) -> tuple[bool, ...]:
-        """Which contacts never open again once they are closed; () for none."""
+        """Return which contacts never open again once they are closed; () for none."""
         return ()
 
     @property
     def remembers(self) -> bool:
-        """Whether a touchdown sets the memory (with a smooth law, the memory follows by itself)."""
+        """Return whether a touchdown sets the memory (with a smooth law, the memory follows by itself)."""
         return True
 
     def posture(self, state: State) -> Any:
-        """A state looked at once: has ``state`` and ``kin``, the bodies' `Kinematics`."""
+        """Return a state evaluated once: it has ``state`` and ``kin``, the bodies' `Kinematics`."""
         raise NotImplementedError
 
     def gaps_at(self, at: Any) -> tuple[Active, Active]:
-        """Distance of each contact [m], and how fast it closes [m/s]."""
+        """Return the distance of each contact [m], and how fast it closes [m/s]."""
         raise NotImplementedError
 
     def inverse_masses_at(self, at: Any) -> Float[Array, "contacts contacts"]:
-        """A M_c⁻¹ Aᵀ along the normals of the contacts that have impacts [1/kg] (M200)."""
+        """Return A M_c⁻¹ Aᵀ along the normals of the contacts that have impacts [1/kg] (M200)."""
         raise NotImplementedError
 
     def normal_force_at(self, at: Any, active: Active) -> Float[Array, " contacts"]:
-        """F_n [N] of the contacts that have impacts."""
+        """Return F_n [N] of the contacts that have impacts."""
         raise NotImplementedError
 
     def terminals_at(self, at: Any) -> Float[Array, " terminals"]:
-        """`terminals` of a posture."""
+        """Return the `terminals` of a posture."""
         raise NotImplementedError
 
     def observables_at(self, at: Any, rate: State, active: Active) -> Float[Array, " observables"]:
-        """`observables` of a posture."""
+        """Return the `observables` of a posture."""
         raise NotImplementedError
 
     @property
     def end_outcomes(self) -> tuple[str, ...]:
-        """The name of the outcome that each of `terminals` stands for, in order."""
+        """Return the name of the outcome that each of `terminals` stands for, in order."""
         raise NotImplementedError
 
     def snapshot_at(self, at: Any, active: Active) -> Snapshot:
-        """All that a history shows of a posture."""
+        """Return all that a history shows of a posture."""
         raise NotImplementedError
 
     def energy_at(self, at: Any, active: Active) -> Energy:
-        """The energies of a posture, stored and lost."""
+        """Return the energies of a posture, stored and lost."""
         raise NotImplementedError
 
     @property
     def typical_speed(self) -> Scalar:
-        """The speed [m/s] that the mechanism's velocities are of the order of."""
+        """Return the speed [m/s] that the mechanism's velocities are of the order of."""
         return 1.0
 
     @property
     def slowest_touchdown(self) -> Scalar:
-        """The least memory of a touchdown [m/s] (M36): small beside the mechanism's own speeds, however slow it is."""
+        """Return the least memory of a touchdown [m/s] (M36): small beside the mechanism's own speeds, however slow it
+        is."""
         return slowest_touchdown(self.typical_speed)
 
     @property
     def energy_scale(self) -> Scalar:
-        """The energy [J] that changes of the total energy are compared with."""
+        """Return the energy [J] that changes of the total energy are compared with."""
         raise NotImplementedError
 
     @property
     def balance_complete(self) -> bool:
-        """Whether `energy_at` holds the work of all forces."""
+        """Return whether `energy_at` holds the work of all forces."""
         return True
 
     def other_forces_at(self, at: Any, active: Active) -> Scalar:
-        """Sum of the sizes of stiff forces beside the contacts' [N], for the rounding in `invariant`."""
+        """Return the sum of the sizes of stiff forces beside the contacts' [N], for the rounding in `invariant`."""
         return 0.0
 
     @property
     def momentum_scale(self) -> Scalar | None:
-        """The momentum [kg m/s] that changes are compared with; None where the ground takes part."""
+        """Return the momentum [kg m/s] that changes are compared with; None where the ground takes part."""
         return None
 
     def momentum(self, state: State) -> tuple[Float[Array, " 2"], Float[Array, ""]]:
-        """Linear [kg m/s] and angular momentum about the origin [kg m²/s]."""
+        """Return linear [kg m/s] and angular momentum about the origin [kg m²/s]."""
         raise NotImplementedError
 
     def constraint_errors(self, kin: Kinematics) -> Float[Array, " rows"]:
-        """How far the joints are from holding [m, rad]."""
+        """Return how far the joints are from holding [m, rad]."""
         raise NotImplementedError
 
     def penetration(self, force: Float[Array, ""]) -> Float[Array, ""]:
-        """The depth [m] at which the contact's spring alone exerts a force [N]."""
+        """Return the depth [m] at which the contact's spring alone exerts a force [N]."""
         raise NotImplementedError
 
     def first_posture(self) -> tuple[Any, Active]:
-        """`start`, looked at."""
+        """Return the posture of `start`, and which contacts are closed there."""
         state, active = self.start()
         return self.posture(state), active
 
     # --- what follows -------------------------------------------------------------------------------------------------
 
     def memory(self, state: State) -> Float[Array, " contacts"]:
-        """δ̇⁻ of each contact that has impacts [m/s]."""
+        """Return δ̇⁻ of each contact that has impacts [m/s]."""
         return state[len(state) - self.impact_contacts :]
 
     def gaps(self, state: State) -> Active:
@@ -189,7 +192,7 @@ class ContactSystem(HybridSystem):
         return jnp.any(active[: self.impact_contacts] > 0.5)
 
     def touchdown(self, state: State, acceleration: Float[Array, ""], contact: Int[Array, ""]) -> State:
-        """δ̇⁻ takes the approach speed at the crossing itself, a first-order step away from the located state."""
+        """Set δ̇⁻ to the approach speed at the crossing itself, a first-order step away from the located state."""
         if self.remembers:
             late, speed = self._until_contact(state, contact)
             mine = jnp.arange(self.impact_contacts) == contact
@@ -200,7 +203,10 @@ class ContactSystem(HybridSystem):
         return state + self.saltation(state, contact) if self.jumps else state
 
     def saltation(self, closed: State, contact: Int[Array, ""]) -> State:
-        """How sensitivities at fixed time jump where a force jumps: (f⁻ - f⁺) dt_c; its value is next to nothing."""
+        """Return how sensitivities at fixed time jump where a force jumps: (f⁻ - f⁺) dt_c; its value is next to
+        nothing."""
+        # What the other contacts exert is the same on both sides of the jump: the difference is found with all of them
+        # open.
         none, time = jnp.zeros(self.contact_count), jnp.zeros(())
         alone = jnp.where(jnp.arange(self.contact_count) == contact, 1.0, none)
         onset = self.derivative(time, closed, alone) - self.derivative(time, closed, none)
@@ -209,14 +215,15 @@ class ContactSystem(HybridSystem):
         return -jax.lax.stop_gradient(onset) * self.time_to_contact(closed, contact)
 
     def time_to_contact(self, state: State, contact: Int[Array, ""]) -> Float[Array, ""]:
-        """gap / δ̇ of one contact [s]."""
+        """Return gap / δ̇ of one contact [s]."""
         return self._until_contact(state, contact)[0]
 
     def _until_contact(self, state: State, contact: Int[Array, ""]) -> tuple[Array, Array]:
-        """Of one contact: gap / δ̇ [s], and δ̇ [m/s]."""
+        """Return gap / δ̇ [s] and δ̇ [m/s] of one contact."""
         gaps, closing = self.gaps_at(self.posture(state))
         mine = jnp.arange(gaps.shape[0]) == contact
         gap, speed = (jnp.sum(jnp.where(mine, x, 0.0)) for x in (gaps, closing))
+        # Where nothing moves there is no such time; a division by zero would make derivatives NaN.
         return gap / jnp.where(speed == 0.0, 1.0, speed), speed
 
     def terminals(self, state: State) -> Float[Array, " terminals"]:
@@ -230,6 +237,7 @@ class ContactSystem(HybridSystem):
         return self.observables_at(self.posture(state), rate, active)
 
     def watched(self, state: State, rate: State, active: Active) -> Watched:
+        # One look serves gaps, guards and observables, which a step's end needs together.
         at = self.posture(state)
         gap, closing = self.gaps_at(at)
         if any(self.one_way):  # closed, they are far from opening
@@ -247,9 +255,9 @@ class ContactSystem(HybridSystem):
         return self.invariant_at(self.posture(state), active)
 
     def invariant_at(self, at: Any, active: Active) -> tuple[Float[Array, ""], Float[Array, ""]]:
-        """Energy, losses included, over its scale, and how much of that may be rounding: of the positions times the
-        forces, and of the energies themselves, which may be far above the scale (a heavy flywheel at a steady speed).
-        Zeros where forces do work that `energy_at` does not hold."""
+        """Return energy, losses included, over its scale, and how much of that may be rounding: of the positions times
+        the forces, and of the energies themselves, which may be far above the scale (a heavy flywheel at a steady
+        speed). Both are zero where forces do work that `energy_at` does not hold."""
         if not self.balance_complete:
             return jnp.zeros(()), jnp.zeros(())
         scale = self.energy_scale

@@ -20,5 +20,6 @@ class ValidityLimit(NamedTuple):
 
     @property
     def passed(self) -> Bool[np.ndarray, "..."]:
-        """Which runs lie beyond it."""
+        """Return which runs lie beyond the limit."""
+        # NaN, which is not known, compares as not beyond it.
         return np.asarray(self.share) > 1.0

@@ -30,19 +30,20 @@ class Names:
     shares: Mapping[str, str] = dataclasses.field(default_factory=dict)
 
     def series(self, others: Mapping[str, Any]) -> Iterator[tuple[str, str, np.ndarray]]:
-        """Name in tables, unit and values of each of the history's ``others``."""
+        """Yield name in tables, unit and values of each of the history's ``others``."""
         for name, symbol in self.others.items():
             if name not in others:
                 continue
             values = np.asarray(others[name])
             yield self.shares.get(name, name), symbol, values
             if name in self.shares:
+                # A share of nothing is not known.
                 first = float(values[0]) if len(values) else 0.0
                 yield name, "-", values / first if first > 0.0 else np.full(len(values), np.nan)
 
 
 def plain_label(scenario: Part, among: Sequence[Part] = ()) -> str:
-    """A scenario in a few words: its fields' values with their units."""
+    """Return a scenario in a few words: its fields' values with their units."""
     return ", ".join(f"{name.replace('_', ' ')} {_shown(scenario, name)}" for name in paths(scenario))
 
 
@@ -99,5 +100,5 @@ class View:
     drawing: Callable[[Any, tuple[str, ...]], Drawing] = plain_drawing
 
     def contact_in_words(self, name: str) -> str:
-        """A contact by its name and what it is: "upper flank"; "cushion" where that is its name."""
+        """Return a contact by its name and what it is: "upper flank"; "cushion" where that is its name."""
         return name if name == self.contact else f"{name} {self.contact}"

@@ -68,8 +68,8 @@ def at_times(run: Run, times: Float[np.ndarray, " instants"]) -> History:
 
 
 def _traced(run: Run, history: History, times: Any) -> History:
-    """Do the same for a run that is differentiated or compiled: the step of an instant is found in the compiled
-    code."""
+    """Return the history at given times of a run that is differentiated or compiled: the step of an instant is found
+    in the compiled code."""
     if history.state is None or history.closed is None:
         raise InputError("this history has no states, between which a traced run could be followed")
     # A history's derivatives are those at fixed times.

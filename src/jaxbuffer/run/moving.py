@@ -12,8 +12,8 @@ from .survey import Survey, state_at
 
 
 def moving_end(system: ContactSystem, log: Log, by_guard: Bool[Array, ""]) -> Log:
-    """Return the same log, whose end by a guard moves with the parameters: to the time at which the guard crosses zero,
-    and the last state with it. Values stay as they are."""
+    """Return the log with an end by a guard that moves with the parameters: to the time at which the guard crosses
+    zero, and the last state with it. Values stay as they are."""
     last = jnp.maximum(log.count - 1, 0)
     end = state_at(log, last)
     terminals = system.terminals(end)
@@ -24,7 +24,7 @@ def moving_end(system: ContactSystem, log: Log, by_guard: Bool[Array, ""]) -> Lo
 
 
 def moving_events(log: Log, events: Survey) -> Log:
-    """Return the same log, whose touchdowns and releases move with the parameters: to the time at which the gap is
+    """Return the log with touchdowns and releases that move with the parameters: to the time at which the gap is
     zero."""
     gap = jnp.take_along_axis(events.gap, (log.which % events.gap.shape[1])[:, None], axis=1)[:, 0]
     touch = (log.kind == Kind.TOUCHDOWN) & (log.time > 0.0)  # a run that starts in contact does so at t = 0
@@ -47,7 +47,7 @@ def _shifted_jvp(primals: tuple, tangents: tuple) -> tuple[Array, Array]:
 
 @jax.custom_jvp
 def _carried(state: Array, rate: Array, time: Array) -> Float[Array, " state"]:
-    """Return the same state, with the derivative at a time that moves."""
+    """Return a state as it is, with the derivative at a time that moves."""
     return state
 
 

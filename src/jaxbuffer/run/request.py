@@ -33,6 +33,7 @@ def request(
 ) -> Request:
     """Make a request of unchecked numbers; ``tolerances``: rtol and atol [-]; the rest as for `simulate`."""
     options = options_of() if options is None else options
+    # The options that are shared stay as they are; a solver of one's own goes into a copy.
     options = options if solver is None else dataclasses.replace(options, solver=solver)
     if isinstance(options.solver, Diffrax):  # it has no events to set a memory at; the run's design says so
         design = mechanism.smooth(design, scenario)

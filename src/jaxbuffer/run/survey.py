@@ -44,7 +44,7 @@ def state_of_maximum(system: ContactSystem, log: Log, slot: Int[Array, ""]) -> F
 
 
 def survey(system: ContactSystem, log: Log) -> Survey:
-    """Look at every entry."""
+    """Return what every entry of a run's log shows."""
 
     def look(slot: Array) -> Survey:
         state, active = state_at(log, slot), log.active[slot]

@@ -12,7 +12,7 @@ from .system import moving_modes
 
 
 def rise_time(design: BarDrop, peak_force: Any, penetration: Any) -> Any:
-    """How long the contact force takes to its peak [s], with the bar's mass at its end, m/3.
+    """Return how long the contact force takes to its peak [s], with the bar's mass at its end, m/3.
 
     **Arguments:** ``peak_force`` [N]; ``penetration``: the deepest [m]; arrays broadcast.
     """
@@ -20,17 +20,17 @@ def rise_time(design: BarDrop, peak_force: Any, penetration: Any) -> Any:
 
 
 def plate_period(design: BarDrop) -> Any:
-    """Period [s] of the highest of the plate's modes that is carried."""
+    """Return the period [s] of the highest of the plate's modes that is carried."""
     return period(design.plate.strip, highest_of_plate(moving_modes(design), design.plate.support))
 
 
 def bar_period(design: BarDrop) -> Any:
-    """Period [s] of the highest of the bar's modes."""
+    """Return the period [s] of the highest of the bar's modes."""
     return period(design.bar.rod, highest_of_free(design.bar.modes))
 
 
 def limits(design: BarDrop, peak_force: Any, penetration: Any) -> list[ValidityLimit]:
-    """How the highest modes' periods compare with the time the force takes to its peak."""
+    """Return how the highest modes' periods compare with the time that the force takes to its peak."""
     time, lines = rise_time(design, peak_force, penetration), []
     for part, modes, highest in (("plate", design.plate.modes, plate_period), ("bar", design.bar.modes, bar_period)):
         if modes:
@@ -39,7 +39,7 @@ def limits(design: BarDrop, peak_force: Any, penetration: Any) -> list[ValidityL
 
 
 def mode_lines(run: BarDropRun) -> list[str]:
-    """A line on each body that bends: number of modes, its highest period beside the time the force took."""
+    """Return a line on each body that bends: number of modes, its highest period beside the time the force took."""
     design, lines = run.design, []
     if design.plate.modes:
         moving = f"{design.plate.modes}, of which {len(moving_modes(design))} move its middle"

@@ -58,12 +58,12 @@ class Bar(Part):
 
     @property
     def mass(self) -> Scalar:
-        """Of the bar [kg]; the ball's own is part of it."""
+        """Return the mass of the bar [kg]; the ball's own is part of it."""
         return self.density * math.pi / 4.0 * self.diameter**2 * self.length
 
     @property
     def rod(self) -> UniformBar:
-        """As a uniform bar."""
+        """Return the bar as a uniform one of circular section."""
         return UniformBar.circle(self.length, self.diameter, self.density, self.young_modulus)
 
 
@@ -182,7 +182,7 @@ class Plate(Part):
 
     @property
     def strip(self) -> UniformBar:
-        """As a uniform bar."""
+        """Return the plate as a uniform bar of rectangular section."""
         return UniformBar.rectangle(self.length, self.width, self.thickness, self.density, self.young_modulus)
 
 
@@ -211,7 +211,7 @@ class BarDrop(DesignOf[BarDropRun]):
 
     @property
     def hertz_stiffness(self) -> Scalar:
-        """Hertz's stiffness of the ball on the flat plate [N/m^1.5], from the materials."""
+        """Return Hertz's stiffness of the ball on the flat plate [N/m^1.5], from the materials."""
         modulus, ratio = self.impact.young_modulus, self.impact.poisson_ratio
         return hertz_stiffness(self.bar.ball_radius, modulus, ratio, modulus, ratio)
 
@@ -244,6 +244,7 @@ def check_fit(design: BarDrop, scenario: BarDropScenario) -> None:
 
 
 def valid(design: BarDrop, scenario: BarDropScenario) -> Bool[Array, ""]:
-    """The same of numbers known only inside compiled code, each in its range besides."""
+    """Return whether design and scenario fit and each number is in its range, for numbers known only inside compiled
+    code."""
     fit = inside(scenario.height, high=design.bar.length, high_open=True, **POSITIVE)
     return all_of([*design.in_range(), *scenario.in_range(), fit])

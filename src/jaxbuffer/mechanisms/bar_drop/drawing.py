@@ -27,7 +27,8 @@ CLOSER = 4.0  # half of the detail's width, in radii of the ball
 
 
 def drawing(design: BarDrop, bodies: tuple[str, ...] = ()) -> Drawing:
-    """The bar on its hinge, the ball end, and the plate below it, in the design's lengths; bent as far as they bend."""
+    """Return the bar on its hinge, the ball end, and the plate below it, in the design's lengths; bent as far as they
+    bend."""
     bar, plate = design.bar, design.plate
     half, ball, wide = float(bar.length) / 2.0, float(bar.ball_radius), float(bar.diameter)
     end, hinge, struck = Spot(BAR, half), Spot(GROUND), Spot(GROUND, 2.0 * half, -ball)
@@ -57,7 +58,7 @@ def drawing(design: BarDrop, bodies: tuple[str, ...] = ()) -> Drawing:
 
 
 def with_bending(design: BarDrop, history: Any) -> Float[np.ndarray, "steps frames 3"]:
-    """The bodies' frames, and those of stations along the bar and along the plate, where they bend."""
+    """Return the bodies' frames, and those of stations along the bar and along the plate, where they bend."""
     frames = np.asarray(history.position)
     bodies = frames.shape[1]
     if design.bar.modes:

@@ -21,7 +21,7 @@ class BarDropRun(Run):
 
 
 def dropped(mechanism: Assembled, solved: Solved) -> BarDropRun:
-    """What was solved, with the rebound.
+    """Return what was solved, with the rebound.
 
     In free flight v² = 3 g (h - z) for the ball end at the height z that rises to h, so that h, taken anywhere in it,
     moves with the parameters as it does at the release itself.
@@ -32,6 +32,7 @@ def dropped(mechanism: Assembled, solved: Solved) -> BarDropRun:
     gap, closing = mechanism.gaps_at(at)
     height = gap[0] + closing[0] ** 2 / (3.0 * scenario.gravity)
     rises = jnp.any(released) & (height > 0.0)
+    # The root below would make derivatives NaN at zero, also where it is not taken.
     height = jnp.where(rises, height, 1.0)
     speed = jnp.sqrt(3.0 * scenario.gravity * height)
     approach = solved.common["impacts"].approach_speed[0]

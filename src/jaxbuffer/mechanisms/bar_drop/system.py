@@ -18,7 +18,7 @@ BAR, PLATE = range(2)
 
 
 def bar_drop(design: BarDrop, scenario: BarDropScenario, stabilisation: Scalar = 20.0) -> Assembled:
-    """The mechanism at rest with its ball end at the scenario's height (docs/bar_drop.md).
+    """Return the mechanism at rest with its ball end at the scenario's height (docs/bar_drop.md).
 
     The hinge is the origin and the plate's top lies one ball radius below it, so that the bar is level at contact.
     """
@@ -38,11 +38,13 @@ def bar_drop(design: BarDrop, scenario: BarDropScenario, stabilisation: Scalar =
     if design.plate.modes:
         plate = bending_plate(design)
         bodies.append(FlexibleBody(plate.modes))
+        # The plate's axes are held, and its modes alone move it.
         joints.append(Weld(GROUND, PLATE, top, Marker.on_frame(0.0, 0.0, plate.modes.size)))
         carrier, middle = PLATE, plate.middle
         shown.append(Shown("plate_deflection", plate_deflection))
     sine = scenario.height / bar.length
     cosine = jnp.sqrt(1.0 - jnp.asarray(sine) ** 2)
+    # The hinge is the origin, and the bar leans up from it so that its ball end is at the height.
     places = [half * cosine, half * sine, jnp.arctan2(sine, cosine), *([*top, 0.0] if design.plate.modes else [])]
     modes = sum(body.size for body in bodies if isinstance(body, FlexibleBody))
     q = stacked([*places, *[0.0] * modes])
@@ -61,24 +63,25 @@ def bar_drop(design: BarDrop, scenario: BarDropScenario, stabilisation: Scalar =
 
 
 def bending_bar(design: BarDrop) -> FlexibleBar:
-    """The bar in modes of a free one, whose axes keep its centre of mass and angular momentum."""
+    """Return the bar in modes of a free one, whose axes keep its centre of mass and angular momentum."""
     bar = design.bar
     return free_bar(bar.rod, bar.modes - 2, damping_ratio=bar.damping_ratio)
 
 
 def bending_plate(design: BarDrop) -> FlexibleBar:
-    """The plate in those of its modes that move where it is struck."""
+    """Return the plate in those of its modes that move where it is struck."""
     plate = design.plate
     return plate_strip(plate.strip, moving_modes(design), support=plate.support, damping_ratio=plate.damping_ratio)
 
 
 def moving_modes(design: BarDrop) -> tuple[int, ...]:
-    """Which of the plate's modes move its middle, counted from 1: every other one."""
+    """Return which of the plate's modes move its middle, counted from 1: every other one."""
     return tuple(range(1, design.plate.modes + 1, 2))
 
 
 def ball_on_plate(design: BarDrop) -> BallPair:
-    """The ball against the flat top of the plate, long enough to both sides; the axes' origin is where it strikes."""
+    """Return the ball against the flat top of the plate, long enough to both sides; the axes' origin is where it
+    strikes."""
     impact, length = design.impact, design.bar.length
     numbers = {
         "stiffness": impact.stiffness,
@@ -90,6 +93,8 @@ def ball_on_plate(design: BarDrop) -> BallPair:
     }
     return BallPair(
         radius=design.bar.ball_radius,
+        # The ball end swings about the hinge, one length to the left of the origin, and so stays within two lengths of
+        # that.
         shape=Segment(-3.0 * length, 0.0, 1.0, 0.0, 4.0 * length),
         side=-jnp.ones(()),
         law=contact_law(impact.law, numbers),
@@ -98,18 +103,20 @@ def ball_on_plate(design: BarDrop) -> BallPair:
 
 
 def depth(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
-    """How deep the ball is in the plate [m], negative above it."""
+    """Return how deep the ball is in the plate [m], negative above it."""
     return -at.contacts[0].approach.gap[0]
 
 
 def plate_deflection(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
-    """How far the plate is bent downwards under the ball [m]."""
+    """Return how far the plate is bent downwards under the ball [m]."""
     return at.kin.frame(PLATE).origin.y - at.contacts[0].origin.place.y
 
 
 @cache
 def bar_deflection(modes: int) -> Callable[..., Scalar]:
-    """How far the bar's middle is from the straight line between its ends [m], to either side, of so many modes."""
+    """Return how far the bar's middle is from the straight line between its ends [m], to either side, as an observable
+    of a bar in so many modes."""
+    # The mode shapes of a free uniform bar do not depend on its dimensions.
     shapes = free_bar(Bar.circle(1.0, 1.0, 1.0, 1.0), modes - 2).shapes
     start, middle, end = shapes.lateral(np.array([0.0, 0.5, 1.0]), 0)
     weights = middle - 0.5 * (start + end)

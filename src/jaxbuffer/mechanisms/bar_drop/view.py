@@ -18,12 +18,12 @@ DEEP = 0.1  # of the ball's radius: up to here the contact counts as small again
 
 
 def label(scenario: BarDropScenario, among: Any = ()) -> str:
-    """What people call a drop: "from 194 mm"."""
+    """Return what people call a drop: "from 194 mm"."""
     return f"from {1e3 * float(scenario.height):.4g} mm"
 
 
 def validity(design: BarDrop, peak_force: Any, penetration: Any = None) -> list[ValidityLimit]:
-    """How near the deepest penetrations [m] come to what the contact law is good for, and modes to being too few."""
+    """Return how near the deepest penetrations [m] come to the contact law's limit, and modes to being too few."""
     if penetration is None:
         return []
     share = np.asarray(penetration) / (DEEP * np.asarray(design.bar.ball_radius))
@@ -32,26 +32,26 @@ def validity(design: BarDrop, peak_force: Any, penetration: Any = None) -> list[
 
 
 def warnings(run: BarDropRun) -> list[str]:
-    """The same of one run."""
+    """Return a line for each validity limit that the run exceeds."""
     deep, *few = validity(run.design, run.peak_force, run.maxima["penetration"])
     lines = [deep.beyond] if deep.passed else []
     return lines + [f"{limit.beyond}, by a factor of {float(limit.share):.3g}" for limit in few if limit.passed]
 
 
 def summary(run: BarDropRun) -> str:
-    """What every run tells, and below the peak the number of modes it was computed with."""
+    """Return the plain summary, with the number of modes that it was computed with below the peak."""
     lines = plain_summary(run).splitlines()
     below = next((k + 1 for k, line in enumerate(lines) if line.startswith("  time of the peak")), len(lines))
     return "\n".join([*lines[:below], *mode_lines(run), *lines[below:]])
 
 
 def record(run: BarDropRun) -> dict[str, dict[str, Any]]:
-    """The numbers of modes behind a peak."""
+    """Return the numbers of modes behind a peak."""
     return {"modes": {"plate": run.design.plate.modes, "bar": run.design.bar.modes}}
 
 
 def panels(run: BarDropRun) -> list[Panel]:
-    """Gap, penetration, energy, deflections, of a run with a history."""
+    """Return panels of gap, penetration, energy and deflections, of a run with a history."""
     history = run.history
     assert history is not None
     energy = {name: np.asarray(getattr(history.energy, name)) for name in ("kinetic", "contact", "potential")}
@@ -74,7 +74,7 @@ def panels(run: BarDropRun) -> list[Panel]:
 
 
 def bent(run: BarDropRun, body: str) -> Panel:
-    """The deflection of one body, with its number of modes."""
+    """Return a panel of the deflection of one body, with its number of modes."""
     history, name = run.history, f"{body}_deflection"
     assert history is not None
     largest, modes = float(run.maxima[name]), getattr(run.design, body).modes
@@ -84,7 +84,7 @@ def bent(run: BarDropRun, body: str) -> Panel:
 
 
 def names(design: BarDrop) -> Names:
-    """What the parts of a design are called."""
+    """Return what the parts of a design are called."""
     supports = {"plate x": "N", "plate y": "N", "plate moment": "N m"} if design.plate.modes else {}
     return Names(
         bodies=("bar",),

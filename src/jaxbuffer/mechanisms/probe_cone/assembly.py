@@ -77,16 +77,16 @@ class Masses(NamedTuple):
 
     @property
     def tip_centre(self) -> Point:
-        """The tip's centre, on the probe."""
+        """Return the tip's centre, on the probe."""
         return (self.front, 0.0) if self.bending is None else self.bending.end
 
     def guided(self, x: Scalar) -> Point:
-        """A point of the probe's axis that does not bend, ``x`` [m] before its centre of mass."""
+        """Return a point of the probe's axis that does not bend, ``x`` [m] before its centre of mass."""
         return (x, 0.0) if self.bending is None else Marker.on_frame(x, 0.0, self.bending.modes.size)
 
 
 def probe_masses(design: Design) -> Masses:
-    """Rod and tip as one body; a free tip's spin inertia is left out of it (M6)."""
+    """Return rod and tip as one body; a free tip's spin inertia is left out of it (M6)."""
     probe = design.probe
     mass = probe.rod_mass + probe.tip_mass
     shift = probe.tip_mass * (probe.length / 2) / mass
@@ -129,6 +129,7 @@ def assemble(design: Design, scenario: Scenario, stabilisation: Scalar = 20.0) -
         closed=touching,
         first_memory=memory,
         quiet=design.latch.quiet if latched else None,
+        # Angles are compared at an arm of 0.1 m.
         size=(
             stacked([length, length, length / 0.1] * 4 + bent),
             stacked([speed, speed, speed / 0.1] * 4 + bending_rate),
@@ -150,6 +151,7 @@ def assemble(design: Design, scenario: Scenario, stabilisation: Scalar = 20.0) -
 def elements_of(design: Design, scenario: Scenario, probe: Masses) -> tuple[Element, ...]:
     """Return the elements of a design in a scenario, in the order in which its energies are listed."""
     buffer, latch, hinge, shock = design.buffer, design.latch, design.hinge, design.shock
+    # Both stops measure their stroke by the buffer's own spring, so that all three agree on it.
     axial = axial_force(buffer, probe)
     throat = Throat(
         design=design,
@@ -185,7 +187,7 @@ def elements_of(design: Design, scenario: Scenario, probe: Masses) -> tuple[Elem
 
 
 def assemble_system(design: Design, probe: Masses, stabilisation: Scalar) -> System:
-    """Bodies and joints of the mechanism (M15).
+    """Return bodies and joints of the mechanism (M15).
 
     **Arguments:** ``design``; ``probe``: masses and lengths of the probe; ``stabilisation``: Baumgarte's gain [1/s].
     """
@@ -200,6 +202,7 @@ def assemble_system(design: Design, probe: Masses, stabilisation: Scalar) -> Sys
             Body(probe.mass, probe.inertia) if probe.bending is None else FlexibleBody(probe.bending.modes),
             Body(design.passive.mass, design.passive.inertia),
         ),
+        # With play the contact of the pin holds the hinge, in place of the joint (M109).
         joints=(guide,) if design.hinge.play is not None else (hinge, guide),
         stabilisation=stabilisation,
     )
@@ -212,6 +215,7 @@ def axial_force(buffer: BufferPart, probe: Masses) -> AxialSpringDamper:
         "second": P,
         "first_point": (-buffer.cylinder_length / 2, 0.0),
         "second_point": probe.guided(-probe.rear),
+        # They are None where a measured curve stands for them.
         "stiffness": 0.0 if buffer.k_A is None else buffer.k_A,
         "damping": 0.0 if buffer.c_A is None else buffer.c_A,
         "free_length": buffer.free_length,
@@ -290,6 +294,7 @@ def first_contact(tip: BallContact, scenario: Scenario, kin: Kinematics) -> tupl
 def pin_in_bush(design: Design) -> Pin:
     """Return the hinge's pin, on the active vehicle, in a bush with play on the cylinder (M109)."""
     hinge = design.hinge
+    # Pin and bush have no friction (M109): the slip speed means nothing.
     pair = BallPair(
         hinge.pin_radius, Hole(0.0, 0.0, hinge.bush_radius), jnp.ones(1), pin_law(design), RegularisedCoulomb(0.0, 1.0)
     )
@@ -331,6 +336,7 @@ def latches(design: Design, probe: Masses, plane: Scalar) -> Latch:
 
 def hinge_force(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
     """Return the size of the force that accelerates the active vehicle [N] (M68)."""
+    # The vehicle's acceleration tells the force also where the hinge has play, and so no multipliers (M68).
     return _size_of(rate[mechanism.coordinates : mechanism.coordinates + 2] * mechanism.parts.design.active.mass)
 
 
@@ -394,7 +400,7 @@ def shown_of(design: Design, scenario: Scenario) -> tuple[Shown, ...]:
 def start_motion(
     design: Design, scenario: Scenario, masses: Masses
 ) -> tuple[Float[Array, " coordinates"], Float[Array, " coordinates"]]:
-    """Positions and velocities at t = 0 (M62, M63, M170).
+    """Return positions and velocities at t = 0 (M62, M63, M170).
 
     **Arguments:** ``design``; ``scenario``; ``masses``: of the probe. **Returns:** q [m, m, rad, …] and q̇, 12 entries
     each and one for each mode of a probe that bends.
@@ -403,6 +409,7 @@ def start_motion(
     turn_cos, turn_sin = jnp.cos(scenario.misalignment), jnp.sin(scenario.misalignment)
     tip = Vector(turn_cos * local.x - turn_sin * local.y, turn_sin * local.x + turn_cos * local.y)
     modes = 0 if masses.bending is None else masses.bending.modes.size
+    # The modal coordinates follow those of all bodies; the probe starts straight.
     passive = [0.0, 0.0, scenario.misalignment, *[0.0] * modes]
     passive_rate = [0.0, 0.0, scenario.passive_rate, *[0.0] * modes]
     if scenario.start == "free":
@@ -414,7 +421,8 @@ def start_motion(
 
 
 def _tip_at_start(design: Design, scenario: Scenario) -> Vector:
-    """The tip's centre at t = 0 in the axes of T: at the lower flank (M62), or anywhere before the mouth (M170)."""
+    """Return the tip's centre at t = 0 in the axes of T: at the lower flank (M62), or anywhere before the mouth
+    (M170)."""
     angle, cone, radius = design.cone.half_angle, design.cone, design.probe.tip_radius
     cos, sin = jnp.cos(angle), jnp.sin(angle)
     if scenario.start == "free":
@@ -426,16 +434,16 @@ def _tip_at_start(design: Design, scenario: Scenario) -> Vector:
 
 
 def _behind(design: Design, masses: Masses, tip: Scalar) -> tuple[Scalar, Scalar, Scalar]:
-    """Where the centres of mass of probe, cylinder and active vehicle are along their axis, the ``tip`` being there and
-    the spring at its free length [m]."""
+    """Return where the centres of mass of probe, cylinder and active vehicle are along their axis [m], the ``tip``
+    being there and the spring at its free length."""
     probe = tip - masses.front
     cylinder = probe - masses.rear - design.buffer.free_length + design.buffer.cylinder_length / 2
     return probe, cylinder, cylinder + design.buffer.cylinder_length / 2 - design.active.hinge_offset
 
 
 def _turned(design: Design, scenario: Scenario, masses: Masses, tip: Vector) -> tuple[list[Scalar], list[Scalar]]:
-    """Positions and velocities of S, B and P at a free start: they lie along an axis through the tip and turn about the
-    centre of mass of S as one body (M170)."""
+    """Return positions and velocities of S, B and P at a free start: they lie along an axis through the tip and turn
+    about the centre of mass of S as one body (M170)."""
     cos, sin = jnp.cos(scenario.active_angle), jnp.sin(scenario.active_angle)
     probe, cylinder, active = _behind(design, masses, 0.0)
     placed: list[Scalar] = []

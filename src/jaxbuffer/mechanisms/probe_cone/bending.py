@@ -17,7 +17,8 @@ ONE = "{} is one number"
 
 
 def bending_probe(probe: Probe) -> FlexibleBar | None:
-    """The rod, clamped at its rear end, with the tip at its front end (M108); None for a probe that does not bend."""
+    """Return the rod, clamped at its rear end, with the tip at its front end (M108); None for a probe that does not
+    bend."""
     if probe.bending_stiffness is None:
         return None
     rod = Bar(
@@ -27,6 +28,7 @@ def bending_probe(probe: Probe) -> FlexibleBar | None:
         density=probe.rod_mass / probe.length,
         youngs_modulus=1.0,
     )  # of which only mass and bending stiffness matter
+    # A tip that spins freely does not turn with the end of the rod.
     inertia = 0.0 if probe.free_tip else probe.tip_inertia
     bar = cantilever_bar(rod, probe.bending_modes - 2, tip_mass=probe.tip_mass, tip_inertia=inertia)
     modes = bar.modes.with_damping(probe.bending_damping * bar.modes.stiffness)
@@ -34,17 +36,20 @@ def bending_probe(probe: Probe) -> FlexibleBar | None:
 
 
 def modal_scales(bar: FlexibleBar, speed: Scalar) -> tuple[list[Scalar], list[Scalar]]:
-    """Magnitudes that matter of each modal coordinate [m] and of its rate [m/s], as large in energy as each other.
+    """Return magnitudes that matter of each modal coordinate [m] and of its rate [m/s], as large in energy as each
+    other.
 
     **Arguments:** ``bar``; ``speed``: of the approach [m/s].
     """
     mass, stiffness = bar.modes.mass_matrix, bar.modes.stiffness
     slow = CLOSER * speed
+    # At the scales ½ k q² is as large as ½ m q̇².
     return [slow * jnp.sqrt(mass[k, k] / stiffness[k, k]) for k in range(bar.modes.size)], [slow] * bar.modes.size
 
 
 def bending_frequencies(design: Design) -> Float[Array, " modes"]:
-    """(modes,) natural frequencies of the probe with its tip, clamped in its guide [Hz], in ascending order (M108).
+    """Return the natural frequencies of the probe with its tip, clamped in its guide [Hz], shape (modes,), in ascending
+    order (M108).
 
     **Arguments:** ``design``: one whose probe bends.
 
@@ -65,7 +70,7 @@ def bending_frequencies(design: Design) -> Float[Array, " modes"]:
 
 
 def with_bending(design: Design, frequency: float, damping_ratio: float = 0.02, modes: int = BENDING_MODES) -> Design:
-    """The design with a probe that bends at a given first frequency (M108).
+    """Return the design with a probe that bends at a given first frequency (M108).
 
     **Arguments:** ``design``; ``frequency``: the first one, clamped in the guide, with the tip [Hz]; ``damping_ratio``:
     ζ of that mode [-], the k-th has ζ f_k/f_1; ``modes``: how many.
@@ -80,10 +85,12 @@ def with_bending(design: Design, frequency: float, damping_ratio: float = 0.02, 
     """
     check_single("frequency", frequency, "Hz", ONE.format("frequency"), **POSITIVE)
     check_single("damping_ratio", damping_ratio, "-", ONE.format("damping_ratio"), **NON_NEGATIVE)
+    # All frequencies go with the root of the bending stiffness: those of 1 N m² tell the one that is wanted.
     unit = replace(design, {"probe.bending_stiffness": 1.0, "probe.bending_modes": modes})
     first = float(bending_frequencies(unit)[0])
     values = {
         "probe.bending_stiffness": (frequency / first) ** 2,
+        # The damping ratio of a mode is β ω/2 (M108).
         "probe.bending_damping": damping_ratio / (np.pi * frequency),
     }
     return replace(unit, values)

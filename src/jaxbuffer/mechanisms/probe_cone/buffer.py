@@ -115,7 +115,8 @@ class Buffer(Part):
         self._check_curves()
 
     def _check_curves(self) -> None:
-        """A curve and the numbers that it stands for are not given together, nor with the paper's damping."""
+        """Raise `InputError` where a curve is given together with the numbers that it stands for, or with the paper's
+        damping."""
         for measured, names in (("spring_curve", ("k_A",)), ("damper_curve", ("c_A", "c_A2"))):
             both = [name for name in names if getattr(self, name) is not None]
             if getattr(self, measured) is not None and both:
@@ -134,16 +135,19 @@ class Buffer(Part):
         if self.max_stroke is not None:
             yield inside(self.max_stroke, high=self.free_length, **POSITIVE)
         if self.stop_stiffness is None:
+            # Without a stop its damping must be zero, as `check_together` has it.
             yield inside(self.stop_damping, low=0.0, high=0.0)
         if self.rebound_stiffness is None:
             yield inside(self.rebound_damping, low=0.0, high=0.0)
 
     @property
     def end(self) -> Scalar:
-        """The stroke at which the buffer is at its end or its end stop, if there is one, begins to push [m] (M28)."""
+        """Return the stroke at which the buffer is at its end or its end stop, if there is one, begins to push [m]
+        (M28)."""
         return self.free_length if self.max_stroke is None else self.max_stroke
 
     @property
     def longest_stroke(self) -> Scalar:
-        """The stroke that ends a run as "bottomed" [m] (M66): with an end stop that is where the spring's ends meet."""
+        """Return the stroke that ends a run as "bottomed" [m] (M66): with an end stop that is where the spring's ends
+        meet."""
         return self.end if self.stop_stiffness is None else self.free_length

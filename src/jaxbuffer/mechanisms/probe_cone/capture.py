@@ -94,7 +94,7 @@ class FlankImpacts(Impacts):
 
     @property
     def flank(self) -> Int[Array, " slots"]:
-        """The flank of each impact: 0 lower, 1 upper, -1 in slots beyond ``count``."""
+        """Return the flank of each impact: 0 lower, 1 upper, -1 in slots beyond ``count``."""
         return self.contact
 
 
@@ -145,5 +145,5 @@ class Capture(Run):
 
     @property
     def peak_flank(self) -> Int[Array, ""]:
-        """The flank with the largest contact force: 0 lower, 1 upper."""
+        """Return the flank with the largest contact force: 0 lower, 1 upper."""
         return self.peak_contact

@@ -21,8 +21,8 @@ HERTZ_DURATION = 2.943275  # of a lossless impact, times its largest penetration
 
 
 def first_impact(design: Design, scenario: Scenario | None = None) -> FirstImpact:
-    """The first impact of a capture, without simulating it: a starting guess, and what no buffer goes below
-    (M79 to M81).
+    """Return the first impact of a capture, without simulating it: a starting guess, and what no buffer goes below (M79
+    to M81).
 
     **Arguments:**
 
@@ -53,7 +53,7 @@ def _first_impact(parameters: tuple[Design, Scenario]) -> FirstImpact:
 
 
 def predict(mechanism: Assembled, at: EvaluatedState) -> FirstImpact:
-    """The first impact of a mechanism's run, which starts there with the tip on the lower flank."""
+    """Return the first impact of a mechanism's run, which starts there with the tip on the lower flank."""
     mass, speed = first_flank(mechanism, at)
     energy = 0.5 * mass * speed**2
     law = mechanism.contacts[0].pair.law
@@ -74,7 +74,7 @@ def first_flank(mechanism: Assembled, at: EvaluatedState) -> tuple[Float[Array, 
 
 
 def hertz_peak(stiffness: Scalar, energy: Scalar) -> Float[Array, ""]:
-    """Peak force of a Hertz contact that takes up an energy [N] (M80).
+    """Return the peak force of a Hertz contact that takes up an energy [N] (M80).
 
     **Arguments:** ``stiffness``: K [N/m^1.5]; ``energy``: T [J].
     """
@@ -82,7 +82,7 @@ def hertz_peak(stiffness: Scalar, energy: Scalar) -> Float[Array, ""]:
 
 
 def loss_factor(hysteresis: Scalar) -> Float[Array, ""]:
-    """Peak force of two free bodies with hysteresis over that without [-] (M81).
+    """Return the peak force of two free bodies with hysteresis over that without [-] (M81).
 
     The equation for w, the share of the speed that is left at the peak, is solved by bisection.
 
@@ -93,6 +93,7 @@ def loss_factor(hysteresis: Scalar) -> Float[Array, ""]:
     def taken_up(w: Array, damping: Array) -> Array:
         return ((1.0 - w) - jnp.log((1.0 + damping) / (1.0 + damping * w)) / damping) / damping
 
+    # The factor is stationary at w, so that its derivative needs none of w: the bisection is left out of it.
     still = jax.lax.stop_gradient(damping)
 
     def halved(_: Array, bracket: tuple[Array, Array]) -> tuple[Array, Array]:

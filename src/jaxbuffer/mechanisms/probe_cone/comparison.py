@@ -52,7 +52,7 @@ def first_contact(design: Design, scenario: Scenario) -> tuple[float, float]:
 def compare_laws(
     design: Part, scenario: Part | None = None, *, mass: float | None = None, speed: float | None = None
 ) -> Comparison:
-    """Every law with the design's contact numbers.
+    """Compare all contact laws at the design's contact numbers.
 
     **Arguments:** ``mass`` [kg], ``speed`` [m/s]: of the impact; default: those of the design's first contact.
     """
@@ -75,6 +75,7 @@ def compare_laws(
 
     def compared(name: str) -> ComparedLaw:
         def delivered(values: tuple[float, ...]) -> np.ndarray:
+            # A law without a restitution delivers the same, whatever is asked.
             if not hasattr(law(name, 1.0), "restitution"):
                 return np.full(len(values), float(law(name, 1.0).delivered_restitution(mass, speed)))
             return np.array([float(law(name, float(e)).delivered_restitution(mass, speed)) for e in values])
@@ -86,7 +87,7 @@ def compare_laws(
 
 
 def laws_table(comparison: Comparison) -> str:
-    """Each law's source, delivered restitutions and impact."""
+    """Return tables of each law's source, delivered restitutions and impact."""
     nominal = comparison.restitution
     restitution = table("Restitution delivered to two free bodies, for the one asked for")
     impact = table(

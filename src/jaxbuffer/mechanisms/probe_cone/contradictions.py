@@ -18,17 +18,20 @@ def contradictions(design: Design, scenario: Scenario) -> list[str]:
 
 
 def _ball_in_throat(design: Design) -> Iterator[str]:
-    """What a ball that is larger than the throat cannot do (M65)."""
+    """Yield what a ball that is larger than the throat cannot do (M65)."""
     radius, throat, angle = (
         float(x) for x in (design.probe.tip_radius, design.cone.throat_radius, design.cone.half_angle)
     )
     if radius <= throat * (1.0 + SAME):
         return
     sizes = f"probe.tip_radius {1e3 * radius:.4g} mm is above cone.throat_radius {1e3 * throat:.4g} mm"
+    # On the axis the ball touches both flanks at the slant distance b of M64, which is b cos β before the capture
+    # plane.
     short = (radius * np.cos(angle) - throat) / np.tan(angle)
     if short > 0.0:
         yield f"{sizes}: the ball wedges in the cone {1e3 * short:.3g} mm before the capture plane and cannot reach it"
         return
+    # On the throat's edges its centre is √(R² - R_c²) before the throat plane, and the capture plane R sin β before it.
     reach = radius * np.sin(angle) - np.sqrt(radius**2 - throat**2)
     yield (
         f"{sizes}: the ball does not pass the throat; it comes to rest on the throat's edge, at most"
@@ -42,7 +45,8 @@ def _ball_in_throat(design: Design) -> Iterator[str]:
 
 
 def _miss(design: Design, scenario: Scenario) -> Iterator[str]:
-    """Whether the tip of a free start flies past the cone, by the straight flight and steady turning of both sides."""
+    """Yield a line if the tip of a free start flies past the cone, by the straight flight and steady turning of both
+    sides."""
     if scenario.start != "free" or (scenario.thrust is not None and float(scenario.thrust) < 0.0):
         return
     cone, radius = design.cone, float(design.probe.tip_radius)
@@ -55,6 +59,7 @@ def _miss(design: Design, scenario: Scenario) -> Iterator[str]:
         return
     before = slice(0, int(past[0]) + 1)
     off = np.interp(mouth, x[before][-2:], y[before][-2:])
+    # A tip that passes the mouth outside the rim may have touched the rim on its way.
     nearest = np.min(np.hypot(x[before] - mouth, np.abs(y[before]) - rim))
     if abs(off) > rim and nearest > radius:
         yield (
@@ -64,7 +69,8 @@ def _miss(design: Design, scenario: Scenario) -> Iterator[str]:
 
 
 def _flight(design: Design, scenario: Scenario, start: float) -> tuple[np.ndarray, np.ndarray]:
-    """Where the tip's centre is in the axes of the passive vehicle [m] while nothing touches, at instants from 0 on.
+    """Return where the tip's centre is in the axes of the passive vehicle [m] while nothing touches, at instants from 0
+    on.
 
     ``start``: its x at t = 0 in those axes [m] (M170).
     """

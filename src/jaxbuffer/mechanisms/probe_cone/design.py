@@ -62,12 +62,13 @@ class Design(DesignOf[Capture]):
 
     def in_range(self) -> Iterator[Bool[Array, ""]]:
         yield from super().in_range()
+        # The same as `check_together`, for traced numbers.
         mouth = self.cone.throat_radius + self.cone.length * jnp.sin(self.cone.half_angle)
         yield inside(self.probe.tip_radius, high=mouth, high_open=True, **POSITIVE)
 
     @property
     def contact_stiffness(self) -> Scalar:
-        """K [N/m^1.5], as given or from the materials (M53)."""
+        """Return K [N/m^1.5], as given or from the materials (M53)."""
         if self.contact.stiffness is not None:
             return self.contact.stiffness
         modulus, ratio = self.contact.young_modulus, self.contact.poisson_ratio
@@ -144,6 +145,7 @@ class Scenario(Part):
     def check_together(self) -> None:
         free = self.start == "free"
         usual = {field.name: field for field in dataclasses.fields(self)}
+        # A number of the other kind of start would have no effect.
         for name in ("contact_distance",) if free else OF_FREE_START:
             value, default = concrete(getattr(self, name)), usual[name].default
             if value is not None and np.any(value != default):
@@ -177,6 +179,7 @@ def check_fit(design: Design, scenario: Scenario) -> None:
         return
     cone, tip = design.cone, design.probe.tip_radius
     start = _known("probe.tip_radius and cone", tip, cone.throat_radius, cone.half_angle)
+    # Traced numbers are checked by `valid`, in the program.
     least = 0.0 if start is None else least_contact_distance(*start)
     too_low = "; nearer to the throat the tip would be in the other flank at the start"
     distance = scenario.contact_distance
@@ -190,8 +193,8 @@ def check_fit(design: Design, scenario: Scenario) -> None:
 
 
 def valid(design: Design, scenario: Scenario) -> Bool[Array, ""]:
-    """Whether every number is in its range and they fit (M64), for numbers known only inside compiled code; NaN is in
-    no range."""
+    """Return whether every number is in its range and they fit (M64), for numbers known only inside compiled code; NaN
+    is in no range."""
     ranges = [*design.in_range(), *scenario.in_range()]
     if scenario.start == "free":
         return all_of(ranges)
@@ -206,7 +209,7 @@ def valid(design: Design, scenario: Scenario) -> Bool[Array, ""]:
 
 
 def _known(path: str, *values: Scalar) -> list[Any] | None:
-    """Numbers as they are, or as arrays of one shape if some are arrays; None if some are traced."""
+    """Return numbers as they are, or as arrays of one shape if some are arrays; None if some are traced."""
     if all(type(value) is float for value in values):
         return list(values)
     arrays = [concrete(value) for value in values]
@@ -214,7 +217,8 @@ def _known(path: str, *values: Scalar) -> list[Any] | None:
 
 
 def least_contact_distance(tip_radius: Any, throat_radius: Any, half_angle: Any, xp: Any = np) -> Any:
-    """How far from the throat edge the tip must touch the lower flank so as not to reach into the upper one [m] (M64).
+    """Return how far from the throat edge the tip must touch the lower flank so as not to reach into the upper one [m]
+    (M64).
 
     The flanks are mirror images, rims included, and the tip's centre is its radius away from the lower one: it is
     farther from the upper one exactly where it is below the axis, R cos β - R_c - b sin β < 0.
@@ -226,7 +230,7 @@ def least_contact_distance(tip_radius: Any, throat_radius: Any, half_angle: Any,
 
 
 def table2() -> Design:
-    """The mechanism of the paper's Table 2 and section 7, with the assumptions its text leaves open.
+    """Return the mechanism of the paper's Table 2 and section 7, with the assumptions its text leaves open.
 
     **Example:**
 
@@ -238,7 +242,7 @@ def table2() -> Design:
 
 
 def rigid_probe(design: Design | None = None) -> Design:
-    """The paper's "traditional rigid probe" as a baseline: the buffer made stiff enough to act as a weld.
+    """Return the paper's "traditional rigid probe" as a baseline: the buffer made stiff enough to act as a weld.
 
     1e10 N/m and 1e8 N m/rad: the first impact of Table 2 is then 1037.8 N, 0.4 % below its value for springs ten times
     stiffer (1042.0 N), while 1e8 N/m and 1e6 N m/rad, stiff as they look, still take a third of it (712.6 N). Damping

@@ -38,7 +38,7 @@ class Course(NamedTuple):
 def course(
     parameters: tuple[Any, Any, Array], states: Float[Array, "slots state"], closed: Float[Array, "slots contacts"]
 ) -> Course:
-    """The course of a run of design, scenario and stabilisation through these states (König's theorem).
+    """Return the course of a run of design, scenario and stabilisation through these states (König's theorem).
 
     ``closed``: contacts that are closed then.
     """
@@ -52,6 +52,7 @@ def course(
         tip = mechanism.evaluated(posture, "throat")
         momentum = mechanism.momentum(state)[0]
         cone = posture.kin.frame(T)
+        # The active side has the momentum of the whole less that of the passive vehicle.
         x, y = ((momentum[k] - passive * v) / active - v for k, v in enumerate((cone.velocity.x, cone.velocity.y)))
         speed = x * cone.cos + y * cone.sin
         reduced = active * passive / (active + passive)
@@ -77,13 +78,15 @@ class Turn(NamedTuple):
 
 
 def turned_round(capture: Capture, motion: Course) -> Turn | None:
-    """The last impact before the vehicles' approach changes sign for good; None where they approach at the end."""
+    """Return the last impact before the vehicles' approach changes sign for good; None where they approach at the
+    end."""
     log = capture._located  # its values are those of `log`, which would compute derivatives
     count = min(int(log.count), int(log.room))
     kind, which, time = (np.asarray(x)[:count] for x in (log.kind, log.which, log.time))
     approach = np.asarray(motion.approach)[:count]
     touched = (kind == Kind.TOUCHDOWN) & (which < len(CONTACTS))
     approaching = np.flatnonzero(approach > 0.0)
+    # They never approach, or still do, or nothing touches before they part: no impact turned them round.
     if not approaching.size or approaching[-1] == count - 1 or not np.any(touched[: approaching[-1] + 1]):
         return None
     at, parted = int(np.flatnonzero(touched[: approaching[-1] + 1])[-1]), int(approaching[-1]) + 1
@@ -92,7 +95,7 @@ def turned_round(capture: Capture, motion: Course) -> Turn | None:
 
 
 def diagnosis(capture: Capture) -> dict[str, str]:
-    """What held a run back that did not end captured, by heading; nothing of others."""
+    """Return what held a run back that did not end captured, by heading; nothing of others."""
     log = capture._located
     if capture.mechanism.succeeded(int(capture.outcome)) or capture.outcome.failed or not int(log.count):
         return {}
@@ -118,7 +121,7 @@ def diagnosis(capture: Capture) -> dict[str, str]:
 
 
 def _torn(capture: Capture) -> str:
-    """When the latches tore, and how far they had closed."""
+    """Return when the latches tore, and how far they had closed."""
     latch, begin = capture.design.latch, float(capture.docked.latch_time)
     since, closing = float(capture.end_time) - begin, float(latch.closing_time)
     how = f"still closing, which takes {1e3 * closing:.4g} ms" if since < closing else "closed"
@@ -129,7 +132,7 @@ def _torn(capture: Capture) -> str:
 
 
 def _met(capture: Capture) -> str:
-    """How the tip crossed the capture plane."""
+    """Return how the tip crossed the capture plane."""
     docked = capture.docked
     return (
         f"{1e3 * float(docked.lateral_miss):.4g} mm off the axis, moving across it at"
@@ -145,7 +148,8 @@ def _way(capture: Capture, motion: Course, last: int) -> str:
 
 
 def _energy(capture: Capture, motion: Course, last: int) -> str:
-    """Along the approach, in the springs, and in other motion, of what there was without the common motion."""
+    """Return the energy along the approach, in the springs, and in other motion, of what there was without the common
+    motion."""
     total = _to_take(capture, motion, last)
     along, direction = float(motion.along[last]), "closing" if float(motion.approach[last]) > 0.0 else "parting"
     stored = {name: float(np.asarray(value)) for name, value in capture.energy.stored.items()}
@@ -162,7 +166,7 @@ def _energy(capture: Capture, motion: Course, last: int) -> str:
 
 
 def _to_take(capture: Capture, motion: Course, last: int) -> float:
-    """What there was of energy of relative motion [J]: what is left of it, and what was lost."""
+    """Return the energy of relative motion that there was [J]: what is left of it, and what was lost."""
     return float(motion.relative[last]) + float(capture.energy.dissipated)
 
 

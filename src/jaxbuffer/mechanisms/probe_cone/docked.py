@@ -63,8 +63,10 @@ def docked(mechanism: Assembled, start: EvaluatedState, log: Log, code: Int[Arra
     """Read off what a run says of docking. ``latch_force``: the largest one [N]."""
     last = _last(log)
     end, active = mechanism.posture(log.rows[last, 0]), log.active[last]
+    # At the start no contact is deep, so that none stores energy.
     before, left = mechanism.relative_energy(start, jnp.zeros_like(active)), mechanism.relative_energy(end, active)
     cross = crossing(mechanism, log, code)
+    # A factor, so that derivatives are NaN as well.
     known = jnp.where(cross.occurred, 1.0, jnp.nan)
     tip, cone, probe = mechanism.evaluated(cross.at, "throat").tip, cross.at.kin.frame(T), cross.at.kin.frame(P)
     rate = _tip_rate(cross.at)
@@ -87,7 +89,7 @@ def docked(mechanism: Assembled, start: EvaluatedState, log: Log, code: Int[Arra
 
 
 def _tip_rate(at: EvaluatedState) -> Scalar:
-    """How fast the tip's y in the axes of T changes [m/s]."""
+    """Return how fast the tip's y in the axes of T changes [m/s]."""
     cone = at.kin.frame(T)
     centre = at.contacts[0].centre
     return cone.unturn(centre.velocity - cone.velocity_at(centre.place - cone.origin)).y
@@ -96,6 +98,7 @@ def _tip_rate(at: EvaluatedState) -> Scalar:
 def arrest_stroke(mechanism: Assembled, energy: Float[Array, ""]) -> Float[Array, ""]:
     """Return the stroke at which axial spring and end stop store an energy [m], √(2 E/k_A) of a linear spring without a
     stop (M179)."""
+    # At zero the root below has no finite slope, and rounding may leave less than that.
     energy = jnp.maximum(energy, 1e-30)
     axial, stop = mechanism.element("buffer").force, mechanism.element("stop")
     if stop is None and not isinstance(axial, BufferForce):
@@ -116,7 +119,7 @@ def arrest_stroke(mechanism: Assembled, energy: Float[Array, ""]) -> Float[Array
 
 
 def _latch_share(mechanism: Assembled, end: EvaluatedState, largest: Scalar, torn: Bool[Array, ""]) -> Float[Array, ""]:
-    """The largest force of the latches over their strength [-].
+    """Return the largest force of the latches over their strength [-].
 
     Of torn ones it is above 1: with the force to which the mass that they hold would have stretched them, had they
     held. It is 1 where they just tear, and its slope leads out of that.
@@ -135,5 +138,5 @@ def _latch_share(mechanism: Assembled, end: EvaluatedState, largest: Scalar, tor
 
 
 def _last(log: Log) -> Int[Array, ""]:
-    """The entry of the run's end."""
+    """Return the entry of the run's end."""
     return jnp.maximum(log.count - 1, 0)

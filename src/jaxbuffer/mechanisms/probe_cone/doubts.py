@@ -28,6 +28,7 @@ class TableValue(NamedTuple):
     why: str
 
 
+# With shape and density kept, a length goes with the cube root of the mass, an inertia with mass times length squared.
 LENGTH, INERTIA = 1.0 / 3.0, 5.0 / 3.0
 TABLE_VALUES = (
     TableValue("active.inertia", "kg m²", "active", INERTIA, "how fast the active vehicle turns after an impact"),
@@ -79,7 +80,7 @@ def _same(value: object, usual: Design, entry: TableValue) -> bool:
 
 
 def _line(design: Design, entry: TableValue, ratio: float) -> str:
-    """ "cone.offset 96 mm: why; grown with the mass 670 mm"."""
+    """Return a line such as "cone.offset 96 mm: why; grown with the mass 670 mm"."""
     value, symbol = float(np.max(np.asarray(get(design, entry.path)))), unit(design, entry.path)
     text = f"{entry.path} {with_unit(*as_typed(value, symbol, entry.shown))}: {entry.why}"
     if entry.power == 0.0 or 1.0 / FAR < ratio < FAR:

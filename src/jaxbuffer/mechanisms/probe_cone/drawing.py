@@ -37,7 +37,7 @@ TEETH, TOOTH = 8, 0.02  # of a break line: how many, and how deep, of the larges
 
 
 def drawing(design: Design, bodies: tuple[str, ...] = ()) -> Drawing:
-    """Both vehicles as far as they fit beside the rest; hinge, buffer, probe, cone and latches, in the design's
+    """Return both vehicles as far as they fit beside the rest; hinge, buffer, probe, cone and latches, in the design's
     lengths."""
     masses = probe_masses(design)
     front, rear = float(masses.front), float(masses.rear)
@@ -72,8 +72,8 @@ def drawing(design: Design, bodies: tuple[str, ...] = ()) -> Drawing:
 
 
 def with_tip(history: Any, front: float) -> Float[np.ndarray, "steps frames 3"]:
-    """The bodies' frames and the tip's, ``front`` [m] before the probe's centre of mass and as far off its axis as the
-    probe is bent."""
+    """Return the bodies' frames and the tip's, ``front`` [m] before the probe's centre of mass and as far off its axis
+    as the probe is bent."""
     frames = np.asarray(history.position)
     x, y, angle = np.moveaxis(frames[:, P], -1, 0)
     off = np.asarray(history.others.get("bending", 0.0 * x))
@@ -83,8 +83,8 @@ def with_tip(history: Any, front: float) -> Float[np.ndarray, "steps frames 3"]:
 
 
 def with_latches(frames: np.ndarray, history: Any, travel: float) -> Float[np.ndarray, "steps frames 3"]:
-    """Frames, and behind them those of the upper and the lower latch: the passive vehicle's, as far beside it as they
-    are open, ``travel`` [m] at most."""
+    """Return frames, and behind them those of the upper and the lower latch: the passive vehicle's, as far beside it as
+    they are open, ``travel`` [m] at most."""
     x, y, angle = np.moveaxis(frames[:, T], -1, 0)
     away = travel * (1.0 - np.asarray(history.others.get("latch_closed", 0.0 * x)))
     teeth = [
@@ -95,8 +95,8 @@ def with_latches(frames: np.ndarray, history: Any, travel: float) -> Float[np.nd
 
 
 def _tooth(design: Design) -> tuple[float, float, float]:
-    """Where the upper latch's tooth is, x and y in the axes of the passive vehicle, and the way it opens, until it is
-    behind the flank [m]."""
+    """Return where the upper latch's tooth is, x and y in the axes of the passive vehicle, and the way it opens, until
+    it is behind the flank [m]."""
     cone, tip, angle = design.cone, float(design.probe.tip_radius), float(design.cone.half_angle)
     x = -float(cone.offset) - tip * math.sin(angle) + float(design.latch.depth) - HOOK * tip
     y = 0.5 * ROD_WIDTH * tip
@@ -105,7 +105,8 @@ def _tooth(design: Design) -> tuple[float, float, float]:
 
 
 def _latches(design: Design, first: int) -> tuple[Outline, Outline]:
-    """Teeth that close behind the ball, from the frame ``first`` on (M175 says what they exert, not what they are)."""
+    """Return teeth that close behind the ball, from the frame ``first`` on (M175 says what they exert, not what they
+    are)."""
     x, y, travel = _tooth(design)
     grip = GRIP * float(design.probe.tip_radius)
     tooth = np.array([[x, y], [x, y + travel], [x - grip, y + travel], [x - grip, y]])
@@ -113,15 +114,15 @@ def _latches(design: Design, first: int) -> tuple[Outline, Outline]:
 
 
 def active(design: Design) -> Outline:
-    """The active vehicle, a uniform box of its mass and inertia (assumed) whose front is at the hinge."""
+    """Return the active vehicle, a uniform box of its mass and inertia (assumed) whose front is at the hinge."""
     reach = float(design.active.hinge_offset)
     corners, broken = _vehicle(design, reach, float(design.active.inertia / design.active.mass), 0.0)
     return Outline(S, corners, part=f"active vehicle{broken}")
 
 
 def passive(design: Design) -> tuple[Outline, ...]:
-    """The passive vehicle, a uniform box of its mass and inertia (assumed) whose front is the throat plane, with the
-    cone's two flanks before it, and the capture plane (M65)."""
+    """Return the passive vehicle, a uniform box of its mass and inertia (assumed) whose front is the throat plane, with
+    the cone's two flanks before it, and the capture plane (M65)."""
     cone = design.cone
     reach, throat = float(cone.offset), float(cone.throat_radius)
     far, wide = mouth(design)
@@ -140,14 +141,14 @@ def passive(design: Design) -> tuple[Outline, ...]:
 
 
 def mouth(design: Design) -> tuple[float, float]:
-    """Where the upper flank ends, in the axes of the passive vehicle [m]."""
+    """Return where the upper flank ends, in the axes of the passive vehicle [m]."""
     cone = design.cone
     angle, length = float(cone.half_angle), float(cone.length)
     return -float(cone.offset) - length * math.cos(angle), float(cone.throat_radius) + length * math.sin(angle)
 
 
 def flanks(design: Design) -> tuple[Touch, ...]:
-    """Where the forces of the lower and the upper flank act on the tip (M30, M31)."""
+    """Return where the forces of the lower and the upper flank act on the tip (M30, M31)."""
     cone = design.cone
     cos, sin = math.cos(float(cone.half_angle)), math.sin(float(cone.half_angle))
     start = -float(cone.offset), float(cone.throat_radius)
@@ -160,15 +161,15 @@ def flanks(design: Design) -> tuple[Touch, ...]:
 
 
 def _stop(design: Design, half: float, tall: float) -> Outline:
-    """Where the rear end of the rod meets the end stop (M28)."""
+    """Return the line where the rear end of the rod meets the end stop (M28)."""
     place = half - float(design.buffer.end)
     return Outline(B, np.array([[place, -tall], [place, tall]]), filled=False, part="end stop")
 
 
 def _vehicle(design: Design, reach: float, square: float, least: float) -> tuple[np.ndarray, str]:
-    """The corners of a uniform box of half the length ``reach`` [m] and the radius of gyration √``square``, ``least``
-    [m] half as high at least, with its front at x = ``reach``; and what the legend adds: a box too large beside the
-    mechanism is broken off along zigzag lines."""
+    """Return the corners of a uniform box of half the length ``reach`` [m] and the radius of gyration √``square``,
+    ``least`` [m] half as high at least, with its front at x = ``reach``; and what the legend adds: a box too large
+    beside the mechanism is broken off along zigzag lines."""
     wide, cylinder = mouth(design)[1], ROOMY * float(design.buffer.cylinder_length)
     longest = max(LARGEST * wide, cylinder)
     whole = max(2.0 * reach, min(cylinder, longest)), max(_half_height(square, reach), least)
@@ -183,7 +184,8 @@ def _vehicle(design: Design, reach: float, square: float, least: float) -> tuple
 
 
 def _edge(start: np.ndarray, end: np.ndarray, tooth: float) -> np.ndarray:
-    """The points of an edge without its last one: the first alone, or a zigzag of ``tooth`` [m] to either side."""
+    """Return the points of an edge without its last one: the first alone, or a zigzag of ``tooth`` [m] to either
+    side."""
     if tooth == 0.0:
         return start[None]
     along = (end - start) / float(np.hypot(*(end - start)))
@@ -193,6 +195,6 @@ def _edge(start: np.ndarray, end: np.ndarray, tooth: float) -> np.ndarray:
 
 
 def _half_height(square: float, reach: float) -> float:
-    """Half the height [m] of a uniform box with the radius of gyration √``square`` and half the length ``reach``, a
-    third of that at least: I/m = (l² + h²)/12."""
+    """Return half the height [m] of a uniform box with the radius of gyration √``square`` and half the length
+    ``reach``, a third of that at least: I/m = (l² + h²)/12."""
     return math.sqrt(max(3.0 * square - reach**2, reach**2 / 9.0))

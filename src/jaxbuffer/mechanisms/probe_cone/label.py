@@ -19,8 +19,8 @@ OF_FREE_START = {  # the unit in which each is shown
 
 
 def scenario_label(scenario: Scenario, among: Sequence[Scenario] = ()) -> str:
-    """What people call a scenario: "0.1 m/s, +3°", its approach speed and misalignment; contact distance and passive
-    rate too where those differ ``among`` several. Of a free start and a thrust, what is not at its default."""
+    """Return what people call a scenario: "0.1 m/s, +3°", its approach speed and misalignment; contact distance and
+    passive rate too where those differ ``among`` several. Of a free start and a thrust, what is not at its default."""
     angle = np.degrees(float(scenario.misalignment))
     speed = float(scenario.approach_speed)
     alike = any(f"{other.approach_speed:.4g}" == f"{speed:.4g}" and other.approach_speed != speed for other in among)
@@ -32,7 +32,7 @@ def scenario_label(scenario: Scenario, among: Sequence[Scenario] = ()) -> str:
 
 
 def _free_start(scenario: Scenario) -> str:
-    """Of a free start, what is not zero: ", free start, offset -20 mm"."""
+    """Return what is not zero of a free start: ", free start, offset -20 mm"."""
     if scenario.start != "free":
         return ""
     given = ((name, shown) for name, shown in OF_FREE_START.items() if float(getattr(scenario, name)) != 0.0)

@@ -20,7 +20,7 @@ def closing_energy(capture: Capture) -> Float[Array, ""]:
 
 
 def closing_share(capture: Capture) -> Float[Array, ""]:
-    """Return that over the energy of relative motion at the start [-] (M182)."""
+    """Return what the closing of the latches put in over the energy of relative motion at the start [-] (M182)."""
     return closing_energy(capture) / _brought(capture)
 
 
@@ -33,7 +33,7 @@ def reference_share(capture: Capture) -> Float[Array, ""]:
 
 
 def _brought(capture: Capture) -> Float[Array, ""]:
-    """The energy of relative motion at the start [J]."""
+    """Return the energy of relative motion at the start [J]."""
     return capture.docked.energy_left / capture.docked.relative_energy
 
 
@@ -50,7 +50,7 @@ def closing_words(capture: Capture) -> str:
 
 
 def closing_warnings(capture: Capture) -> list[str]:
-    """Return a line where that is more than a tenth of what the vehicles brought."""
+    """Return a line where closing the latches added more than a tenth of what the vehicles brought."""
     if not float(np.asarray(closing_share(capture))) > MUCH:
         return []
     return [

@@ -20,27 +20,27 @@ WAVES = 1.0  # of the highest mode, in the first impact
 
 
 class Validity(NamedTuple):
-    """Of one capture or of many (shape ...): ``depth`` [-]: penetration over the largest that the law is good for;
-    ``pressure`` [-]: Hertz's largest pressure over the one at which yield begins, 0 without a yield stress. An answer
-    is valid up to 1 of both."""
+    """How near one capture or many (shape ...) come to the limits: ``depth`` [-]: penetration over the largest that the
+    law is good for; ``pressure`` [-]: Hertz's largest pressure over the one at which yield begins, 0 without a yield
+    stress. An answer is valid up to 1 of both."""
 
     depth: Float[np.ndarray, "..."]
     pressure: Float[np.ndarray, "..."]
 
     @property
     def too_deep(self) -> np.ndarray:
-        """Which captures penetrate deeper than the law is good for."""
+        """Return which captures penetrate deeper than the law is good for."""
         return self.depth > 1.0
 
     @property
     def yields(self) -> np.ndarray:
-        """In which captures the materials yield."""
+        """Return in which captures the materials yield."""
         return self.pressure > 1.0
 
 
 def validity(design: Design, penetration: np.ndarray, peak_force: np.ndarray) -> Validity:
-    """How near captures come to the limits, from their ``penetration`` [m] and ``peak_force`` [N] (NaN: unknown, and
-    not beyond them); the design's numbers may be arrays of the same shape."""
+    """Return how near captures come to the limits, from their ``penetration`` [m] and ``peak_force`` [N] (NaN: unknown,
+    and not beyond them); the design's numbers may be arrays of the same shape."""
     depth = np.asarray(penetration) / (DEEP * np.asarray(design.probe.tip_radius))
     contact = design.contact
     if contact.yield_stress is None:
@@ -50,9 +50,10 @@ def validity(design: Design, penetration: np.ndarray, peak_force: np.ndarray) ->
 
 
 def limits(design: Design, peak_force: Any, penetration: Any = None) -> list[ValidityLimit]:
-    """Both limits with what lies beyond them in words; the ``penetration`` follows from the peak force [N] if it is not
-    given."""
+    """Return both limits with what lies beyond them in words; the ``penetration`` follows from the peak force [N] if it
+    is not given."""
     if penetration is None:
+        # As a run reports it: where the spring alone exerts the force (M72).
         penetration = tip_on_flanks(design).law.depth(peak_force)
     ratios = validity(design, np.asarray(penetration), np.asarray(peak_force))
     return [
@@ -62,13 +63,13 @@ def limits(design: Design, peak_force: Any, penetration: Any = None) -> list[Val
 
 
 def pressure(design: Design, peak_force: Any) -> Float[Array, "..."]:
-    """Hertz's largest pressure [Pa] at a contact force [N], from the design's materials and tip radius."""
+    """Return Hertz's largest pressure [Pa] at a contact force [N], from the design's materials and tip radius."""
     contact = design.contact
     return hertz_pressure(peak_force, design.probe.tip_radius, contact.young_modulus, contact.poisson_ratio)
 
 
 def warnings(capture: Capture) -> list[str]:
-    """What the answer of a capture lies beyond, a line each; empty for a valid one."""
+    """Return a line for each validity limit that a capture exceeds; none for a valid one."""
     design, depth, force = capture.design, float(capture.penetration), float(capture.peak_force)
     ratios, lines = validity(design, np.asarray(depth), np.asarray(force)), []
     if ratios.too_deep:
@@ -106,8 +107,8 @@ def _of_bending(capture: Capture) -> list[str]:
 
 
 def _of_play(capture: Capture) -> list[str]:
-    """The pin's contact is Hertz's while the radius of the area it touches is small against the pin's, as for the tip:
-    √(R δ) ≤ √(0.1) R_pin, with R of M54."""
+    """Return a line if the hinge's pin goes beyond Hertz's contact, which holds while the radius of the area it touches
+    is small against the pin's, as for the tip: √(R δ) ≤ √(0.1) R_pin, with R of M54."""
     hinge = capture.design.hinge
     if hinge.play is None:
         return []

@@ -12,15 +12,16 @@ from .throat import ThroatState
 
 
 def throat(mechanism: Assembled, log: Log, cross: Crossing, duration: Scalar) -> tuple[Array, Array]:
-    """How far the tip centre is before the capture plane at the end of the run [m], and how far beyond that plane it
-    would be at ``duration``, going on from the end, or from its crossing of the plane, as fast as it goes there [m]:
-    positive exactly if it crosses the plane until then.
+    """Return how far the tip centre is before the capture plane at the end of the run [m], and how far beyond that
+    plane it would be at ``duration``, going on from the end, or from its crossing of the plane, as fast as it goes
+    there [m]: positive exactly if it crosses the plane until then.
 
     Its value and slope are continuous where capture, or escape, happens just at ``duration``; grazing the plane without
     crossing it is a jump.
     """
     last = jnp.maximum(log.count - 1, 0)
     end = mechanism.evaluated(mechanism.posture(log.rows[last, 0]), "throat")
+    # With latches a run goes on beyond the plane: how the tip crossed it counts, not where the latches hold it.
     if mechanism.element("latch") is None:
         return end.before, _through(mechanism, end, -(end.before + end.receding * (duration - log.time[last])))
     there = mechanism.evaluated(cross.at, "throat")
@@ -38,7 +39,7 @@ def _through(mechanism: Assembled, end: ThroatState, beyond: Array) -> Array:
 def stroke_margin(
     mechanism: Assembled, log: Log, stroke: Float[Array, ""], bottomed: Bool[Array, ""]
 ) -> Float[Array, ""]:
-    """How much stroke is left before the buffer's end [m]; less than zero for a bottomed run.
+    """Return how much stroke is left before the buffer's end [m]; less than zero for a bottomed run.
 
     There it is -½ m ṡ²/F, the way on which the buffer's force at its end would stop the mass m that its ends meet
     through the joints. So the margin is continuous, and zero, where a run just reaches the end, and its slope leads out

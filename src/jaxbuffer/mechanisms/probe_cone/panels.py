@@ -13,7 +13,8 @@ NOT_ELASTIC = ("kinetic", "latch_closing", "thrust")  # of what a history calls 
 
 
 def panels(capture: Capture) -> list[Panel]:
-    """Gap and distance to capture, energy, stroke, hinge angle and latch force of a capture with a history."""
+    """Return panels of gap and distance to capture, energy, stroke, hinge angle and latch force of a capture with a
+    history."""
     history = capture.history
     assert history is not None
     more = [panel for panel in (_latch(capture), _bending(capture), _play(capture)) if panel is not None]
@@ -42,8 +43,8 @@ def panels(capture: Capture) -> list[Panel]:
 
 
 def _reach(values: np.ndarray, largest: float, unit: str) -> str:
-    """What a title says of a curve that can change sign: its ends with their signs, the larger one to be the run's
-    ``largest`` size, which lies between two steps."""
+    """Return what a title says of a curve that can change sign: its ends with their signs, the larger one to be the
+    run's ``largest`` size, which lies between two steps."""
     low, high = float(np.min(values, initial=0.0)), float(np.max(values, initial=0.0))
     low, high = (-largest, high) if -low > high else (low, largest)
     return f", from {low:.3g} to {with_unit(high, unit, 3)}"
@@ -76,7 +77,7 @@ def _play(capture: Capture) -> Panel | None:
 
 
 def _energy(capture: Capture) -> Panel:
-    """What each part has of the energy of relative motion (M177), and what each has taken of it."""
+    """Return a panel of what each part has of the energy of relative motion (M177), and what each has taken of it."""
     design, history = capture.design, capture.history
     energy = history.energy  # type: ignore[union-attr]
     parts = {
@@ -98,6 +99,7 @@ def _energy(capture: Capture) -> Panel:
         parts["in the rebound stop"] = energy.rebound + energy.rebound_damper
     if design.latch.stiffness is not None:
         parts["in the latches"] = energy.latch + energy.latch_damper
+    # The panel stacks them, so that the unit is that of their sum.
     largest = float(np.max(np.sum([np.asarray(values) for values in parts.values()], axis=0)))
     unit, many = energy_unit(largest)
     curves = tuple(Curve(name, many * np.asarray(value)) for name, value in parts.items())
@@ -106,7 +108,7 @@ def _energy(capture: Capture) -> Panel:
 
 
 def relative_motion(history: Any) -> np.ndarray:
-    """The energy of relative motion less what springs, contacts and latches store of it [J], over a history."""
+    """Return the energy of relative motion less what springs, contacts and latches store of it [J], over a history."""
     stored = history.energy.stored
     elastic = sum(np.asarray(stored[name]) for name in stored if name not in NOT_ELASTIC)
     return np.asarray(history.relative_energy) - elastic

@@ -95,7 +95,7 @@ class Probe(Part):
 
     @property
     def tip_inertia(self) -> Scalar:
-        """I_t of the tip about its centre [kg m²] (M6)."""
+        """Return I_t of the tip about its centre [kg m²] (M6)."""
         return 0.4 * self.tip_mass * self.tip_radius**2
 
 
@@ -138,7 +138,7 @@ class Hinge(Part):
 
     @property
     def pin_radius(self) -> Scalar:
-        """The bush's radius less the play [m]."""
+        """Return the pin's radius [m], the bush's less the play."""
         return self.bush_radius - (0.0 if self.play is None else self.play)
 
 

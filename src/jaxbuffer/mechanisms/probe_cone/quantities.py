@@ -19,12 +19,12 @@ DEGREES = ("deg", 180.0 / math.pi)
 
 
 def _loss(name: str) -> Callable[[Any], Any]:
-    """How the energy lost in a place is read off, which not every design has."""
+    """Return how the energy lost in a place is read off, which not every design has."""
     return lambda capture: capture.energy.lost.get(name, 0.0 * capture.energy.friction)
 
 
 def _time_of(maximum: str, what: str) -> Quantity:
-    """The time of one of the run's maxima, which a finished run alone has."""
+    """Return the time of one of the run's maxima as a quantity, which a finished run alone has."""
     return Quantity(
         "s",
         lambda capture: jnp.asarray(capture.maximum_times.get(maximum, math.nan)),
@@ -34,7 +34,7 @@ def _time_of(maximum: str, what: str) -> Quantity:
 
 
 def _shock(vehicle: str, slot: int) -> Quantity:
-    """The shock at one of the frequencies that a design names."""
+    """Return the shock at one of the frequencies that a design names, as a quantity."""
     name, field = f"{vehicle}_shock_{slot}", f"shock.{vehicle}_{slot}"
     return Quantity(
         "m/s²",

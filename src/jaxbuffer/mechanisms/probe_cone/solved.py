@@ -13,9 +13,10 @@ from .outcome import Outcome
 
 
 def capture(mechanism: Assembled, solved: Solved) -> Capture:
-    """What was solved, as a capture."""
+    """Return what was solved, as a capture."""
     largest, known, log = solved.common["maxima"], solved.known, solved.log
     stroke = solved.maxima.others["stroke"]
+    # Vehicles that latches hold, but that are not yet at rest when time is up, are latched.
     code = jnp.where((solved.code == Outcome.timeout) & latched(mechanism, log), int(Outcome.latched), solved.code)
     cross = crossing(mechanism, log, code)
     throat_distance, beyond = throat(mechanism, log, cross, solved.duration)

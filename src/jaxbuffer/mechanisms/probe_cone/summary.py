@@ -17,7 +17,7 @@ from .vehicle_forces import larger_than_contact
 
 
 def summary(capture: Capture) -> str:
-    """A capture in a dozen lines, units included."""
+    """Return a capture in a dozen lines, units included."""
     outcome = capture.outcome
     if outcome.failed:
         where = scenario_label(capture.scenario)
@@ -57,7 +57,7 @@ def _when(time: float) -> str:
 
 
 def _force(capture: Capture, name: str) -> str:
-    """The largest of a force, and when; one that is what rounding leaves of zero as zero."""
+    """Return the largest value of a force and when it occurs; "0 N" where it is only rounding."""
     force = float(capture.quantity(f"peak_{name}"))
     return "0 N" if force < NEGLIGIBLE["N"] else f"{force:.6g} N{_when(capture.maximum_times[name])}"
 
@@ -96,7 +96,7 @@ def _first_impact(capture: Capture) -> list[str]:
 
 
 def _latch(capture: Capture) -> list[str]:
-    """When the latches closed, what they exerted, and how the tip met them."""
+    """Return when the latches closed, what they exerted, and how the tip met them."""
     latch, docked = capture.design.latch, capture.docked
     if latch.stiffness is None or not np.isfinite(float(docked.latch_time)):
         return []
@@ -112,7 +112,7 @@ def _latch(capture: Capture) -> list[str]:
 
 
 def _shock(capture: Capture) -> list[str]:
-    """What equipment on the vehicles feels, if its frequencies are named."""
+    """Return what equipment on the vehicles feels, if its frequencies are named."""
     felt = [
         f"{name.partition('_')[0]} {float(capture.quantity(name)):.4g} m/s² at {float(frequency):.4g} Hz"
         for name, frequency in capture.design.shock.frequencies.items()
@@ -121,7 +121,7 @@ def _shock(capture: Capture) -> list[str]:
 
 
 def _energy_before(capture: Capture) -> str:
-    """The energy of relative motion at the start, and what latches and thrust put in."""
+    """Return the energy of relative motion at the start, and what latches and thrust put in."""
     begin = float(capture.docked.energy_left) / float(capture.docked.relative_energy)
     put_in = {
         name: -float(np.asarray(capture.energy.stored[key]))
@@ -133,7 +133,7 @@ def _energy_before(capture: Capture) -> str:
 
 
 def _energy_left(capture: Capture) -> str:
-    """The energy of relative motion left, and the stroke that it may still take."""
+    """Return the energy of relative motion left, and the stroke that it may still take."""
     docked, longest = capture.docked, float(capture.design.buffer.longest_stroke)
     share = percent_text(float(docked.relative_energy), ".3g")
     left = f"{energy_text(docked.energy_left)} of relative motion, {share} of that"
@@ -199,8 +199,8 @@ def _stroke_limits(capture: Capture) -> str:
 
 
 def _bottomed(capture: Capture) -> str:
-    """What would keep the buffer from its end. By how much it is too short is not said: after the end come further
-    impacts, of vehicles that are far heavier than the probe, and no number of this run tells of them."""
+    """Return what would keep the buffer from its end. By how much it is too short is not said: after the end come
+    further impacts, of vehicles that are far heavier than the probe, and no number of this run tells of them."""
     buffer = capture.design.buffer
     longer = (
         "buffer.free_length" if buffer.max_stroke is None or buffer.stop_stiffness is not None else "buffer.max_stroke"
@@ -209,7 +209,7 @@ def _bottomed(capture: Capture) -> str:
 
 
 def _margin(capture: Capture) -> str:
-    """The capture margin with what it is a distance of."""
+    """Return the capture margin with what it is a distance of."""
     margin = float(capture.capture_margin)
     if capture.outcome == Outcome.bottomed:
         return _bottomed(capture)
@@ -229,7 +229,7 @@ def _predicted(capture: Capture) -> str:
 
 
 def first_impact_line(capture: Capture) -> str:
-    """The simulated first peak beside its closed form."""
+    """Return the simulated first peak beside its closed form."""
     first, force = capture.first_impact, float(np.asarray(capture.impacts.peak_force)[0])
     if capture.scenario.start == "free":
         return f"First impact: {force:.6g} N" if int(capture.impact_count) else "First impact: none"
@@ -240,7 +240,7 @@ def first_impact_line(capture: Capture) -> str:
 
 
 def first_impact_record(capture: Capture) -> dict[str, float]:
-    """The closed form of the first impact, units in the names."""
+    """Return the closed form of the first impact, units in the names."""
     first = capture.first_impact
     return {
         "effective_mass [kg]": float(first.effective_mass),

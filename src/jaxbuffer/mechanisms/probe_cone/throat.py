@@ -66,6 +66,7 @@ class Throat(Element):
 
     def guards(self, at: ThroatState) -> list[Scalar]:
         cone, free = self.design.cone, self.scenario.start == "free"
+        # From the capture plane to x = -L_T - 2 L_c, where the tip has escaped (M66).
         retreat = 2.0 * cone.length - self.design.probe.tip_radius * jnp.sin(cone.half_angle)
         escaped = at.before - (retreat + self.scenario.standoff if free else retreat)
         if free:  # past the mouth outside the rim the tip has missed the cone; behind a flank the contact means nothing

@@ -13,7 +13,7 @@ from .shapes import highest_period
 
 
 def rise_time(design: SliderCrank, peak_force: Any, penetration: Any) -> Any:
-    """How long a contact force takes to its peak [s], with the reduced mass of slider and rod.
+    """Return how long a contact force takes to its peak [s], with the reduced mass of slider and rod.
 
     **Arguments:** ``peak_force`` [N]; ``penetration``: the deepest [m]; arrays broadcast.
     """
@@ -22,14 +22,14 @@ def rise_time(design: SliderCrank, peak_force: Any, penetration: Any) -> Any:
 
 
 def rod_period(design: SliderCrank) -> Any:
-    """Period [s] of the highest of the free rod's modes."""
+    """Return the period [s] of the highest of the free rod's modes."""
     if design.rod.shape is not None:
         return highest_period(design.rod, shapes.ROD, design.rod.size)
     return period(design.rod.bar, highest_of_free(design.rod.modes))
 
 
 def bending_parts(design: SliderCrank) -> list[tuple[str, int, Any]]:
-    """Each part that bends: its name, how many modes, the period of the highest [s]."""
+    """Return each part that bends: its name, how many modes, the period of the highest [s]."""
     slider, parts = design.slider, [("rod", design.rod.modes, rod_period(design))] if design.rod.modes else []
     if slider.modes:
         parts.append(("slider", slider.modes, highest_period(slider, shapes.SLIDER, slider.scale)))
@@ -37,7 +37,7 @@ def bending_parts(design: SliderCrank) -> list[tuple[str, int, Any]]:
 
 
 def limits(design: SliderCrank, peak_force: Any, penetration: Any) -> list[ValidityLimit]:
-    """How each part's highest mode's period compares with the time the force takes to its peak."""
+    """Return how each part's highest mode's period compares with the time that the force takes to its peak."""
     parts = bending_parts(design)
     if not parts or penetration is None:
         return []
@@ -46,7 +46,7 @@ def limits(design: SliderCrank, peak_force: Any, penetration: Any) -> list[Valid
 
 
 def mode_lines(run: Run, penetration: float) -> list[str]:
-    """Number of modes of each part that bends, and the highest's period beside the time the force took."""
+    """Return the number of modes of each part that bends, and the highest's period beside the time the force took."""
     lines = [modes_line(name, str(modes), highest) for name, modes, highest in bending_parts(run.design)]
     if lines and int(run.impact_count):
         lines.append(force_line(rise_time(run.design, float(run.peak_force), penetration)))

@@ -34,6 +34,7 @@ class BluntImpact(AdamsImpact):
         return self.stiffness / power * (squared ** (0.5 * power) - self.onset_depth**power)
 
     def depth(self, force: Scalar) -> Scalar:
+        # With an onset the force has no inverse in closed form, as a power has: it is found by bisection.
         return ContactLaw.depth(self, force)
 
     def time_scale(self, mass: Scalar, speed: Scalar) -> Scalar:

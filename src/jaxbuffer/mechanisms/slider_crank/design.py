@@ -110,31 +110,31 @@ class Rod(Part):
 
     @property
     def bar(self) -> Bar:
-        """As a uniform bar."""
+        """Return the rod as a uniform bar."""
         assert self.depth is not None
         return Bar.rectangle(self.length, self.width, self.depth, self.density, self.young_modulus)
 
     @property
     def size(self) -> Number:
-        """The unit of length of its mesh [m]."""
+        """Return the unit of length of the rod's mesh [m]."""
         assert self.shape is not None
         return self.length / length_in_mesh(self.shape)
 
     @property
     def form(self) -> PlanarBody:
-        """As a planar shape."""
+        """Return the rod as a planar shape."""
         return shaped(self, shapes.ROD, self.size)
 
     @property
     def ends(self) -> Places:
-        """The crank pin and the piston pin, from the undeformed rod's centre of mass [m]."""
+        """Return the crank pin and the piston pin, from the undeformed rod's centre of mass [m]."""
         if self.shape is None:
             return (-self.centre * self.length, 0.0), ((1.0 - self.centre) * self.length, 0.0)
         return shapes.places(self, shapes.ROD, self.size)
 
     @property
     def body(self) -> Body:
-        """As a rigid body."""
+        """Return the rod as a rigid body."""
         if self.shape is not None:
             return rigid(self, shapes.ROD, self.size)
         if self.depth is None:
@@ -170,17 +170,18 @@ class Slider(Part):
 
     @property
     def form(self) -> PlanarBody:
-        """As a planar shape."""
+        """Return the slider as a planar shape."""
         return shaped(self, shapes.SLIDER, self.scale)
 
     @property
     def places(self) -> Places:
-        """The guide's middle and the pin, from the undeformed slider's centre of mass [m]."""
+        """Return the guide's middle and the pin, from the undeformed slider's centre of mass [m]."""
         return ((0.0, 0.0),) * 2 if self.shape is None else shapes.places(self, shapes.SLIDER, self.scale)
 
     @property
     def body(self) -> Body:
-        """As a rigid body."""
+        """Return the slider as a rigid body."""
+        # The guide keeps it from turning: its inertia means nothing.
         return Body(self.mass, 1.0) if self.shape is None else rigid(self, shapes.SLIDER, self.scale)
 
 
@@ -243,7 +244,8 @@ def check_fit(design: SliderCrank, scenario: SliderCrankScenario) -> None:
 
 
 def valid(design: SliderCrank, scenario: SliderCrankScenario) -> Bool[Array, ""]:
-    """The same of numbers known only inside compiled code, each in its range besides."""
+    """Return whether design and scenario fit and each number is in its range, for numbers known only inside compiled
+    code."""
     fit = inside(design.crank.length, high=design.rod.length, high_open=True, **POSITIVE)
     steady = inside(abs(scenario.crank_speed), low=0.0, low_open=design.drive.kind == "speed")
     return all_of([*design.in_range(), *scenario.in_range(), fit, steady])

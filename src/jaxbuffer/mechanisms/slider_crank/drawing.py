@@ -37,8 +37,8 @@ EYE = 1.7  # radius of the rod's ends, in radii of their bush; assumed, like the
 
 
 def drawing(design: SliderCrank, bodies: tuple[str, ...] = ()) -> Drawing:
-    """Crank, rod, slider and its guide, in the design's lengths, the rod as far as it bends; in the detail the first
-    pin that has play."""
+    """Return crank, rod, slider and its guide, in the design's lengths, the rod as far as it bends; in the detail the
+    first pin that has play."""
     crank, rod = design.crank, design.rod
     length, throw, off = float(rod.length), float(crank.length), float(crank.unbalance / crank.mass)
     rear, front = (Spot(ROD, float(x), float(y)) for x, y in rod.ends)
@@ -49,6 +49,7 @@ def drawing(design: SliderCrank, bodies: tuple[str, ...] = ()) -> Drawing:
     shank: Rod | Band = Rod(rear, front, wide_rod, "rod")
     if bends(design):
         shank = Band(stations(BODIES), wide_rod, "rod")
+        # The pins of a rod that bends are where its first and its last station are.
         rear, front = Spot(shank.stations[0]), Spot(shank.stations[-1])
     rod_shapes: tuple[Any, ...] = (shank, Disc(front, EYE * small), Disc(rear, EYE * large))
     if rod.shape is not None:
@@ -76,7 +77,7 @@ def drawing(design: SliderCrank, bodies: tuple[str, ...] = ()) -> Drawing:
 
 
 def bent(design: SliderCrank) -> Motion:
-    """The bodies' frames, and those of stations along a rod that bends."""
+    """Return a function of a history that gives the bodies' frames, and those of stations along a rod that bends."""
     bar = bending_rod(design.rod) if bends(design) else None
     if bar is None or isinstance(bar, PlanarBody):
         return as_they_are
@@ -84,12 +85,12 @@ def bent(design: SliderCrank) -> Motion:
 
 
 def bends(design: SliderCrank) -> bool:
-    """Whether the rod is drawn as a band that bends; a shape is drawn as if it were rigid."""
+    """Return whether the rod is drawn as a band that bends; a shape is drawn as if it were rigid."""
     return bool(design.rod.modes) and design.rod.shape is None
 
 
 def slider_shapes(design: SliderCrank, usual: Points) -> tuple[Outline, ...]:
-    """The slider: ``usual`` corners, or the lines around its mesh."""
+    """Return the slider: ``usual`` corners, or the lines around its mesh."""
     slider = design.slider
     if slider.shape is None:
         return (Outline(SLIDER, usual, part="slider"),)
@@ -97,13 +98,13 @@ def slider_shapes(design: SliderCrank, usual: Points) -> tuple[Outline, ...]:
 
 
 def lines_around(body: int, lines: list[np.ndarray], part: str) -> tuple[Outline, ...]:
-    """A body's outlines: the longest, filled, names the ``part``; holes are lines."""
+    """Return a body's outlines: the longest, filled, names the ``part``; holes are lines."""
     longest_first = sorted(lines, key=lambda line: -float(np.ptp(line)))
     return tuple(Outline(body, line, filled=not k, part="" if k else part) for k, line in enumerate(longest_first))
 
 
 def _seat(design: SliderCrank) -> Spot:
-    """Where the piston pin is on the slider."""
+    """Return where the piston pin is on the slider."""
     return Spot(SLIDER, *map(float, design.slider.places[1]))
 
 
@@ -127,8 +128,8 @@ def _crank_touches(design: SliderCrank, at_crank: Spot, rear: Spot) -> tuple[Tou
 
 
 def closer(pin: Pin, touch: Touch, motion: Motion, magnified: int) -> tuple[Detail, Motion]:
-    """A pin in its bush with the play drawn larger, and the frames for it: behind those of ``motion`` (``magnified`` of
-    them) the pin's, whose centre is as many times farther from the bush's as the play is larger."""
+    """Return a pin in its bush with the play drawn larger, and the frames for it: behind those of ``motion``
+    (``magnified`` of them) the pin's, whose centre is as many times farther from the bush's as the play is larger."""
     bush, clearance = float(pin.bush_radius), float(pin.clearance)
     times = max(PLAY * bush / clearance, 1.0)
     name = pin.section.replace("_", " ")
@@ -151,5 +152,5 @@ def closer(pin: Pin, touch: Touch, motion: Motion, magnified: int) -> tuple[Deta
 
 
 def _track(spot: Spot, frames: Float[np.ndarray, "steps bodies 3"]) -> Float[np.ndarray, "steps 2"]:
-    """Where a spot is at every step [m]."""
+    """Return where a spot is at every step [m]."""
     return np.array([spot.at(each) for each in frames])

@@ -10,8 +10,8 @@ PINS = ("piston_pin", "crank_pin")
 
 
 def journal_path(run: Run, pin: str = "piston_pin") -> Float[np.ndarray, "steps 2"]:
-    """The pin's centre relative to the bush's at every step of a slider-crank's history, along the slider's line and
-    across it [m], shape (steps, 2).
+    """Return the pin's centre relative to the bush's at every step of a slider-crank's history, along the slider's line
+    and across it [m], shape (steps, 2).
 
     **Arguments:** ``run``: one simulated with ``history=True``; ``pin``: "piston_pin" or "crank_pin".
 

@@ -9,7 +9,8 @@ from .journal import PINS, journal_path
 
 
 def panels(run: Run) -> list[Panel]:
-    """Path of each pin with play, torque of the drive, the slider's acceleration, energy, of a run with a history."""
+    """Return panels of the path of each pin with play, the drive's torque, the slider's acceleration and energy, of a
+    run with a history."""
     history = run.history
     assert history is not None
     paths = [_path(run, pin) for pin in PINS if getattr(run.design, pin).joint == "clearance"]
@@ -35,7 +36,7 @@ def panels(run: Run) -> list[Panel]:
 
 
 def _path(run: Run, pin: str) -> Panel:
-    """The pin's centre relative to the bush's, and how far it can go before it touches."""
+    """Return a panel of the pin's centre relative to the bush's, and of how far it can go before it touches."""
     part = getattr(run.design, pin)
     along, across = 1e3 * journal_path(run, pin).T
     edge = 1e3 * float(part.clearance) * _outline(part.by_components)
@@ -48,7 +49,7 @@ def _path(run: Run, pin: str) -> Panel:
 
 
 def _outline(square: bool) -> np.ndarray:
-    """A circle or a square of half-width 1, shape (2, points)."""
+    """Return a circle or a square of half-width 1, shape (2, points)."""
     if square:
         return np.array([[1.0, -1.0, -1.0, 1.0, 1.0], [1.0, 1.0, -1.0, -1.0, 1.0]])
     angle = np.linspace(0.0, 2.0 * np.pi, 200)

@@ -119,19 +119,20 @@ class Pin(Part):
 
     @property
     def by_components(self) -> bool:
-        """Whether its contact is one for each direction."""
+        """Return whether the pin's contact is one for each direction."""
         return False
 
     @property
     def radius(self) -> Scalar:
-        """Of the pin [m]."""
+        """Return the radius of the pin [m]."""
         return self.bush_radius - self.clearance
 
     @property
     def by_materials(self) -> PinInHoleLaw:
-        """The law of a pin in a hole with this name, that of a sphere for "adams"."""
+        """Return the law of a pin in a hole with this name, that of a sphere for "adams"."""
         modulus, ratio = self.young_modulus, self.poisson_ratio
         return pin_in_hole_law(
+            # IMPACT takes its stiffness from the materials as a sphere does, unless it is given.
             "sphere" if self.law == ADAMS else self.law,
             bush_radius=self.bush_radius,
             clearance=self.clearance,
@@ -143,7 +144,7 @@ class Pin(Part):
 
     @property
     def contact_law(self) -> ContactLaw:
-        """The normal law of its contact."""
+        """Return the normal law of the pin's contact."""
         by_materials = self.by_materials
         if self.law == ADAMS:
             assert isinstance(by_materials, SphereInSphere)

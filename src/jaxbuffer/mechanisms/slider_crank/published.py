@@ -8,9 +8,10 @@ MM = 1e-3  # m
 
 
 def published_slider_crank(exponent: float = 0.1, stiffness: Scalar = 1e4) -> SliderCrank:
-    """Clearance 1.1 mm in the piston pin, IMPACT on each component, torque 10 kN m (1 - ω/10 rad/s).
+    """Return the slider-crank of clearance 1.1 mm in the piston pin, IMPACT on each component, torque 10 kN m (1 - ω/10
+    rad/s).
 
-    The seed prints no geometry: here it is the default one, whose lengths and masses are an engine's, with a crank of
+    The paper prints no geometry: here it is the default one, whose lengths and masses are an engine's, with a crank of
     5 kg and 0.01 kg m², so that the drive has brought it to speed after some 10 µs. Start it at rest.
 
     **Arguments:** ``exponent``: e [-], printed 0.01, 0.1 and 0.2; ``stiffness``: k [N/mm^e], printed 1e4 and 1e5.

@@ -7,7 +7,7 @@ from ..run import Run
 
 
 def deepest(run: Run) -> Float[Array, ""]:
-    """The deepest penetration where it is watched [m], else the depth that the peak force bounds (M72)."""
+    """Return the deepest penetration where it is watched [m], else the depth that the peak force bounds (M72)."""
     return run.maxima.get("penetration", run.penetration)
 
 
@@ -35,6 +35,7 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "torque_ripple": Quantity(
         "N m",
+        # The least torque is minus the largest braking torque.
         lambda run: run.maxima["drive_torque"] + run.maxima["braking_torque"],
         "largest less least torque of the drive",
         "torque ripple",

@@ -48,7 +48,7 @@ def check_modes(section: str, modes: int) -> None:
 
 
 def shaped(part: Any, names: tuple[str, str], size: Scalar) -> PlanarBody:
-    """A rod or slider in its modes. ``names``: of the boundaries; ``size``: the mesh's unit of length [m]."""
+    """Return a rod or slider in its modes. ``names``: of the boundaries; ``size``: the mesh's unit of length [m]."""
     planar = reduced(part.shape, names, part.modes)
     material = part.width, part.density, part.young_modulus
     component, (first, second) = planar.body(*material, size, damping_ratio=part.damping_ratio)
@@ -57,41 +57,42 @@ def shaped(part: Any, names: tuple[str, str], size: Scalar) -> PlanarBody:
 
 
 def places(part: Any, names: tuple[str, str], size: Scalar) -> Places:
-    """The attachments of a rod or slider, from the undeformed body's centre of mass [m]."""
+    """Return the attachments of a rod or slider, from the undeformed body's centre of mass [m]."""
     (x0, y0), (x1, y1) = reduced(part.shape, names, 0).points
     return (size * x0, size * y0), (size * x1, size * y1)
 
 
 def rigid(part: Any, names: tuple[str, str], size: Scalar) -> Body:
-    """A rod or slider as a rigid body; arrays broadcast."""
+    """Return a rod or slider as a rigid body; arrays broadcast."""
     planar, areal = reduced(part.shape, names, 0), part.width * part.density * size**2
     return Body(areal * planar.area, areal * size**2 * planar.inertia)
 
 
 def length_in_mesh(text: str) -> float:
-    """How far a rod's pins are apart in its mesh, in the mesh's unit."""
+    """Return how far a rod's pins are apart in its mesh, in the mesh's unit."""
     points = reduced(text, ROD, 0).points
     return float(points[1, 0] - points[0, 0])
 
 
 def highest_period(part: Any, names: tuple[str, str], size: Any) -> Any:
-    """Period of the highest mode of a rod or slider [s]; arrays broadcast."""
+    """Return the period of the highest mode of a rod or slider [s]; arrays broadcast."""
     squared = np.asarray(part.young_modulus / part.density) * reduced(part.shape, names, part.modes).eigenvalues[-1]
     return 2.0 * np.pi * np.asarray(size) / np.sqrt(squared)
 
 
 @functools.lru_cache(maxsize=32)
 def reduced(text: str, names: tuple[str, str], modes: int) -> Any:
-    """The mesh in so many modes, at least those that the attachments take, as `PlanarModes`."""
+    """Return the mesh in so many modes, at least those that the attachments take, as `PlanarModes`."""
     from ...multibody.flexible import boundary, planar_modes  # scikit-fem takes long to import
 
+    # Modes are kept in the mesh's own units: dimensions and materials only scale them.
     mesh = placed_mesh(text, names)
     return planar_modes(mesh, [boundary(mesh, name) for name in names], max(modes - LEAST_MODES, 0), POISSONS_RATIO)
 
 
 @functools.lru_cache(maxsize=32)
 def placed_mesh(text: str, names: tuple[str, str]) -> Any:
-    """The mesh, that of a rod turned so that its pins lie along the x-axis."""
+    """Return the mesh, that of a rod turned so that its pins lie along the x-axis."""
     from ...multibody.flexible import boundary  # scikit-fem takes long to import
 
     mesh = mesh_of(text)
@@ -103,8 +104,8 @@ def placed_mesh(text: str, names: tuple[str, str]) -> Any:
 
 
 def _middle(text: str, names: tuple[str, str], modes: int) -> tuple[np.ndarray, np.ndarray]:
-    """(modes,) deflection of the node nearest to the middle between the attachments, off the line through them, and
-    (2, modes) stress of unit modulus where the mesh's boundary is highest and lowest there."""
+    """Return (modes,) deflection of the node nearest to the middle between the attachments, off the line through them,
+    and (2, modes) stress of unit modulus where the mesh's boundary is highest and lowest there."""
     planar, mesh = reduced(text, names, modes), placed_mesh(text, names)
     (x0, y0), (x1, y1) = planar.points
     middle = np.array([0.5 * (x0 + x1), 0.5 * (y0 + y1)])
@@ -116,6 +117,7 @@ def _middle(text: str, names: tuple[str, str], modes: int) -> tuple[np.ndarray, 
     x, y = planar.nodes[:, vertices] - middle[:, None, None]
     across = np.flatnonzero((x.min(axis=0) <= 0.0) & (x.max(axis=0) >= 0.0))
     width = x[1, across] - x[0, across]
+    # How far along the edge, from its first vertex to its second, it crosses the middle.
     second = np.where(width == 0.0, 0.0, -x[0, across] / np.where(width == 0.0, 1.0, width))
     height = (1.0 - second) * y[0, across] + second * y[1, across]
     rows = [
@@ -126,13 +128,14 @@ def _middle(text: str, names: tuple[str, str], modes: int) -> tuple[np.ndarray, 
 
 
 def outlines(text: str, names: tuple[str, str], size: float) -> list[np.ndarray]:
-    """The closed lines around the mesh, (corners, 2) from the centre of mass [m]."""
+    """Return the closed lines around the mesh, (corners, 2) from the centre of mass [m]."""
     mesh, centre = placed_mesh(text, names), reduced(text, names, 0).centre
     follows: dict[int, list[int]] = {}
     for first, second in mesh.facets[:, mesh.boundary_facets()].T:
         follows.setdefault(int(first), []).append(int(second))
         follows.setdefault(int(second), []).append(int(first))
     lines = []
+    # Edges are followed from vertex to vertex until a line closes; those that are left belong to further lines.
     while any(follows.values()):
         start = here = next(vertex for vertex, others in follows.items() if others)
         line = [start]

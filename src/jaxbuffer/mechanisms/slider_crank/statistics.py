@@ -50,8 +50,8 @@ class TurnStatistics(NamedTuple):
 
 
 def turn_statistics(run: Run) -> TurnStatistics:
-    """Impacts, largest force, mean of the impacts' peaks and share of contact by turn of the crank, with the standard
-    errors of their means.
+    """Return impacts, largest force, mean of the impacts' peaks and share of contact by turn of the crank, with the
+    standard errors of their means.
 
     The first turn is left out: it begins where no steady motion would be. Turns that follow one another are alike, so
     an error comes from means of blocks of turns, as `standard_error` says.
@@ -90,31 +90,34 @@ def turn_statistics(run: Run) -> TurnStatistics:
 
 
 def overflown(run: Run) -> bool:
-    """Whether events found no room in the log."""
+    """Return whether events found no room in the log."""
     return bool(np.asarray(run._located.overflown))
 
 
 def turn_starts(run: Run) -> Float[np.ndarray, " turns"]:
-    """When each turn begins, and the last whole one ends [s]. Between two events of the log the crank's angle is the
-    cubic through its values and speeds at both."""
+    """Return when each turn begins, and the last whole one ends [s]. Between two events of the log the crank's angle is
+    the cubic through its values and speeds at both."""
     log, scenario = run._located, run.scenario
     count = min(int(log.count), log.room)
+    # The spline needs times that rise: of several events at one instant the first is taken.
     time, first = np.unique(np.append(0.0, np.asarray(log.time)[:count]), return_index=True)
     angle = np.append(float(np.asarray(scenario.crank_angle)), np.asarray(log.rows)[:count, 0, 2])[first]
     speed = np.append(float(np.asarray(scenario.crank_speed)), np.asarray(log.rates)[:count, 0, 2])[first]
     between = np.linspace(0.0, 1.0, POINTS_BETWEEN, endpoint=False)
     times = np.append((time[:-1, None] + np.diff(time)[:, None] * between).ravel(), time[-1])
     turned = np.abs(CubicHermiteSpline(time, angle - angle[0], speed)(times)) / (2.0 * np.pi)
+    # The small number keeps a last turn that is whole but for rounding.
     return np.interp(np.arange(int(turned[-1] + 1e-9) + 1), turned, times)
 
 
 def contact_shares(run: Run, starts: Float[np.ndarray, " turns"]) -> Float[np.ndarray, " turns"]:
-    """Share of each turn in which a pin touches its bush."""
+    """Return the share of each turn in which a pin touches its bush."""
     log = run._located
     count = min(int(log.count), log.room)
     kind, time = np.asarray(log.kind)[:count], np.asarray(log.time)[:count]
     changes = np.isin(kind, (int(Kind.TOUCHDOWN), int(Kind.RELEASE)))
     touching = np.any(np.asarray(log.active)[:count] > 0.5, axis=1)
+    # After its last change a contact stays as it is, to the end.
     ends = np.append(time[changes], max(float(time[-1]), starts[-1]))
     closed = np.append(0.0, np.cumsum(np.diff(ends) * touching[changes]))  # time in contact up to each change
     upto = np.interp(starts, np.append(0.0, ends), np.append(0.0, closed))
@@ -129,8 +132,9 @@ def _mean(values: list[float] | np.ndarray, unit: str) -> Mean:
 
 
 def standard_error(values: Float[np.ndarray, " n"]) -> float:
-    """Of the mean of values that follow one another and may be alike (Flyvbjerg and Petersen 1989): the largest of the
-    errors that means of blocks of 1, 2, 4, … values give, at least eight blocks each; not a number of fewer than 2."""
+    """Return the standard error of the mean of values that follow one another and may be alike (Flyvbjerg and Petersen
+    1989): the largest of the errors that means of blocks of 1, 2, 4, … values give, at least eight blocks each; not a
+    number of fewer than 2."""
     errors, size = [], 1
     while size == 1 or len(values) // size >= LEAST_BLOCKS:
         blocks = values[: len(values) // size * size].reshape(-1, size).mean(axis=1)

@@ -17,7 +17,7 @@ from .statistics import LEAST_TURNS, overflown, turn_starts, turn_statistics
 
 
 def label(scenario: SliderCrankScenario, among: Any = ()) -> str:
-    """A start in a few words: "from 523.6 rad/s at 0°"."""
+    """Return a start in a few words: "from 523.6 rad/s at 0°"."""
     weight = float(scenario.gravity)
     angle = degrees_text(np.degrees(float(scenario.crank_angle)), sign=False)
     start = f"from {float(scenario.crank_speed):.4g} rad/s at {angle}"
@@ -25,18 +25,18 @@ def label(scenario: SliderCrankScenario, among: Any = ()) -> str:
 
 
 def loose(design: SliderCrank) -> tuple[Pin, ...]:
-    """Pins with play."""
+    """Return the pins with play."""
     return tuple(pin for pin in (design.piston_pin, design.crank_pin) if pin.joint == "clearance")
 
 
 def validity(design: SliderCrank, peak_force: Any, penetration: Any = None) -> list[ValidityLimit]:
-    """How near the peak forces [N] come to what the contact laws are good for, and the rod's modes to being too few."""
+    """Return how near the peak forces [N] come to the contact laws' limits, and the rod's modes to being too few."""
     few = bending_limits(design, peak_force, penetration) if loose(design) else []
     return contact_validity(design, peak_force) + few
 
 
 def contact_validity(design: SliderCrank, peak_force: Any) -> list[ValidityLimit]:
-    """The same of the laws alone."""
+    """Return how near the peak forces [N] come to the contact laws' limits alone."""
     limits = [pin.by_materials.limit_force for pin in loose(design) if pin.law != ADAMS and pin.stiffness is None]
     if not limits:
         return []
@@ -46,7 +46,7 @@ def contact_validity(design: SliderCrank, peak_force: Any) -> list[ValidityLimit
 
 
 def warnings(run: Run) -> list[str]:
-    """What a run's numbers lie beyond, a line each."""
+    """Return a line for each limit that a run exceeds."""
     lines = []
     if overflown(run):
         listed, all_of_them = int(run.impacts.count), int(run.impact_count)
@@ -62,8 +62,8 @@ def warnings(run: Run) -> list[str]:
 
 
 def summary(run: Run) -> str:
-    """The usual lines, below the peak the number of modes of a rod that bends, and, of at least four whole turns after
-    the first, means over turns."""
+    """Return the plain summary, with the number of modes of a rod that bends below the peak, and means over turns where
+    there are at least four whole ones after the first."""
     text = with_modes(run, plain_summary(run))
     if run.outcome.failed or overflown(run) or len(turn_starts(run)) - 2 < LEAST_TURNS:
         return text
@@ -75,7 +75,7 @@ def summary(run: Run) -> str:
 
 
 def with_modes(run: Run, text: str) -> str:
-    """A summary with the number of modes below the peak."""
+    """Return a summary with the number of modes below the peak."""
     if run.outcome.failed:
         return text
     lines = text.splitlines()

@@ -34,11 +34,13 @@ SQUARE = 4  # sides of a bush by components
 
 
 def slider_crank(design: SliderCrank, scenario: SliderCrankScenario, stabilisation: Scalar = 20.0) -> Assembled:
-    """The mechanism at its start (docs/slider_crank.md). The shaft is the origin, the slider's line the x-axis."""
+    """Return the mechanism at its start (docs/slider_crank.md). The shaft is the origin, the slider's line the
+    x-axis."""
     crank, rod, slider = design.crank, design.rod, design.slider
     off = crank.unbalance / crank.mass
     link, rear, front = rod_body(rod)
     block, guide, seat = slider_body(slider)
+    # A body's inertia is about its centre of mass: from that about the shaft Steiner's share is taken off.
     bodies = (Body(crank.mass, crank.inertia - crank.unbalance * off), link, block)
     joints: list[Joint] = [Revolute(GROUND, CRANK, second_point=(-off, 0.0)), guide]
     contacts: list[BallContact] = []
@@ -60,6 +62,7 @@ def slider_crank(design: SliderCrank, scenario: SliderCrankScenario, stabilisati
     drives, motors, torques = driven(design, scenario)
     q, v = ideal_motion(design, scenario)
     turning = design.drive.kind == "torque"
+    # A motor may bring the crank from rest to its no-load speed.
     fastest = jnp.maximum(jnp.abs(scenario.crank_speed), design.drive.no_load_speed if turning else 0.0)
     speed = crank.length * fastest
     return Assembled(
@@ -77,7 +80,7 @@ def slider_crank(design: SliderCrank, scenario: SliderCrankScenario, stabilisati
 
 
 def rod_body(rod: Rod) -> tuple[Body, Point, Point]:
-    """The rod, and where its pins are: the crank's and the piston's."""
+    """Return the rod, and where its pins are: the crank's and the piston's."""
     if not rod.modes:
         return rod.body, *rod.ends
     bent = bending_rod(rod)
@@ -86,17 +89,18 @@ def rod_body(rod: Rod) -> tuple[Body, Point, Point]:
 
 
 def bending_rod(rod: Rod) -> FlexibleBar | PlanarBody:
-    """The rod in modes of a free bar or shape, whose axes keep its centre of mass and angular momentum."""
+    """Return the rod in modes of a free bar or shape, whose axes keep its centre of mass and angular momentum."""
     if rod.shape is not None:
         return rod.form
     return free_bar(rod.bar, rod.modes - 2, damping_ratio=rod.damping_ratio)
 
 
 def slider_body(slider: Slider) -> tuple[Body, Prismatic, Point]:
-    """The slider, the guide that keeps its pin on the x-axis, and where the pin is."""
+    """Return the slider, the guide that keeps its pin on the x-axis, and where the pin is."""
     if slider.shape is None:
         return slider.body, Prismatic(GROUND, SLIDER), (0.0, 0.0)
     guide, seat = slider.places
+    # The guide's line is moved by as much as the pin lies beside the guide, so that the pin is on the x-axis.
     line = (0.0, guide[1] - seat[1])
     if not slider.modes:
         return slider.body, Prismatic(GROUND, SLIDER, line, guide), seat
@@ -107,23 +111,24 @@ def slider_body(slider: Slider) -> tuple[Body, Prismatic, Point]:
 def driven(
     design: SliderCrank, scenario: SliderCrankScenario
 ) -> tuple[tuple[Joint, ...], tuple[ForceElement, ...], tuple[Shown, Shown]]:
-    """What turns the crank: a joint that keeps its speed, or a motor's torque; and its torque as observables."""
+    """Return what turns the crank: a joint that keeps its speed, or a motor's torque; and its torque as observables."""
     drive = design.drive
     if drive.kind == "speed":
         joint = DrivenAngle(GROUND, CRANK, ConstantSpeed(scenario.crank_angle, scenario.crank_speed))
         return (joint,), (), torques(driven_torque, of_rate=True)
+    # M_0 (1 - ω/ω_0) is a constant torque and a damper of M_0/ω_0.
     damping = drive.torque / drive.no_load_speed
     motor = (AppliedTorque(CRANK, drive.torque), TorsionalSpringDamper(GROUND, CRANK, 0.0, damping))
     return (), motor, torques(motor_torque, of_rate=False)
 
 
 def torques(of: Callable[[Assembled, EvaluatedState, Array], Scalar], of_rate: bool) -> tuple[Shown, Shown]:
-    """The drive's torque, and its negative, whose largest value is the least torque's."""
+    """Return the drive's torque, and its negative, whose largest value is the least torque's."""
     return Shown("drive_torque", of, of_rate), Shown("braking_torque", lambda *at: -of(*at), of_rate)
 
 
 def in_contact(pin: Pin, shape: Shape, side: float) -> BallPair:
-    """A pin against its bush; ``side``: see `BallPair`."""
+    """Return a pin against its bush; ``side``: see `BallPair`."""
     return BallPair(
         radius=pin.radius,
         shape=shape,
@@ -134,7 +139,8 @@ def in_contact(pin: Pin, shape: Shape, side: float) -> BallPair:
 
 
 def flanks(half: Scalar) -> tuple[Segment, ...]:
-    """A square hole about its body's origin, ``half`` [m] its half-width, seen from inside: right, left, above, below.
+    """Return a square hole about its body's origin, ``half`` [m] its half-width, seen from inside: right, left, above,
+    below.
 
     Each is long enough for a pin that is deep in its neighbours.
     """
@@ -150,11 +156,12 @@ def flanks(half: Scalar) -> tuple[Segment, ...]:
 def ideal_motion(
     design: SliderCrank, scenario: SliderCrankScenario
 ) -> tuple[Float[Array, " coordinates"], Float[Array, " coordinates"]]:
-    """Positions and velocities of the mechanism without play, in closed form."""
+    """Return positions and velocities of the mechanism without play, in closed form."""
     crank, rod = design.crank, design.rod
     off = crank.unbalance / crank.mass
     theta, omega = jnp.asarray(scenario.crank_angle), scenario.crank_speed
     cos, sin = jnp.cos(theta), jnp.sin(theta)
+    # The rod leans so that the piston pin is on the x-axis.
     sine = -crank.length * sin / rod.length
     cosine = jnp.sqrt(1.0 - sine * sine)
     angle, spin = jnp.arcsin(sine), -crank.length * omega * cos / (rod.length * cosine)
@@ -177,20 +184,21 @@ def ideal_motion(
 
 
 def driven_torque(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
-    """What keeps the crank's speed steady [N m]: the drive's power over the speed."""
+    """Return the torque that keeps the crank's speed steady [N m]: the drive's power over the speed."""
     return mechanism.drive_power(rate) / at.kin.v[3 * CRANK + 2]
 
 
 def motor_torque(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
-    """Of a motor whose torque falls with its speed [N m]."""
+    """Return the torque of a motor whose torque falls with its speed [N m]."""
+    # The motor's two elements stand behind the weights.
     constant, damper = mechanism.system.forces[-2:]
     assert isinstance(constant, AppliedTorque) and isinstance(damper, TorsionalSpringDamper)
     return constant.torque + damper.torque(at.kin)
 
 
 def deformations(design: SliderCrank) -> tuple[Shown, ...]:
-    """The contacts' depth, where their damper makes the peak force, which then says little of how deep they went;
-    deflection and stress of a rod that bends."""
+    """Return the contacts' depth, where their damper makes the peak force, which then says little of how deep they
+    went; and deflection and stress of a rod that bends."""
     depths = (Shown("penetration", depth, least=0.0),) if design.piston_pin.by_components else ()
     bending = (Shown("rod_deflection", rod_deflection), Shown("rod_stress", rod_stress)) if design.rod.modes else ()
     pushed = (Shown("slider_deflection", slider_deflection(design.slider)),) if design.slider.modes else ()
@@ -198,17 +206,17 @@ def deformations(design: SliderCrank) -> tuple[Shown, ...]:
 
 
 def depth(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
-    """Of the contact that is deepest [m], negative where none touches."""
+    """Return the depth of the contact that is deepest [m], negative where none touches."""
     return -jnp.min(mechanism.gaps_at(at)[0])
 
 
 def slider_acceleration(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
-    """Its size [m/s²]."""
+    """Return the size of the slider's acceleration [m/s²]."""
     return jnp.abs(rate[mechanism.coordinates + 3 * SLIDER])
 
 
 def eccentricities(design: SliderCrank) -> tuple[Shown, ...]:
-    """Of each pin with play the centre relative to the bush's, along the slider's line and across it [m]."""
+    """Return, of each pin with play, the centre relative to the bush's, along the slider's line and across it [m]."""
     shown, contact = [], 0
     for pin in (design.piston_pin, design.crank_pin):
         if pin.joint == "clearance":
@@ -220,7 +228,8 @@ def eccentricities(design: SliderCrank) -> tuple[Shown, ...]:
 
 
 def eccentricity(contact: int, sign: float, axis: str) -> Callable[[Assembled, EvaluatedState, Array], Scalar]:
-    """One component of it, from a contact of the pin's; ``sign``: -1 where the ball stands for the bush."""
+    """Return one component of a pin's eccentricity, from one of its contacts; ``sign``: -1 where the ball stands for
+    the bush."""
 
     def of(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
         return sign * getattr(at.contacts[contact].centre.place - at.contacts[contact].origin.place, axis)
@@ -229,7 +238,7 @@ def eccentricity(contact: int, sign: float, axis: str) -> Callable[[Assembled, E
 
 
 def rod_deflection(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
-    """How far the rod's middle is off the line through its ends [m]."""
+    """Return how far the rod's middle is off the line through its ends [m]."""
     if isinstance(mechanism.parts, PlanarBody):
         return jnp.abs(jnp.sum(mechanism.parts.deflection * at.kin.modal(ROD)[0]))
     ends_and_middle = deflection(mechanism.parts, at.kin.modal(ROD)[0], (0.0, 0.5, 1.0))[:, 1]
@@ -237,7 +246,8 @@ def rod_deflection(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Sca
 
 
 def rod_stress(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
-    """Stress along the rod on the surface of its middle [Pa], its size: that of bending, of a shape the whole."""
+    """Return the size of the stress along the rod on the surface of its middle [Pa]: that of bending, of a shape the
+    whole."""
     if isinstance(mechanism.parts, PlanarBody):
         upper, lower = (jnp.abs(jnp.sum(row * at.kin.modal(ROD)[0])) for row in mechanism.parts.stress)
         return jnp.maximum(upper, lower)
@@ -247,7 +257,7 @@ def rod_stress(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
 
 
 def slider_deflection(slider: Slider) -> Callable[[Assembled, EvaluatedState, Array], Scalar]:
-    """How far the piston pin is pushed along the slider's line, against the slider's guide [m]."""
+    """Return how far the piston pin is pushed along the slider's line, against the slider's guide [m]."""
     form = slider.form
 
     def of(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:

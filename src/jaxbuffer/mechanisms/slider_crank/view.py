@@ -11,7 +11,7 @@ OTHERS = {"drive_torque": "N m", "braking_torque": "N m", "slider_acceleration":
 
 
 def names(design: SliderCrank) -> Names:
-    """What the contacts of a design are called, in order, and its observables."""
+    """Return what the contacts of a design are called, in order, and its observables."""
     contacts: tuple[str, ...] = ()
     if design.piston_pin.joint == "clearance":
         contacts += SIDES if design.piston_pin.by_components else ("piston",)

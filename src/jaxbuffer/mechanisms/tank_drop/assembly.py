@@ -48,20 +48,21 @@ class Assembled(NamedTuple):
     half: "Assembled | None"
 
     def compression(self, positions: Float[Array, "nodes 2"]) -> Float[Array, " pressed"]:
-        """How far the cushion is pressed together at each node below it; without one, the wall into the slider [m]."""
+        """Return how far the cushion is pressed together at each node below it; without one, the wall into the slider
+        [m]."""
         if self.system.layers:
             return self.system.layers[0].compression(positions)
         strike = self.system.contacts[1]
         return -strike.surface.pairs(strike.slaves, positions, None).gap
 
     def force(self, instant: Instant) -> Float[Array, ""]:
-        """The upward part of the force on the slider, along its fall: the guide takes the sideways part [N]."""
+        """Return the upward part of the force on the slider, along its fall [N]: the guide takes the sideways part."""
         (normal,) = [forces.normal for forces in (instant.layers or instant.contacts[1:])]
         return jnp.cos(self.angle) * jnp.sum(normal)
 
 
 def assembled(design: TankDrop, scenario: TankDropScenario) -> Assembled:
-    """The parts put together, nothing loaded yet."""
+    """Return the parts put together, nothing loaded yet."""
     mesh = section(design, scenario.fill)
     whole = design.mesh.extent == "whole"
     nodes, factor = len(mesh.positions), (1.0 if whole else 2.0) * design.tank.length
@@ -83,8 +84,11 @@ def assembled(design: TankDrop, scenario: TankDropScenario) -> Assembled:
         surface = mesh.liquid[mesh.numbers.liquid[0, -1], 1]
         static = design.contents.density * scenario.gravity * (surface - mesh.liquid[:, 1])
         if liquid.plate is not None:
+            # Some of the liquid in a plate's holes moves with it (m_h of M204).
             mass = mass.at[liquid.plate.plate, 0].add(liquid.plate.added_mass())
+    # An infinite mass holds a node: those on the axis sideways, the slider sideways, the baffle altogether.
     inverse = (1.0 / mass).at[mesh.sets.on_axis, 0].set(0.0)
+    # The section carries its share of the slider (M166).
     slider_inverse = jnp.stack([jnp.zeros(()), factor / jnp.asarray(design.slider.mass, float)])
     inverse = jnp.concatenate([inverse, slider_inverse[None], jnp.zeros((1, 2))])
     system = System(
@@ -106,7 +110,7 @@ def assembled(design: TankDrop, scenario: TankDropScenario) -> Assembled:
 
 
 def _above(design: TankDrop, mesh: Section, under: RigidPlane) -> Scalar:
-    """How high the slider is where it, or its cushion, just touches the tank [m]."""
+    """Return how high the slider is where it, or its cushion, just touches the tank [m]."""
     soft = design.cushion.thickness if design.cushion.kind == "layer" else 0.0
     if design.mesh.extent == "half":
         return design.tank.height + soft
@@ -130,8 +134,8 @@ def _material(design: TankDrop) -> Plastic | Orthotropic:
 
 
 def _with_ribs(design: TankDrop, quads: Quads) -> tuple[Quads, Float[Array, " elements"]]:
-    """Elements of which the ribs' are as deep as their share of a metre and, as narrow ribs are free to narrow along
-    the tank and plane elements are not, 1 - ν² of that; densities that give them their whole mass (M168)."""
+    """Return elements of which the ribs' are as deep as their share of a metre and, as narrow ribs are free to narrow
+    along the tank and plane elements are not, 1 - ν² of that; and densities that give them their whole mass (M168)."""
     narrowed = 1.0 - jnp.asarray(design.material.poisson_ratio, float) ** 2
     numbers = Numbering.of(design)
     half = len(numbers.corners)
@@ -146,29 +150,31 @@ def _strength(design: TankDrop) -> Scalar:
 
 
 def _support(design: TankDrop, mesh: Section, baffle: int) -> Contact:
-    """The outside, up to the level, on the baffle."""
+    """Return the contact of the outside, up to the level, with the baffle."""
     slaves = mesh.sets.support
     strips = jnp.linalg.norm(boundary_areas(mesh.positions[slaves]), axis=1)
     return Contact(slaves, RigidPlane(baffle, (0.0, 1.0)), design.support.method, design.support.stiffness * strips)
 
 
 def _strike(design: TankDrop, mesh: Section, under: RigidPlane) -> Contact:
-    """The slider without a cushion, on the outside from the level on, by the method of the support."""
+    """Return the contact of the slider without a cushion with the outside from the level on, by the method of the
+    support."""
     slaves = mesh.sets.pressed
     strips = jnp.linalg.norm(boundary_areas(mesh.positions[slaves]), axis=1)
     return Contact(slaves, under, design.support.method, design.support.stiffness * strips)
 
 
 def _air(design: TankDrop, mesh: Section) -> Gas:
-    """The air that is shut in above the liquid."""
+    """Return the air that is shut in above the liquid."""
     wall = mesh.positions[mesh.sets.inner]
     below = 0.0 if design.contents.kind == "none" else enclosed(mesh.liquid[mesh.sets.wet])
     return Gas(mesh.sets.inner, enclosed(wall) - below, enclosed(wall), design.contents.air_pressure)
 
 
 def _cushion(design: TankDrop, mesh: Section, under: RigidPlane) -> Layer:
-    """The cushion over the outside from the level on, in strips as wide as what faces it."""
+    """Return the cushion over the outside from the level on, in strips as wide as what faces it."""
     slaves = mesh.sets.pressed
+    # What faces away from the slider carries none of the cushion.
     width = jnp.maximum(-(boundary_areas(mesh.positions[slaves]) @ stacked(under.normal)), 0.0)
     soft = design.cushion
     return Layer(
@@ -193,7 +199,9 @@ def _liquid(design: TankDrop, mesh: Section) -> Liquid:
     return Liquid(
         incidence,
         stiffness,
+        # Explicit steps take a lumped mass: the sums of its rows (M148).
         incidence.to_nodes(jnp.sum(mass, axis=2)),
+        # On the free surface the pressure is zero (M147).
         jnp.ones(count).at[mesh.sets.free].set(0.0),
         jnp.asarray(design.contents.density, float),
         mesh.sets.wetted,
@@ -206,7 +214,7 @@ def _liquid(design: TankDrop, mesh: Section) -> Liquid:
 
 
 def _holes(design: TankDrop, mesh: Section) -> Perforated:
-    """The plate, or both, as the liquid feels it."""
+    """Return the plate, or both, as the liquid feels it."""
     plates, sets, high = design.plates, mesh.sets, mesh.numbers.liquid.shape[1]
     left, right = sets.left_of_plate, sets.right_of_plate
     assert plates.aperture is not None

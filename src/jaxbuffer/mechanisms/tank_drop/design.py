@@ -389,24 +389,25 @@ def _check_angle(design: TankDrop, scenario: TankDropScenario) -> None:
 
 
 def _room(design: TankDrop, zone: str) -> Scalar:
-    """How high a rib can be there [m]: it ends before the middle of a corner."""
+    """Return how high a rib can be there [m]: it ends before the middle of a corner."""
     return design.tank.corner_radius - getattr(design.wall, zone)
 
 
 def _corner(design: TankDrop) -> Scalar:
-    """How high the lower corner reaches, as a fill [-]: the mesh needs a liquid that reaches further."""
+    """Return how high the lower corner reaches, as a fill [-]: the mesh needs a liquid that reaches further."""
     bottom = design.wall.bottom
     return (design.tank.corner_radius - bottom) / (design.tank.height - bottom - design.wall.top)
 
 
 def _between(design: TankDrop) -> tuple[Scalar, Scalar]:
-    """Where a plate can be [m]: half of its thickness from the middle, and from where the corner begins."""
+    """Return where a plate can be [m]: half of its thickness from the middle, and from where the corner begins."""
     half, flat = 0.5 * design.plates.thickness, 0.5 * design.tank.width - design.tank.corner_radius
     return half, flat - half
 
 
 def valid(design: TankDrop, scenario: TankDropScenario) -> Bool[Array, ""]:
-    """The same of numbers known only inside compiled code, each in its range besides."""
+    """Return whether design and scenario fit and each number is in its range, for numbers known only inside compiled
+    code."""
     radius = jnp.asarray(design.tank.corner_radius, float)
     thin = [getattr(design.wall, zone) < radius for zone in ZONES]
     round_enough = [2.0 * radius < side for side in (design.tank.width, design.tank.height)]

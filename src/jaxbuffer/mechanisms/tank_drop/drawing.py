@@ -15,7 +15,7 @@ HIGH = 0.5  # of the tank's height: how high the slider is drawn
 
 
 def drawing(design: TankDrop, bodies: tuple[str, ...] = ()) -> Drawing:
-    """The wall as it bends, in front of the cushion that it is pressed into, the slider and the baffle."""
+    """Return the wall as it bends, in front of the cushion that it is pressed into, the slider and the baffle."""
     wide, tall = 0.6 * float(design.tank.width), float(design.tank.height)
     soft = float(design.cushion.thickness) if design.cushion.kind == "layer" else 0.0
     numbers, sets = Numbering.of(design), NodeSets.of(design)
@@ -39,18 +39,19 @@ def drawing(design: TankDrop, bodies: tuple[str, ...] = ()) -> Drawing:
 
 
 def frames(history: Any) -> Float[np.ndarray, "steps frames 3"]:
-    """The slider, and the wall's columns: up on the right, down on the left; then both plates', likewise."""
+    """Return the frames of the slider, and of the wall's columns: up on the right, down on the left; then both plates',
+    likewise."""
     return np.concatenate([as_they_are(history), *_lines(history)], axis=1)
 
 
 def both_halves(history: Any) -> Float[np.ndarray, "steps frames 3"]:
-    """The same, where the history has the right half alone."""
+    """Return the same `frames` of a history that has the right half alone."""
     both = [half for line in _lines(history) for half in (line, line[:, ::-1] * np.array([-1.0, 1.0, -1.0]))]
     return np.concatenate([as_they_are(history), *both], axis=1)
 
 
 def _lines(history: Any) -> list[np.ndarray]:
-    """What goes through the wall's and the plates' points, as frames (steps, points, 3)."""
+    """Return what goes through the wall's and the plates' points, as frames (steps, points, 3)."""
     lines = []
     for part in ("wall", "plate"):
         if f"{part}_x" in history.others:

@@ -43,12 +43,12 @@ class Composite(Part):
 
     @property
     def laminate(self) -> Laminate:
-        """A metre thick: strains and stresses depend on the share of the thickness alone."""
+        """Return the laminate, a metre thick: strains and stresses depend on the share of the thickness alone."""
         return Laminate(Ply(self.along, self.across, self.shear, self.poisson, 1.0 / len(ANGLES)), ANGLES)
 
     @property
     def strength(self) -> Strength:
-        """Of a ply."""
+        """Return the strength of a ply."""
         return Strength(
             self.along_tension,
             self.along_compression,
@@ -59,7 +59,9 @@ class Composite(Part):
 
 
 def equivalent(composite: Composite) -> Orthotropic:
-    """The wall's elements: in their plane as stiff as the laminate's membrane, across as a ply across its fibres."""
+    """Return the material of the wall's elements: in their plane as stiff as the laminate's membrane, across as a ply
+    across its fibres."""
+    # Moduli are those of a stretch along one axis with the other one free, which the compliance has.
     compliance = jnp.linalg.inv(composite.laminate.stiffness().a)
     along_wall, along_tank = 1.0 / compliance[0, 0], 1.0 / compliance[1, 1]
     contraction = -compliance[0, 1] * along_wall
@@ -74,7 +76,7 @@ def equivalent(composite: Composite) -> Orthotropic:
 def least_reserve(
     composite: Composite, across: int, stress: Float[Array, "elements points 4"], material: Orthotropic
 ) -> Float[Array, ""]:
-    """The least reserve factor of any ply [-].
+    """Return the least reserve factor of any ply [-].
 
     **Arguments:** ``across``: how many elements the wall is thick; ``stress``: at their integration points [Pa], of
     their ``material``.

@@ -19,7 +19,8 @@ STRESS = "stress after von Mises [MPa]"
 
 
 def meshes(run: Any, times: Sequence[float] | None = None) -> list[Meshed]:
-    """Of a run with a history, at the rows next to some ``times`` [s], or at the largest stress and the end."""
+    """Return the meshes of a run with a history, at the rows next to some ``times`` [s], or at the largest stress and
+    the end."""
     fields = {name: np.asarray(values) for name, values in run.history.others.items()}
     time, snapshots = np.asarray(run.history.time), []
     for words, name, row in _instants(time, fields["peak_stress"], times):
@@ -31,7 +32,7 @@ def meshes(run: Any, times: Sequence[float] | None = None) -> list[Meshed]:
 
 
 def displaced(run: Any) -> tuple[Meshed, Meshed]:
-    """The wall before the impact, and at the largest force, with how far it has moved since [mm].
+    """Return the wall before the impact, and at the largest force, with how far it has moved since [mm].
 
     The liquid's mesh goes along by interpolation, so that it has no displacement of its own."""
     displacement = np.asarray(run.history.others["displacement"])
@@ -42,6 +43,7 @@ def displaced(run: Any) -> tuple[Meshed, Meshed]:
         wall, _ = map(np.asarray, _moved(run.design, run.scenario, displacement[place]))
         across, down = 1e3 * since[:, 0] * (place > 0), -1e3 * since[:, 1] * (place > 0)
         both = _completed(run.design, Meshed(words, "", wall, corners, {ACROSS: across, ALONG: down}))
+        # What moves to the right moves to the left in the mirror image.
         image = np.where(np.arange(len(both.cells)) < len(corners), 1.0, -1.0)
         made.append(both._replace(values={**both.values, ACROSS: image * both.values[ACROSS]}))
     return made[0], made[1]
@@ -51,7 +53,7 @@ def displaced(run: Any) -> tuple[Meshed, Meshed]:
 def _moved(
     design: TankDrop, scenario: TankDropScenario, displacement: Float[Array, "nodes 2"]
 ) -> tuple[Float[Array, "nodes 2"], Float[Array, "liquid 2"]]:
-    """The nodes of wall and plate, and the liquid's, whose mesh goes with the wall [m]."""
+    """Return the nodes of wall and plate, and the liquid's, whose mesh goes with the wall [m]."""
     mesh = section(design, scenario.fill)
     at = mesh.positions + displacement[: len(mesh.positions)]
     within = liquid_within if design.mesh.extent == "half" else _within_whole
@@ -59,8 +61,8 @@ def _moved(
 
 
 def _within_whole(wall: Float[Array, "nodes 2"], numbers: Numbering) -> Float[Array, "liquid 2"]:
-    """As of `liquid_within`, where the whole wall moves: its even part, as half of a wall, with the odd part that both
-    sides share; the surface is straight between them [m]."""
+    """Return what `liquid_within` does, where the whole wall moves: its even part, as half of a wall, with the odd part
+    that both sides share; the surface is straight between them [m]."""
     of_wall, of_liquid = mirrors(numbers)
     right, left = wall[: len(of_wall.image)], wall[of_wall.image] * FLIP
     even, odd = 0.5 * (right + left), 0.5 * (right - left)
@@ -73,7 +75,7 @@ def _within_whole(wall: Float[Array, "nodes 2"], numbers: Numbering) -> Float[Ar
 
 
 def _instants(time: np.ndarray, stress: np.ndarray, times: Sequence[float] | None) -> list[tuple[str, str, int]]:
-    """Words before the time, name of the file and row."""
+    """Return words before the time, name of the file and row."""
     if times is None:
         return [("largest stress, ", "fields", int(np.argmax(stress))), ("end, ", "fields_end", int(np.argmax(time)))]
     return [("", f"fields_{k}", int(np.argmin(np.abs(time - at)))) for k, at in enumerate(times)]
@@ -82,13 +84,14 @@ def _instants(time: np.ndarray, stress: np.ndarray, times: Sequence[float] | Non
 def _together(
     design: TankDrop, wall: np.ndarray, liquid: np.ndarray, fields: dict[str, Any]
 ) -> tuple[np.ndarray, np.ndarray, dict[str, Any]]:
-    """Nodes, cells and values of what is computed: wall and plate, then the liquid."""
+    """Return nodes, cells and values of what is computed: wall and plate, then the liquid."""
     sets = NodeSets.of(design)
     nodes, cells = wall, sets.corners
     values = {STRESS: 1e-6 * fields["stress"], "equivalent plastic strain [-]": fields["plastic_strain"]}
     if "pressure" in fields:
         corners = sets.liquid_corners
         pressure = 1e-3 * fields["pressure"][corners].mean(axis=1)
+        # Wall and liquid are the cells of one mesh: a cell has NaN for what it does not have.
         values = {name: np.concatenate([one, np.full(len(corners), np.nan)]) for name, one in values.items()}
         values["pressure of the liquid [kPa]"] = np.concatenate([np.full(len(cells), np.nan), pressure])
         cells = np.concatenate([cells, corners + len(nodes)])
@@ -97,7 +100,7 @@ def _together(
 
 
 def _completed(design: TankDrop, mesh: Meshed) -> Meshed:
-    """With its mirror image, where half of the section is computed; corners stay counter-clockwise."""
+    """Return a mesh with its mirror image, where half of the section is computed; corners stay counter-clockwise."""
     if design.mesh.extent == "whole":
         return mesh
     both = np.concatenate([mesh.cells, mesh.cells[:, ::-1] + len(mesh.nodes)])

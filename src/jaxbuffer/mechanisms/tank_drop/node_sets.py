@@ -24,31 +24,33 @@ class Mirror(NamedTuple):
 
     @staticmethod
     def of(corners: np.ndarray, middle: np.ndarray) -> "Mirror":
-        """From the elements' nodes (elements, 4) and those of them that are in the middle."""
+        """Return the mirror of the elements' nodes (elements, 4), of which those in the ``middle`` are their own
+        images."""
         image = np.arange(1 + corners.max())
         others = np.setdiff1d(image, middle)
         image[others] = len(image) + np.arange(len(others))
         return Mirror(image, others)
 
     def vectors(self, half: Float[Array, "half 2"]) -> Float[Array, "whole 2"]:
-        """Positions or displacements of the whole, from those of its right half [m]."""
+        """Return positions or displacements of the whole, from those of its right half [m]."""
         return jnp.concatenate([half, half[self.others] * FLIP])
 
     def elements(self, corners: np.ndarray) -> Int[np.ndarray, "elements 4"]:
-        """The half's elements, then their images, counter-clockwise; sides 1-2 and 3-4 keep their places."""
+        """Return the half's elements, then their images, counter-clockwise; sides 1-2 and 3-4 keep their places."""
+        # A mirror image runs clockwise: exchanging neighbours turns it round.
         return np.concatenate([corners, self.image[corners][:, [1, 0, 3, 2]]])
 
     def across(self, nodes: np.ndarray) -> np.ndarray:
-        """Nodes from the middle outwards, continued to the other side: from there to this one's last."""
+        """Return nodes from the middle outwards, continued to the other side: from there to this one's last."""
         return np.concatenate([self.image[nodes][::-1], nodes[1:]])
 
     def onwards(self, nodes: np.ndarray) -> np.ndarray:
-        """Nodes that end in the middle, continued on the other side, back to the image of the first."""
+        """Return nodes that end in the middle, continued on the other side, back to the image of the first."""
         return np.concatenate([nodes, self.image[nodes][::-1][1:]])
 
 
 class NodeSets(NamedTuple):
-    """Of half of the section, or of the whole. Nodes that bound an area have it on their left.
+    """The node sets of half of the section, or of the whole. Nodes that bound an area have it on their left.
 
     - ``corners``, ``liquid_corners``: (elements, 4) the elements' nodes, counter-clockwise; the whole's are the half's
       and then, in the same order, their images.
@@ -79,7 +81,7 @@ class NodeSets(NamedTuple):
 
     @staticmethod
     def of(design: TankDrop) -> "NodeSets":
-        """Of what ``mesh.extent`` says."""
+        """Return the sets of what ``mesh.extent`` says."""
         numbers = Numbering.of(design)
         half = NodeSets(
             corners=numbers.corners,
@@ -106,6 +108,7 @@ class NodeSets(NamedTuple):
             inner=wall.onwards(self.inner),
             outer=wall.onwards(self.outer),
             plate=np.concatenate([self.plate, wall.image[self.plate][::-1]]),
+            # Nothing holds the whole section sideways.
             on_axis=self.on_axis[:0],
             support=wall.across(self.support),
             pressed=wall.onwards(self.pressed),
@@ -119,5 +122,5 @@ class NodeSets(NamedTuple):
 
 
 def mirrors(numbers: Numbering) -> tuple[Mirror, Mirror]:
-    """Of the wall's nodes, with those of plates and ribs, and of the liquid's."""
+    """Return the mirrors of the wall's nodes, with those of plates and ribs, and of the liquid's."""
     return Mirror.of(numbers.corners, numbers.middle), Mirror.of(numbers.liquid_corners, numbers.liquid[0])

@@ -14,7 +14,7 @@ UPRIGHT = 14  # elements along a plate
 
 
 class Numbering(NamedTuple):
-    """Of half of the cross-section.
+    """The numbers of nodes and elements of half of the cross-section.
 
     - ``wall``: (columns, across) its nodes: along it from the middle of the bottom on, in a column from the inside out.
     - ``plate``: (rows, across) the plate's nodes, upwards, from the middle of the tank on; no rows without one. Its
@@ -46,7 +46,7 @@ class Numbering(NamedTuple):
 
     @staticmethod
     def of(design: TankDrop) -> "Numbering":
-        """As fine as the design says."""
+        """Return a numbering as fine as the design says."""
         fine = design.mesh.refinement
         full = design.contents.kind == "full"
         flat, level = fine * BOTTOM, fine * (BOTTOM + CORNER + (HALFWAY if full else WET))
@@ -54,6 +54,7 @@ class Numbering(NamedTuple):
         wall = np.arange(columns * across).reshape(columns, across)
         plate = np.zeros((0, across), int)
         if design.plates.kind != "none":
+            # A plate has as many elements across as the wall, and stands on nodes of the wall's inside.
             foot = wall[fine * WITHIN :][:across, 0]
             head = wall[columns - 1 - fine * (WITHIN + 1) :][:across, 0][::-1]
             between = columns * across + np.arange((fine * UPRIGHT - 1) * across).reshape(-1, across)
@@ -65,6 +66,7 @@ class Numbering(NamedTuple):
         corner = flat + fine * CORNER // 2
         upper = columns - 1 - corner if full else level
         felt = design.plates.kind != "none" and design.plates.aperture is not None
+        # Between the faces of a plate that it feels the liquid has no nodes.
         blocks = corner + 1 - (fine - 1 if felt else 0), upper - corner + 1
         liquid = np.arange(np.prod(blocks)).reshape(blocks)
         side = fine * WITHIN if felt else -1
@@ -72,43 +74,45 @@ class Numbering(NamedTuple):
 
     @property
     def inner(self) -> Int[np.ndarray, " columns"]:
-        """The wall's nodes on its inside."""
+        """Return the wall's nodes on its inside."""
         return self.wall[:, 0]
 
     @property
     def outer(self) -> Int[np.ndarray, " columns"]:
-        """The wall's nodes on its outside."""
+        """Return the wall's nodes on its outside."""
         return self.wall[:, -1]
 
     @property
     def middle(self) -> Int[np.ndarray, " nodes"]:
-        """The wall's and the ribs' nodes in the middle of the section, which do not move sideways."""
+        """Return the wall's and the ribs' nodes in the middle of the section, which do not move sideways."""
         both = np.hstack([self.ribs[:, :-1], self.wall]) if len(self.ribs) else self.wall
         return both[[0, -1]].ravel()
 
     @property
     def liquid_corners(self) -> Int[np.ndarray, "elements 4"]:
-        """The liquid's nodes at the corners of its elements, counter-clockwise."""
+        """Return the liquid's nodes at the corners of its elements, counter-clockwise."""
         sides = [self.liquid[:-1, :-1], self.liquid[1:, :-1], self.liquid[1:, 1:], self.liquid[:-1, 1:]]
         elements = np.stack(sides, axis=-1)
         if self.plate_side >= 0:
+            # Between the faces of such a plate there is no liquid.
             elements = np.delete(elements, self.plate_side, axis=0)
         return elements.reshape(-1, 4)
 
     @property
     def wet(self) -> Int[np.ndarray, " wet"]:
-        """The liquid's nodes along the wall, from the middle of the bottom to the level or the middle of the top."""
+        """Return the liquid's nodes along the wall, from the middle of the bottom to the level or the middle of the
+        top."""
         top = self.liquid[-2::-1, -1] if self.full else self.liquid[:0, -1]
         return np.concatenate([self.liquid[:, 0], self.liquid[-1, 1:], top])
 
     @property
     def free(self) -> Int[np.ndarray, " free"]:
-        """The liquid's nodes on its surface, none where the tank is full."""
+        """Return the liquid's nodes on its surface, none where the tank is full."""
         return self.liquid[:0, -1] if self.full else self.liquid[:, -1]
 
     @property
     def wetted(self) -> Int[np.ndarray, " wet"]:
-        """The wall's nodes in the places of `wet`."""
+        """Return the wall's nodes in the places of `wet`."""
         within = self.within_plate
         if self.full:
             within = np.concatenate([within, len(self.inner) - 1 - within])
@@ -117,23 +121,24 @@ class Numbering(NamedTuple):
 
     @property
     def beside_plate(self) -> Int[np.ndarray, "sides pairs"]:
-        """The liquid's nodes on the inner and on the outer face of a plate that it feels, upwards."""
+        """Return the liquid's nodes on the inner and on the outer face of a plate that it feels, upwards."""
         return self.liquid[self.plate_side :][:2] if self.plate_side >= 0 else np.zeros((2, 0), int)
 
     @property
     def within_plate(self) -> Int[np.ndarray, " columns"]:
-        """The columns along the bottom between the faces of a plate that the liquid feels."""
+        """Return the columns along the bottom between the faces of a plate that the liquid feels."""
         if self.plate_side < 0:
             return np.zeros(0, int)
         return np.arange(self.plate_side + 1, self.plate_side + self.wall.shape[1] - 1)
 
     def at_a_joint(self, element: int) -> bool:
-        """Whether an element, or its image in the whole section, is where a plate meets the wall, or next to that."""
+        """Return whether an element, or its image in the whole section, is where a plate meets the wall, or next to
+        that."""
         columns = self.wall[np.isin(self.inner, self.plate[[0, -1]])] if len(self.plate) else self.plate
         return bool(np.isin(self.corners[element % len(self.corners)], columns).any())
 
 
 def _elements(nodes: np.ndarray) -> np.ndarray:
-    """The corners of the elements between columns of nodes (columns, across) that follow each other."""
+    """Return the corners of the elements between columns of nodes (columns, across) that follow each other."""
     sides = [nodes[:-1, 1:], nodes[1:, 1:], nodes[1:, :-1], nodes[:-1, :-1]]
     return np.stack(sides, axis=-1).reshape(-1, 4)

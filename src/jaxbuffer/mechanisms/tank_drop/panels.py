@@ -9,7 +9,8 @@ from ..picture import Curve, Level, Panel
 
 
 def panels(run: Any) -> list[Panel]:
-    """Motion, pressures, stress with the yield stress, plastic strain, energy, of a run with a history."""
+    """Return panels of motion, pressures, stress with the yield stress, plastic strain and energy, of a run with a
+    history."""
     history, design = run.history, run.design
     composite = design.material.kind == "composite"
     others = {name: np.asarray(values) for name, values in history.others.items()}

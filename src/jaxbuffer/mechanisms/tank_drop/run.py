@@ -20,7 +20,7 @@ from .tank_run import TankRun
 
 
 def run_of(parameters: tuple[TankDrop, TankDropScenario, Scalar], duration: Scalar, drop: Dropped) -> TankRun:
-    """The run, from what was stepped."""
+    """Return the run, from what was stepped."""
     design, scenario, _ = parameters
     parts = assembled(design, scenario)
     tally, factor, limit = drop.tally, parts.factor, parts.strength
@@ -30,9 +30,11 @@ def run_of(parameters: tuple[TankDrop, TankDropScenario, Scalar], duration: Scal
     known = jnp.where(code < int(TankOutcome.failed_steps), 1.0, jnp.nan)
     before, after = -jnp.sqrt(2.0 * scenario.gravity * scenario.height), drop.state.velocity[parts.slider, 1]
     end = jnp.where(drop.crushed, drop.state.time, duration)
+    # The force also stops what the weight adds until the end.
     momentum = jnp.asarray(design.slider.mass, float) * (after - before + scenario.gravity * end)
     area, scale = jnp.sum(parts.wall.quads.area), limit / SMOOTH
     mean = tally.sharpened - jnp.log(area * end)
+    # The smooth maximum is least where the largest stress is that of the smallest element for one step (M169).
     smallest = jnp.min(parts.wall.quads.area) * drop.step
     never = jnp.isinf(tally.failures)
     times = dict(zip(FORMS, jnp.where(never, jnp.nan, tally.failures), strict=True))
@@ -67,7 +69,7 @@ def run_of(parameters: tuple[TankDrop, TankDropScenario, Scalar], duration: Scal
 def _of_every_run(
     parts: Assembled, parameters: Any, drop: Dropped, code: Array, known: Array, end: Array, momentum: Array
 ) -> dict[str, Any]:
-    """The fields of `Run`: one impact, that of the cushion. ``known``: 1, or NaN for a failed run; ``end`` [s];
+    """Return the fields of `Run`: one impact, that of the cushion. ``known``: 1, or NaN for a failed run; ``end`` [s];
     ``momentum``: by which the slider was slowed down [N s]."""
     design, scenario, stabilisation = parameters
     tally, factor = drop.tally, parts.factor
@@ -78,6 +80,7 @@ def _of_every_run(
         contact=touched[None] - 1,
         approach_speed=speed[None] * known,
         peak_force=force[None],
+        # A force that acts up to the end has not been released.
         release_time=jnp.where(tally.released < end - 2.0 * drop.step, tally.released, jnp.nan)[None],
         count=touched,
     )
@@ -114,6 +117,7 @@ def _of_every_run(
 def _code(drop: Dropped, deleted: Int[Array, ""]) -> Int[Array, ""]:
     finite = jnp.all(jnp.isfinite(drop.state.displacement)) & jnp.isfinite(drop.tally.stress)
     finite = finite & jnp.isfinite(drop.step)  # a mesh that is folded has no stable step
+    # Each line takes precedence over those before it.
     code = jnp.where(deleted > 0, int(TankOutcome.holed), int(TankOutcome.whole))
     code = jnp.where(drop.crushed, int(TankOutcome.crushed), code)
     code = jnp.where(finite, code, int(TankOutcome.failed_not_finite))
@@ -122,7 +126,7 @@ def _code(drop: Dropped, deleted: Int[Array, ""]) -> Int[Array, ""]:
 
 
 def _energy(factor: Scalar, energies: Any) -> Energy:
-    """Of the whole tank and the slider [J]."""
+    """Return the energies of the whole tank and the slider [J]."""
     whole = {name: factor * value for name, value in energies._asdict().items()}
     names = {"plastic": "plastic", "deleted": "released", "contact": "contact", "holes": "holes"}
     lost = {name: whole.pop(key) for name, key in names.items()}
@@ -130,7 +134,7 @@ def _energy(factor: Scalar, energies: Any) -> Energy:
 
 
 def history_of(parts: Assembled, rows: Row) -> History:
-    """The slider's motion, forces of the whole tank, and how the wall moves: its middle, column by column as of
+    """Return the slider's motion, forces of the whole tank, and how the wall moves: its middle, column by column as of
     `NodeSets` ("wall_x", "wall_y", of a plate "plate_x", "plate_y" [m]), the ``displacement`` of all nodes [m], the
     stress [Pa] and plastic strain of all elements, and the liquid's ``pressure`` [Pa]."""
     system, section, factor = parts.system, parts.section, parts.factor
@@ -173,7 +177,8 @@ def history_of(parts: Assembled, rows: Row) -> History:
 
 
 def _plate(at: Array, section: Section) -> dict[str, Array]:
-    """How the plate moves, if there is one: its middle, row by row [m]. ``at``: (rows of the history, nodes, 2) [m]."""
+    """Return how the plate moves, if there is one: its middle, row by row [m]. ``at``: (rows of the history, nodes, 2)
+    [m]."""
     if not len(section.sets.plate):
         return {}
     middle = jnp.mean(at[:, section.sets.plate], axis=2)
@@ -193,6 +198,6 @@ def _close_up(rows: Row) -> Row:
 
 
 def rows_of(run: TankRun) -> int:
-    """How many rows of its history a run has filled: time rises up to there."""
+    """Return how many rows of its history a run has filled: time rises up to there."""
     assert run.history is not None
     return 1 + int(np.count_nonzero(np.diff(np.asarray(run.history.time)) > 0.0))

@@ -28,7 +28,7 @@ class Section(NamedTuple):
 
 
 def section(design: TankDrop, fill: Scalar) -> Section:
-    """The mesh. ``fill``: height of the liquid over the inner height [-]."""
+    """Return the mesh. ``fill``: height of the liquid over the inner height [-]."""
     numbers = Numbering.of(design)
     along = _columns(design, fill)
     face, normal = _outside(design, along)
@@ -51,8 +51,8 @@ def section(design: TankDrop, fill: Scalar) -> Section:
 
 
 def _columns(design: TankDrop, fill: Scalar) -> Float[Array, " columns"]:
-    """Where along the outside there are nodes [m]: flat bottom, corner, up to the level and from there on, each divided
-    evenly; with columns on both faces of a plate."""
+    """Return where along the outside there are nodes [m]: flat bottom, corner, up to the level and from there on, each
+    divided evenly; with columns on both faces of a plate."""
     ends = _lengths(design)
     full = design.contents.kind == "full"
     middle = [ends[1], ends[2], ends[3]] if full else [ends[1], _level(design, fill)]
@@ -72,7 +72,8 @@ def _columns(design: TankDrop, fill: Scalar) -> Float[Array, " columns"]:
 
 
 def liquid_within(wall: Float[Array, "nodes 2"], numbers: Numbering) -> Float[Array, "liquid 2"]:
-    """The liquid's nodes [m] between the ``wall``'s, the middle and any surface, by transfinite interpolation."""
+    """Return the liquid's nodes [m] between the ``wall``'s, the middle and any surface, by transfinite
+    interpolation."""
     edge, corner = wall[numbers.inner], numbers.corner
     bottom, right = edge[: corner + 1], edge[corner : numbers.upper + 1]
     xi = (np.arange(corner + 1) / corner)[:, None, None]
@@ -87,6 +88,7 @@ def liquid_within(wall: Float[Array, "nodes 2"], numbers: Numbering) -> Float[Ar
     knots = (1.0 - xi) * ((1.0 - eta) * corner_at(left, 0) + eta * corner_at(left, -1)) + xi * (
         (1.0 - eta) * corner_at(right, 0) + eta * corner_at(right, -1)
     )
+    # Each ruled surface has the corners: together they have them twice (Coons' patch).
     nodes = sides + ends - knots
     if numbers.plate_side >= 0:
         nodes = jnp.delete(_beside_plate(nodes, numbers), numbers.within_plate, axis=0, assume_unique_indices=True)
@@ -94,8 +96,8 @@ def liquid_within(wall: Float[Array, "nodes 2"], numbers: Numbering) -> Float[Ar
 
 
 def _beside_plate(nodes: Float[Array, "across up 2"], numbers: Numbering) -> Float[Array, "across up 2"]:
-    """The liquid's nodes moved sideways, evenly less with the distance, so that two columns lie on the faces of a plate
-    that is straight from the bottom to the top."""
+    """Return the liquid's nodes moved sideways, evenly less with the distance, so that two columns lie on the faces of
+    a plate that is straight from the bottom to the top."""
     first, last = numbers.plate_side, numbers.plate_side + numbers.wall.shape[1] - 1
     for face, others in ((first, [0, first, last]), (last, [first, last, numbers.corner])):
         high = nodes[face, :, 1]
@@ -108,26 +110,27 @@ def _beside_plate(nodes: Float[Array, "across up 2"], numbers: Numbering) -> Flo
 
 
 def _lengths(design: TankDrop) -> list[Scalar]:
-    """Where along the outside, from the middle of the bottom, its straight parts and corners end [m]."""
+    """Return where along the outside, from the middle of the bottom, its straight parts and corners end [m]."""
     width, height, radius = design.tank.width, design.tank.height, design.tank.corner_radius
     flat, arc, side = 0.5 * width - radius, 0.5 * np.pi * radius, height - 2.0 * radius
     return [flat, flat + arc, flat + arc + side, flat + 2.0 * arc + side, 2.0 * flat + 2.0 * arc + side]
 
 
 def _level(design: TankDrop, fill: Scalar) -> Float[Array, ""]:
-    """Where along the outside the inner wall is as high as the liquid [m]."""
+    """Return where along the outside the inner wall is as high as the liquid [m]."""
     height, radius, wall = design.tank.height, design.tank.corner_radius, design.wall
     level = wall.bottom + fill * (height - wall.bottom - wall.top)
     ends = _lengths(design)
     on_side = ends[1] + (level - radius)
     inner = radius - wall.upper_corner
+    # At 1 the slope of the arc sine is infinite.
     sine = jnp.clip((level - (height - radius)) / inner, 0.0, 1.0 - 1e-6)
     in_corner = ends[2] + radius * jnp.arcsin(sine)
     return jnp.where(level < height - radius, on_side, in_corner)
 
 
 def _outside(design: TankDrop, along: Float[Array, " columns"]) -> tuple[Array, Array]:
-    """Positions (columns, 2) [m] and outward normals of the outside."""
+    """Return positions (columns, 2) [m] and outward normals of the outside."""
     height, radius = design.tank.height, design.tank.corner_radius
     ends = _lengths(design)
     quarter = 0.5 * np.pi
@@ -139,7 +142,7 @@ def _outside(design: TankDrop, along: Float[Array, " columns"]) -> tuple[Array, 
 
 
 def thickness_at(design: TankDrop, along: Float[Array, " columns"]) -> Float[Array, " columns"]:
-    """The wall's thickness [m], linear over the tapers where zones meet (M168)."""
+    """Return the wall's thickness [m], linear over the tapers where zones meet (M168)."""
     ends = _lengths(design)
     meet = [ends[0], ends[1], 0.5 * (ends[1] + ends[2]), ends[2], ends[3]]
     values = [getattr(design.wall, zone) for zone in ZONES]
@@ -150,12 +153,14 @@ def thickness_at(design: TankDrop, along: Float[Array, " columns"]) -> Float[Arr
 
 
 def wall_area(design: TankDrop) -> Float[Array, ""]:
-    """Of half of the wall's cross-section [m²], by its middle surface, with the ribs' by theirs and their share."""
+    """Return the area of half of the wall's cross-section [m²], by its middle surface, with the ribs' by theirs and
+    their share."""
     ends = _lengths(design)
     along = jnp.linspace(0.0, 1.0, 2001) * ends[-1]
     thickness = thickness_at(design, along)
     curved = ((along > ends[0]) & (along < ends[1])) | ((along > ends[2]) & (along < ends[3]))
     bent = jnp.where(curved, 1.0 / design.tank.corner_radius, 0.0)
+    # Round a corner the middle surface is shorter than the outside.
     strip = thickness * (1.0 - 0.5 * thickness * bent)
     if design.ribs.kind != "none":
         high = design.ribs.height
@@ -164,13 +169,13 @@ def wall_area(design: TankDrop) -> Float[Array, ""]:
 
 
 def plate_area(design: TankDrop) -> Scalar:
-    """Of the plate in half of the cross-section [m²]."""
+    """Return the area of the plate in half of the cross-section [m²]."""
     if design.plates.kind == "none":
         return 0.0
     return design.plates.thickness * (design.tank.height - design.wall.bottom - design.wall.top)
 
 
 def wall_mass(design: TankDrop) -> Float[Array, ""]:
-    """Of the whole tank's wall, ribs and plates, without its ends [kg]."""
+    """Return the mass of the whole tank's wall, ribs and plates, without its ends [kg]."""
     made_of = design.composite if design.material.kind == "composite" else design.material
     return 2.0 * made_of.density * (wall_area(design) + plate_area(design)) * design.tank.length

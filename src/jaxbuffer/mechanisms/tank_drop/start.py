@@ -28,20 +28,20 @@ class Unknowns(NamedTuple):
     nodes: int
 
     def displacement(self, values: Float[Array, " unknowns"]) -> Float[Array, "nodes 2"]:
-        """Of all nodes [m]."""
+        """Return the displacement of all nodes [m]."""
         return jnp.zeros(2 * self.nodes).at[self.places].set(values).reshape(-1, 2)
 
 
 def falling(parts: Assembled, scenario: TankDropScenario) -> State:
-    """The tank at rest and the slider at the speed of its fall."""
+    """Return the tank at rest and the slider at the speed of its fall."""
     state = at_rest(parts)
     speed = jnp.sqrt(2.0 * scenario.gravity * scenario.height)
     return state._replace(velocity=state.velocity.at[parts.slider, 1].set(-speed))
 
 
 def at_rest(parts: Assembled) -> State:
-    """The tank in equilibrium with gravity and the liquid's static pressure, its flat bottom on the baffle where it
-    presses on it, or as deep in it as a penalty lets it; the slider where the cushion would just touch the tank
+    """Return the tank in equilibrium with gravity and the liquid's static pressure, its flat bottom on the baffle where
+    it presses on it, or as deep in it as a penalty lets it; the slider is where the cushion would just touch the tank
     undeformed. Newton's method finds it; derivatives are those of the equilibrium. The whole section stands as its half
     does and as that one's image: nothing holds it sideways, so that its own matrix is singular."""
     if parts.half is not None:
@@ -49,16 +49,19 @@ def at_rest(parts: Assembled) -> State:
         of_wall, _ = mirrors(parts.section.numbers)
         return parts.system.start()._replace(displacement=jnp.concatenate([of_wall.vectors(half), jnp.zeros((2, 2))]))
     unknowns, count = _unknowns(parts), len(parts.section.numbers.outer[: parts.section.numbers.flat + 1])
+    # The whole bottom stands at first.
     first = jnp.zeros(len(unknowns.places)), jnp.ones(count, bool)
     solution, stands = jax.lax.fori_loop(0, ITERATIONS + count, lambda _, at: _better(parts, unknowns, *at), first)
+    # A last step of Newton's method from the solution keeps it, and has the derivative of the equilibrium.
     values, _ = _better(parts, unknowns, jax.lax.stop_gradient(solution), stands)
     return parts.system.start()._replace(displacement=unknowns.displacement(values))
 
 
 def _unknowns(parts: Assembled) -> Unknowns:
-    """All of the wall's, except sideways in the middle of the section."""
+    """Return all unknowns of the wall, without those sideways in the middle of the section."""
     mesh, nodes = parts.section, len(parts.system.positions)
     free = np.ones((nodes, 2), bool)
+    # Slider and baffle, the last two nodes, do not take part.
     free[parts.slider :] = False
     free[mesh.numbers.middle, 0] = False
     places = np.flatnonzero(free.ravel())
@@ -66,8 +69,8 @@ def _unknowns(parts: Assembled) -> Unknowns:
 
 
 def _better(parts: Assembled, unknowns: Unknowns, values: Array, stands: Array) -> tuple[Array, Bool[Array, " bottom"]]:
-    """A step of Newton's method where these of the bottom's nodes stand, and which stand then: those that press, or
-    are below the baffle."""
+    """Return the values after a step of Newton's method where these of the bottom's nodes stand, and which stand then:
+    those that press, or are below the baffle."""
     contact = parts.system.contacts[0]
     matrix, left = _linearised(parts, unknowns, values)
     bottom, unknown = unknowns.bottom, len(unknowns.places)
@@ -76,6 +79,7 @@ def _better(parts: Assembled, unknowns: Unknowns, values: Array, stands: Array) 
         bed = jnp.zeros(unknown).at[bottom].set(jnp.where(stands, stiffness, 0.0))
         after = values - jnp.linalg.solve(matrix + jnp.diag(bed), left + bed * values)
         return after, after[bottom] < 0.0
+    # Where a node stands, its equation says that it is on the baffle; what is then out of balance presses.
     fixed = jnp.zeros(unknown, bool).at[bottom].set(stands)
     change = jnp.linalg.solve(jnp.where(fixed[:, None], jnp.eye(unknown), matrix), -jnp.where(fixed, values, left))
     after, pressed = values + change, (left + matrix @ change)[bottom]
@@ -83,8 +87,8 @@ def _better(parts: Assembled, unknowns: Unknowns, values: Array, stands: Array) 
 
 
 def _linearised(parts: Assembled, unknowns: Unknowns, values: Array) -> tuple[Array, Array]:
-    """The wall's stiffness (unknowns, unknowns) [N/m] and what is not in balance there (unknowns,) [N], without the
-    baffle."""
+    """Return the wall's stiffness (unknowns, unknowns) [N/m] and what is not in balance there (unknowns,) [N], without
+    the baffle."""
     system, wall, displacement = parts.system, parts.wall, unknowns.displacement(values)
     load = system.mass * system.gravity[None]
     if system.liquid is not None:

@@ -125,8 +125,10 @@ def dropped(
     parts = assembled(design, scenario)
     start = falling(parts, scenario)
     share = jnp.sqrt(jnp.minimum(jnp.asarray(options.tolerance.rtol, float) / TOLERANCE, 1.0))
+    # How long steps are is a choice of the method, through which nothing is differentiated.
     longest = jax.lax.stop_gradient(SAFETY * share * parts.system.stable_step())
     blocks = duration / (BLOCK * longest)
+    # Rounded up to one of a few numbers of blocks (`GRADES`), so that steps are never longer than they may be.
     blocks = jax.lax.stop_gradient(jnp.ceil(2.0 ** (jnp.ceil(GRADES * jnp.log2(blocks)) / GRADES)))
     too_many = blocks * BLOCK > options.max_steps
     step = duration / (BLOCK * blocks)
@@ -214,14 +216,14 @@ def _next_tally(
 
 
 def _reserve(parts: Assembled, design: TankDrop, stress: Array) -> Array:
-    """Of a composite's plies now; of a plastic wall the largest stress tells it in the end."""
+    """Return the reserve of a composite's plies now; of a plastic wall the largest stress tells it in the end."""
     if not isinstance(parts.material, Orthotropic):
         return jnp.asarray(jnp.inf)
     return least_reserve(design.composite, design.mesh.refinement, stress, parts.material)
 
 
 def _with_row(parts: Assembled, duration: Scalar, rows: Row, instant: Instant, force: Array, stress: Array) -> Row:
-    """The history with this instant in the row of its share of the duration: the last one there stays."""
+    """Return the history with this instant in the row of its share of the duration: the last one there stays."""
     (wall,) = instant.resistances
     place = jnp.clip(jnp.floor(instant.time / duration * ROWS).astype(int), 0, ROWS - 1)
     row = Row(

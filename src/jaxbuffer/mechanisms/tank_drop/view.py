@@ -20,13 +20,13 @@ from .tank_run import TankRun
 
 
 def label(scenario: TankDropScenario, among: Any = ()) -> str:
-    """What people call a drop: "from 2.04 m, filled to 80 %"."""
+    """Return what people call a drop: "from 2.04 m, filled to 80 %"."""
     turned = f", at {degrees_text(math.degrees(float(scenario.angle)), sign=False)}" if float(scenario.angle) else ""
     return f"from {float(scenario.height):.4g} m, filled to {percent_text(float(scenario.fill), '.4g')}{turned}"
 
 
 def warnings(run: TankRun) -> list[str]:
-    """What a run's numbers lie beyond."""
+    """Return a line for each limit that a run exceeds."""
     design = run.design
     lines = []
     yields = design.material.kind == "plastic" and float(run.reserve) < 1.0
@@ -62,7 +62,7 @@ def warnings(run: TankRun) -> list[str]:
 
 
 def in_order(run: TankRun) -> str:
-    """The forms in which a tank fails, as they come, with their times; "" if there is none."""
+    """Return the forms in which a tank fails, as they come, with their times; "" if there is none."""
     return ", ".join(_failures(run))
 
 
@@ -73,7 +73,7 @@ def _failures(run: TankRun) -> list[str]:
 
 
 def names(design: TankDrop) -> Names:
-    """What the parts of a design are called."""
+    """Return what the parts of a design are called."""
     others = {"deflection": "m", "support_force": "N", "peak_stress": "Pa", "peak_plastic_strain": "-"}
     if design.contents.kind != "none":
         others |= {"highest_pressure": "Pa", "lowest_pressure": "Pa"}
@@ -81,7 +81,7 @@ def names(design: TankDrop) -> Names:
 
 
 def validity(design: TankDrop, peak_force: Any, penetration: Any = None) -> list[ValidityLimit]:
-    """How near cushions come to being solid."""
+    """Return how near cushions come to being solid."""
     if penetration is None:
         return []
     used = np.asarray(penetration) / (SOLID * np.asarray(design.cushion.thickness))
