@@ -259,7 +259,7 @@ NEEDS = 'an angle other than 0 needs mesh.extent = "whole"'
         ("half", 0.1, rf"scenario.angle = 0.1 rad \(5.73°\): {NEEDS}"),
         ("half", np.array([0.0, -0.05]), rf"scenario.angle = -0.05 rad \(-2.86°\): {NEEDS}"),
         ("whole", 0.6, r"scenario.angle = 0.6 rad is out of range; allowed: \[-0.5, 0.5\] rad"),
-        ("whole", "40°", r"scenario.angle = 40 ° is out of range; allowed: "),
+        ("whole", "40°", r"scenario.angle = 40° is out of range; allowed: \[-28.6479, 28.6479\]°"),
         ("wohle", 0.0, "mesh.extent = 'wohle' is unknown; choose one of half, whole; did you mean whole"),
     ],
 )
