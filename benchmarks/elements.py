@@ -60,11 +60,11 @@ def problem(along: int, across: int) -> Problem:
 
 def system_of(given: Problem, young: Any) -> Any:
     """Ours."""
-    from jaxbuffer.structures import Plane, Plastic, Quads, System
+    from jaxbuffer.structures import FiniteElementSystem, Plane, Plastic, Quads
 
     material = Plastic(DENSITY, young, POISSON, YIELD, HARDENING, 1e9)
     quads = Quads.of(jnp.asarray(given.positions), given.corners)
-    return System(
+    return FiniteElementSystem(
         jnp.asarray(given.positions),
         jnp.asarray(given.inverse),
         (Plane(quads, material),),

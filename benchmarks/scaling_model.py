@@ -24,7 +24,7 @@ from jaxbuffer.cluster.connect import connected
 from jaxbuffer.cluster.spread import spread
 from jaxbuffer.cluster.workers import Workers
 from jaxbuffer.sweeps import chunk, distributed
-from jaxbuffer.sweeps.chunk import Settings
+from jaxbuffer.sweeps.chunk import SweepSettings
 from jaxbuffer.sweeps.columns import column_types
 from jaxbuffer.sweeps.cut import Block, GridSweep, Template
 from jaxbuffer.sweeps.distributed import Job, Report
@@ -110,7 +110,7 @@ def _noted(source: Iterator[Report], reports: list[Report]) -> Iterator[Report]:
 
 def storing(folder: Path) -> tuple[float, float, int]:
     """Seconds to store a block and each of its captures, and how many files a block has."""
-    settings, seconds = Settings(np.asarray(TOLERANCE), np.asarray(20.0), None), list[float]()
+    settings, seconds = SweepSettings(np.asarray(TOLERANCE), np.asarray(20.0), None), list[float]()
     for size in (100, 4000):
         sweep, path = sweep_of(REPEATS * 4000, size), folder / f"storing-{size}.zarr"
         store = begun(path, sweep, settings, {})
@@ -136,7 +136,7 @@ def scheduling(tasks: int) -> tuple[float, list[float]]:
     """Processor seconds that a task which does nothing costs scheduler and driver, both in this process, and the
     process's memory [MiB] along the way."""
     sweep = sweep_of(100 * tasks, 100)
-    settings = Settings(np.asarray(TOLERANCE), np.asarray(20.0), None)
+    settings = SweepSettings(np.asarray(TOLERANCE), np.asarray(20.0), None)
     head = Head(identity(settings, sweep), "")
     store = SweepStore(head, Path("nowhere"), column_types(sweep.mechanism), sweep.cut)
     job = Job(store, True, sweep.template, settings)

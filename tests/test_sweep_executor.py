@@ -13,7 +13,7 @@ from jaxbuffer import InputError
 from jaxbuffer.cluster.connect import connected
 from jaxbuffer.hybrid import solver_named
 from jaxbuffer.sweeps import executor as module
-from jaxbuffer.sweeps.chunk import Settings
+from jaxbuffer.sweeps.chunk import SweepSettings
 from jaxbuffer.sweeps.result import SweepInterrupted
 
 HEIGHTS = np.linspace(0.1, 0.2, 40)
@@ -72,7 +72,7 @@ def test_settings_have_one_solver_in_another_process():
     """A solver that differs from the one before would have each call's program compiled anew."""
     for name in ("implicit", "diffrax:Kvaerno5", None):
         solver = None if name is None else solver_named(name)
-        sent = pickle.dumps(Settings(np.asarray(1e-6), np.asarray(20.0), solver, trust=True))
+        sent = pickle.dumps(SweepSettings(np.asarray(1e-6), np.asarray(20.0), solver, trust=True))
         here, again = pickle.loads(sent), pickle.loads(sent)
         assert here.solver is again.solver and type(here.solver) is type(solver)
         assert (float(here.rtol), float(here.stabilisation), here.trust) == (1e-6, 20.0, True)

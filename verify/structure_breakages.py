@@ -52,12 +52,12 @@ def _heavy_foot() -> None:
 
 
 def _always_published() -> None:
-    from jaxbuffer.structures.contact import Contact, forces
+    from jaxbuffer.structures.contact import NodeContact, forces
 
     distribution = forces._distribution
 
     def broken(contact, *rest):
-        return distribution(Contact(contact.slaves, contact.surface, contact.method, published=True), *rest)
+        return distribution(NodeContact(contact.slaves, contact.surface, contact.method, published=True), *rest)
 
     forces._distribution = broken
 
@@ -73,9 +73,9 @@ def _sticking() -> None:
 def _penalty_forgotten() -> None:
     import jax.numpy as jnp
 
-    from jaxbuffer.structures import System
+    from jaxbuffer.structures import FiniteElementSystem
 
-    System._penalties = lambda self, contact: jnp.zeros(())
+    FiniteElementSystem._penalties = lambda self, contact: jnp.zeros(())
 
 
 def _plates_hang() -> None:

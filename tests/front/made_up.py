@@ -18,7 +18,7 @@ from jaxbuffer.sensitivities.sensitivity import Sensitivity
 from jaxbuffer.sweeps.columns import column_names
 from jaxbuffer.sweeps.result import Sweep
 from jaxbuffer.tuning import Problem
-from jaxbuffer.tuning.checks import Floor
+from jaxbuffer.tuning.checks import PeakForceBound
 from jaxbuffer.tuning.evaluation import Evaluation
 from jaxbuffer.tuning.goal import Goal
 from jaxbuffer.tuning.measurement import PEAKS
@@ -190,7 +190,7 @@ def made_up_tuning(problem: Problem, count: int = 5) -> Tuned:
         ended="converged",
         borne_out=True,
         message="converged: in a test",
-        floor=Floor(0.4 * after.peaks[:, 0], 0.45 * after.peaks[:, 0], after.peaks[:, 0] / 1e5, 90.0, {}),
+        floor=PeakForceBound(0.4 * after.peaks[:, 0], 0.45 * after.peaks[:, 0], after.peaks[:, 0] / 1e5, 90.0, {}),
         records=tuple(records),
         captures=123,
     )

@@ -10,7 +10,7 @@ from test_readable_figures import swept
 
 import jaxbuffer as jb
 from jaxbuffer.mechanisms import all_mechanisms
-from jaxbuffer.mechanisms.picture import Curve, Panel
+from jaxbuffer.mechanisms.picture import Panel, PanelCurve
 from jaxbuffer.output.figures import Window, _draw
 from jaxbuffer.output.sketch import sketch
 from jaxbuffer.output.style import panels
@@ -50,7 +50,7 @@ def test_held_and_latched_are_told_apart_in_a_sweep(asked):
 def test_many_curves_of_a_panel_are_told_apart(stacked):
     figure, ((axes,),) = panels(6.0, 4.0, 1, 1)
     time = np.linspace(0.0, 1.0, 5)
-    curves = tuple(Curve(f"part {k}", 1.0 + k * time) for k in range(11))
+    curves = tuple(PanelCurve(f"part {k}", 1.0 + k * time) for k in range(11))
     _draw(axes, time, Panel("parts", "energy [J]", curves, stacked=stacked), Window(0.0, 1.0, "s", 1.0))
     assert check_marks(figure) == 11
 

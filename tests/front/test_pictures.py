@@ -19,7 +19,7 @@ from jaxbuffer.mechanisms.drawing import (
     Disc,
     Drawing,
     Outline,
-    Rod,
+    RodShape,
     Spot,
     Touch,
     plain_drawing,
@@ -98,7 +98,7 @@ def test_shapes_move_with_their_bodies():
     square = Outline(0, np.array([[0.0, 0.0], [1.0, 0.0]]))
     np.testing.assert_allclose(outline(square, frames), [[1.0, 2.0], [1.0, 3.0]], atol=1e-15)
     np.testing.assert_allclose(Spot(GROUND, 3.0, 4.0).at(frames), [3.0, 4.0])
-    rod = outline(Rod(Spot(GROUND), Spot(GROUND, 2.0), 0.5), frames)
+    rod = outline(RodShape(Spot(GROUND), Spot(GROUND, 2.0), 0.5), frames)
     np.testing.assert_allclose(rod, [[0.0, -0.25], [2.0, -0.25], [2.0, 0.25], [0.0, 0.25]])
     disc = outline(Disc(Spot(0), 0.5), frames) - [1.0, 2.0]
     np.testing.assert_allclose(np.hypot(*disc.T), 0.5)

@@ -10,7 +10,7 @@ from report_folders import every_kind
 
 from jaxbuffer.output.folder import load
 from jaxbuffer.pages.compare import comparison
-from jaxbuffer.pages.page import Page, Section
+from jaxbuffer.pages.page import Page, PageSection
 from jaxbuffer.pages.review import review
 
 PATH = executable()
@@ -221,7 +221,7 @@ def test_early_impacts_are_shown_first(browser, tmp_path):
     other = {**one, "name": "other", "force [N]": [0.0, 100.0, 0.0, 120.0, 0.0]}
     chart = {"caption": "Contact force", "axis": "force [N]", "curves": [one, other]}
     file = tmp_path / "page.html"
-    file.write_text(Page("Forces", "", [], [Section("Forces", curves=[chart])]).html(), encoding="utf-8")
+    file.write_text(Page("Forces", "", [], [PageSection("Forces", curves=[chart])]).html(), encoding="utf-8")
     browser.open(file)
     clock = browser.run("document.querySelector('.clock').textContent")
     assert clock.startswith("0.03") and clock.endswith("other: 120 N")

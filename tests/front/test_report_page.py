@@ -22,7 +22,7 @@ from jaxbuffer.output.provenance import made
 from jaxbuffer.output.results import run_files, sensitivity_files, swept_files
 from jaxbuffer.output.tuned_records import tuned_record as tuned_record_of
 from jaxbuffer.pages.compare import compared, comparison
-from jaxbuffer.pages.page import Cell, Page, Section, Table
+from jaxbuffer.pages.page import Cell, Page, PageSection, Table
 from jaxbuffer.pages.records import field_name
 from jaxbuffer.pages.review import review
 from jaxbuffer.pages.verification import lines, sources, verified
@@ -308,7 +308,7 @@ def test_what_breaks_a_limit_between_the_scenarios_is_said(tmp_path, highest, un
 
 def test_long_names_may_break_between_their_words_only():
     rows = [["buffer.cylinder_length", "k_A of 0.05 m", Cell("mass m_S")]]
-    html = Page("", "", [], [Section("Names", tables=[Table("", ("a", "b", "c"), rows)])]).html()
+    html = Page("", "", [], [PageSection("Names", tables=[Table("", ("a", "b", "c"), rows)])]).html()
     assert "buffer.<wbr>cylinder_<wbr>length" in html
     assert "k_A of 0.05 m" in html and "mass m_S" in html
     assert "anywhere" not in html.split("@media print")[0], "nor inside one"

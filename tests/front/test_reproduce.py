@@ -14,7 +14,7 @@ from jaxbuffer.papers.docking.published import as_published
 from jaxbuffer.papers.docking.readings import READINGS, Reading
 from jaxbuffer.papers.docking.rows import NONE
 from jaxbuffer.papers.docking.studies import STUDIES
-from jaxbuffer.papers.study import NO, OPEN, PARTLY, YES, Case, Claim, Studied, Study, run
+from jaxbuffer.papers.study import NO, OPEN, PARTLY, YES, Claim, Studied, Study, StudyCase, run
 
 BY_NAME = {study.name: study for study in STUDIES}
 
@@ -156,7 +156,7 @@ def test_a_study_runs_and_draws():
 def test_without_friction_or_buffer_the_first_effective_mass_is_the_closed_forms():
     """M79, exact where springs and dampers are soft; Table 2's dampers add 2 %."""
     soft = {"buffer.k_A": 0.5, "buffer.c_A": 0.0, "buffer.k_T": 0.3, "buffer.c_T": 0.0, "contact.friction": 0.0}
-    case = Case("soft", 0.0, jb.replace(jb.table2(), soft), jb.Scenario(), {"duration": 0.01})
+    case = StudyCase("soft", 0.0, jb.replace(jb.table2(), soft), jb.Scenario(), {"duration": 0.01})
     (studied,) = run(CAPTURES, (Study("soft", "", "", "", "", (case,)),))
     expected = float(jb.first_impact(case.design).effective_mass)
     assert float(studied.rows[0]["mass_1"]) == pytest.approx(expected, rel=2e-3)

@@ -7,7 +7,7 @@ from jaxbuffer.output.style import png
 from jaxbuffer.papers.load import samples
 from jaxbuffer.papers.load.claims import CLAIMS
 from jaxbuffer.papers.load.figures import figure
-from jaxbuffer.papers.load.samples import STUDIES, Impacts, draw, row, solve
+from jaxbuffer.papers.load.samples import STUDIES, SampledImpacts, draw, row, solve
 from jaxbuffer.papers.study import NO, PARTLY, YES, Studied
 
 CASE = STUDIES[0].cases[0]
@@ -16,7 +16,7 @@ CASE = STUDIES[0].cases[0]
 def made_up(peak):
     energy = np.geomspace(1e-4, 1.0, len(peak))
     first = np.arange(len(peak)) % 2 == 0
-    return Impacts(energy, peak, np.ones(len(peak)) + 0.1 * first * np.arange(len(peak)), first, 0, 0)
+    return SampledImpacts(energy, peak, np.ones(len(peak)) + 0.1 * first * np.arange(len(peak)), first, 0, 0)
 
 
 @pytest.mark.parametrize("study", STUDIES, ids=lambda study: study.name)

@@ -28,7 +28,7 @@ from jaxbuffer.hybrid import Kind, Status
 from jaxbuffer.hybrid.events.bracketing import MAX_TRIES, MAX_TRIES_MAXIMUM, Bracket
 from jaxbuffer.hybrid.loop import loop
 from jaxbuffer.hybrid.loop.decision import decide
-from jaxbuffer.hybrid.loop.phase import LOOKING_BACK, TRANSITIONS, Outcome, Phase
+from jaxbuffer.hybrid.loop.phase import LOOKING_BACK, TRANSITIONS, Phase, StepOutcome
 from jaxbuffer.hybrid.loop.state import initial_state
 from jaxbuffer.hybrid.loop.task import Task
 from jaxbuffer.hybrid.rungekutta.controller import StepSizes
@@ -64,7 +64,7 @@ PROGRAMS = {id(case): program(case) for case in (STATE_ALONE, WITH_TANGENTS, JUM
 
 def iterated(case, state, trial):
     outcome, following = PROGRAMS[id(case)](*jax.tree.map(np.asarray, (state, trial)))  # of like types: compiled once
-    return Outcome(int(outcome)), following
+    return StepOutcome(int(outcome)), following
 
 
 def bracket(guard, low_value, high_value, **others):
@@ -114,27 +114,27 @@ def step_cases(phase, case):
     start, rising = running(case, phase, FALLING), running(case, phase, RISING, closed=True)
     inside = guards(contact=(-1e-3, -1.0, 0.0))
     return [
-        (phase, "nothing", start, trial(case, FALLING), Outcome.ACCEPT, Phase.STEP),
-        (phase, "error too large", start, trial(case, FALLING, norm=6.0), Outcome.REJECT, Phase.STEP),
-        (phase, "not finite", start, trial(case, inside, norm=jnp.nan, finite=False), Outcome.REJECT, Phase.STEP),
-        (phase, "a touchdown", start, trial(case, inside), Outcome.LOCATE, Phase.LOCATE),
-        (phase, "a touchdown, overshot", start, trial(case, inside, norm=4.0), Outcome.LOCATE, Phase.LOCATE),
-        (phase, "a touchdown, far off", start, trial(case, inside, norm=6.0), Outcome.REJECT, Phase.STEP),
+        (phase, "nothing", start, trial(case, FALLING), StepOutcome.ACCEPT, Phase.STEP),
+        (phase, "error too large", start, trial(case, FALLING, norm=6.0), StepOutcome.REJECT, Phase.STEP),
+        (phase, "not finite", start, trial(case, inside, norm=jnp.nan, finite=False), StepOutcome.REJECT, Phase.STEP),
+        (phase, "a touchdown", start, trial(case, inside), StepOutcome.LOCATE, Phase.LOCATE),
+        (phase, "a touchdown, overshot", start, trial(case, inside, norm=4.0), StepOutcome.LOCATE, Phase.LOCATE),
+        (phase, "a touchdown, far off", start, trial(case, inside, norm=6.0), StepOutcome.REJECT, Phase.STEP),
         (
             phase,
             "the end within it",
             *thrown_over_the_end(start, trial(case, FALLING)),
-            Outcome.SHORTEN,
+            StepOutcome.SHORTEN,
             Phase.STEP,
         ),
-        (phase, "a maximum alone", rising, trial(case, FALLEN), Outcome.LOOK_BACK, Phase.LOOK_BACK),
-        (phase, "a maximum, error too large", rising, trial(case, FALLEN, norm=2.0), Outcome.REJECT, Phase.STEP),
+        (phase, "a maximum alone", rising, trial(case, FALLEN), StepOutcome.LOOK_BACK, Phase.LOOK_BACK),
+        (phase, "a maximum, error too large", rising, trial(case, FALLEN, norm=2.0), StepOutcome.REJECT, Phase.STEP),
         (
             phase,
             "a maximum and the end",
             rising,
             trial(case, FALLEN._replace(terminal=jnp.ones(1))),
-            Outcome.LOCATE,
+            StepOutcome.LOCATE,
             Phase.LOCATE,
         ),
     ]
@@ -149,28 +149,28 @@ def location_cases(phase, case):
     goes_on = Phase.LOOK_BACK if back else Phase.LOCATE
     limit = located(case, phase, tries=jnp.asarray(MAX_TRIES_MAXIMUM))
     return [
-        (phase, "the event", start, trial(case, there), Outcome.ACCEPT, Phase.STEP),
-        (phase, "the event, and another before it", start, trial(case, end), Outcome.LOCATE, Phase.LOCATE),
-        (phase, "the same after many tries", unlucky, trial(case, end), Outcome.ACCEPT, Phase.STEP),
+        (phase, "the event", start, trial(case, there), StepOutcome.ACCEPT, Phase.STEP),
+        (phase, "the event, and another before it", start, trial(case, end), StepOutcome.LOCATE, Phase.LOCATE),
+        (phase, "the same after many tries", unlucky, trial(case, end), StepOutcome.ACCEPT, Phase.STEP),
         (
             phase,
             "the event, and the end within it",
             *thrown_over_the_end(start, trial(case, there)),
-            Outcome.SHORTEN,
+            StepOutcome.SHORTEN,
             Phase.STEP,
         ),
-        (phase, "no event yet", start, trial(case, beside), Outcome.REFINE, goes_on),
-        (phase, "no event yet, error too large", start, trial(case, beside, norm=6.0), Outcome.REFINE, goes_on),
+        (phase, "no event yet", start, trial(case, beside), StepOutcome.REFINE, goes_on),
+        (phase, "no event yet, error too large", start, trial(case, beside, norm=6.0), StepOutcome.REFINE, goes_on),
         (
             phase,
             "no event yet after twelve tries",
             limit,
             trial(case, beside),
-            Outcome.ACCEPT if back else Outcome.REFINE,
+            StepOutcome.ACCEPT if back else StepOutcome.REFINE,
             Phase.STEP if back else goes_on,
         ),
-        (phase, "the event, error too large", start, trial(case, there, norm=2.0), Outcome.ABANDON, Phase.STEP),
-        (phase, "not finite", start, trial(case, beside, norm=jnp.nan, finite=False), Outcome.ABANDON, Phase.STEP),
+        (phase, "the event, error too large", start, trial(case, there, norm=2.0), StepOutcome.ABANDON, Phase.STEP),
+        (phase, "not finite", start, trial(case, beside, norm=jnp.nan, finite=False), StepOutcome.ABANDON, Phase.STEP),
     ]
 
 
@@ -181,17 +181,17 @@ def retake_cases():
     contact, maximum = located(case, Phase.LOCATE), located(case, Phase.LOOK_BACK)
     rising = running(case, Phase.STEP, RISING, closed=True)
     return [
-        (Phase.STEP, "nothing", start, alone(FALLING), Outcome.RETAKE, Phase.RETAKE_STEP),
+        (Phase.STEP, "nothing", start, alone(FALLING), StepOutcome.RETAKE, Phase.RETAKE_STEP),
         (
             Phase.STEP,
             "a maximum alone",
             rising,
             alone(FALLEN),
-            Outcome.RETAKE,
+            StepOutcome.RETAKE,
             Phase.RETAKE_STEP,
         ),
-        (Phase.LOCATE, "the event", contact, alone(TOUCHING), Outcome.RETAKE, Phase.RETAKE_LOCATE),
-        (Phase.LOOK_BACK, "the event", maximum, alone(HIGHEST), Outcome.RETAKE, Phase.RETAKE_LOOK_BACK),
+        (Phase.LOCATE, "the event", contact, alone(TOUCHING), StepOutcome.RETAKE, Phase.RETAKE_LOCATE),
+        (Phase.LOOK_BACK, "the event", maximum, alone(HIGHEST), StepOutcome.RETAKE, Phase.RETAKE_LOOK_BACK),
     ]
 
 
@@ -201,9 +201,9 @@ def reevaluate_cases(case):
     beyond = guards(contact=(-1e-3, -1.0, 0.0))
     nan = trial(case, FALLING, norm=jnp.nan, length=0.0, finite=False)
     return [
-        (Phase.REEVALUATE, "nothing", start, trial(case, FALLING, length=0.0), Outcome.ACCEPT, Phase.STEP),
-        (Phase.REEVALUATE, "a jump", start, trial(case, beyond, length=0.0), Outcome.ACCEPT, Phase.STEP),
-        (Phase.REEVALUATE, "not finite", start, nan, Outcome.REJECT, Phase.STEP),
+        (Phase.REEVALUATE, "nothing", start, trial(case, FALLING, length=0.0), StepOutcome.ACCEPT, Phase.STEP),
+        (Phase.REEVALUATE, "a jump", start, trial(case, beyond, length=0.0), StepOutcome.ACCEPT, Phase.STEP),
+        (Phase.REEVALUATE, "not finite", start, nan, StepOutcome.REJECT, Phase.STEP),
     ]
 
 
@@ -230,7 +230,7 @@ def test_transition(case, phase, shown, state, step, outcome, following):
     found, after = iterated(case, state, step)
     assert (found, Phase(int(after.phase))) == (outcome, following)
     assert int(after.attempts) == 1
-    accepted = outcome is Outcome.ACCEPT
+    accepted = outcome is StepOutcome.ACCEPT
     assert int(after.steps.count) == int(accepted)
     assert bool(after.locating) == (following not in (Phase.STEP, Phase.RETAKE_STEP, Phase.REEVALUATE))
     assert (int(after.bracket.guard) >= 0) == bool(after.locating)
@@ -246,7 +246,7 @@ def test_a_step_that_an_event_may_hide_in_is_cut_to_end_where_it_shows():
     start = running(STATE_ALONE, Phase.STEP, FALLING, step_sizes=sizes)
     state, step = thrown_over_the_end(start, trial(STATE_ALONE, FALLING))
     outcome, after = iterated(STATE_ALONE, state, step)
-    assert outcome is Outcome.SHORTEN
+    assert outcome is StepOutcome.SHORTEN
     assert np.all(np.abs(np.asarray(after.step_sizes.steps) - 0.5 * LENGTH) < np.sqrt(1e-6 / 5.0))
 
 
@@ -260,7 +260,7 @@ def test_the_page_has_the_same_table():
     table_rows = re.findall(r"^\| .*", PAGE.read_text().partition("## Transitions")[2], flags=re.MULTILINE)[:8]
     cells = [re.findall(r"`([A-Z_]+)`|–", row) for row in table_rows]
     table = {(row[0], outcome): then for row in cells[1:] for outcome, then in zip(cells[0], row[1:], strict=True)}
-    assert {(Phase[phase], Outcome[outcome]): Phase[then] for (phase, outcome), then in table.items() if then} == {
+    assert {(Phase[phase], StepOutcome[outcome]): Phase[then] for (phase, outcome), then in table.items() if then} == {
         (phase, outcome): following for phase in Phase for outcome, following in TRANSITIONS[phase].items()
     }
 
@@ -314,7 +314,7 @@ def test_a_release(case, phase, following):
     at = guards(contact=(-1e-3, 1.0, 0.0))
     state = running(case, phase, at, closed=True, bracket=TOWARD_CONTACT, step_sizes_before_contact=before)
     outcome, after = iterated(case, state, trial(case, guards(contact=(0.0, 1.0, 0.0))))
-    assert (outcome, Phase(int(after.phase))) == (Outcome.ACCEPT, following)
+    assert (outcome, Phase(int(after.phase))) == (StepOutcome.ACCEPT, following)
     assert (int(after.log.count), int(after.log.kind[0])) == (1, Kind.RELEASE)
     np.testing.assert_array_equal(after.active, [0.0])
     np.testing.assert_array_equal(after.step_sizes.steps, before.steps)
@@ -323,7 +323,7 @@ def test_a_release(case, phase, following):
 def test_a_derivative_that_jumps_is_evaluated_anew():
     """After a touchdown whose force jumps; its log entry holds the observables just after it."""
     outcome, after = iterated(JUMPING, located(JUMPING, Phase.LOCATE), trial(JUMPING, TOUCHING))
-    assert (outcome, Phase(int(after.phase))) == (Outcome.ACCEPT, Phase.REEVALUATE)
+    assert (outcome, Phase(int(after.phase))) == (StepOutcome.ACCEPT, Phase.REEVALUATE)
     np.testing.assert_array_equal(after.log.values[0], [0.0, -10.0])
 
 
@@ -331,7 +331,7 @@ def test_a_touchdown_that_could_not_be_brought_to_the_surface():
     """Given up beyond it after many tries: the force acts at once, so the derivative is evaluated anew."""
     state = located(STATE_ALONE, Phase.LOCATE, tries=jnp.asarray(MAX_TRIES))
     outcome, after = iterated(STATE_ALONE, state, trial(STATE_ALONE, guards(contact=(-1e-4, 1e-6, 0.0))))
-    assert (outcome, Phase(int(after.phase))) == (Outcome.ACCEPT, Phase.REEVALUATE)
+    assert (outcome, Phase(int(after.phase))) == (StepOutcome.ACCEPT, Phase.REEVALUATE)
     np.testing.assert_array_equal(after.active, [1.0])
 
 
@@ -340,7 +340,7 @@ def test_a_near_release_is_located_at_once():
     at = guards(contact=(-1e-5, 1.0, 0.0))
     state = running(STATE_ALONE, Phase.STEP, guards(contact=(-1e-3, 1.0, 0.0)), closed=True)
     outcome, after = iterated(STATE_ALONE, state, trial(STATE_ALONE, at))
-    assert (outcome, Phase(int(after.phase)), int(after.bracket.guard)) == (Outcome.ACCEPT, Phase.LOCATE, CONTACT)
+    assert (outcome, Phase(int(after.phase)), int(after.bracket.guard)) == (StepOutcome.ACCEPT, Phase.LOCATE, CONTACT)
     np.testing.assert_allclose([after.bracket.step, after.bracket.high], [1e-5, 4e-5], rtol=1e-12)
     np.testing.assert_allclose([after.bracket.low_value, after.bracket.high_value], [-1e-5, 3e-5], rtol=1e-12)
 
@@ -354,7 +354,7 @@ def test_looking_back_returns_to_the_end_of_the_step():
     assert float(looking.point.time) == START
     assert not np.array_equal(looking.step_sizes.steps, StepSizes.of(looking.contact_step, 2).steps), "it has learnt"
     outcome, after = iterated(case, looking, trial(case, HIGHEST))
-    assert (outcome, Phase(int(after.phase))) == (Outcome.ACCEPT, Phase.STEP)
+    assert (outcome, Phase(int(after.phase))) == (StepOutcome.ACCEPT, Phase.STEP)
     assert (int(after.log.count), int(after.log.kind[0]), int(after.log.which[0])) == (1, Kind.PEAK, 0)
     assert float(after.log.time[0]) == START + LENGTH
     assert float(after.log.values[0, 0]) == float(after.extremes.largest[0]) == pytest.approx(1.05)
@@ -372,8 +372,8 @@ def test_a_maximum_that_a_run_goes_on_from_is_not_found_again():
     assert (int(after.log.count), int(after.log.kind[0])) == (1, Kind.PEAK)
     np.testing.assert_array_equal(after.located, [True, False])
     falling = trial(case, FALLEN)
-    assert iterated(case, after, falling)[0] is Outcome.ACCEPT
-    assert iterated(case, after._replace(located=jnp.zeros(2, bool)), falling)[0] is Outcome.LOOK_BACK
+    assert iterated(case, after, falling)[0] is StepOutcome.ACCEPT
+    assert iterated(case, after._replace(located=jnp.zeros(2, bool)), falling)[0] is StepOutcome.LOOK_BACK
 
 
 @pytest.mark.parametrize("rate", [1e-9, 50.0])
@@ -387,9 +387,9 @@ def test_a_maximum_that_leads_nowhere_is_not_looked_for_again(rate):
     np.testing.assert_array_equal(after.given_up, [True, False])
     higher = trial(case, pressed(1.2, -1.0))
     outcome, away = iterated(case, after, higher)
-    assert outcome is Outcome.ACCEPT
+    assert outcome is StepOutcome.ACCEPT
     assert not np.any(away.given_up)
-    assert iterated(case, after._replace(given_up=jnp.zeros(2, bool)), higher)[0] is Outcome.LOOK_BACK
+    assert iterated(case, after._replace(given_up=jnp.zeros(2, bool)), higher)[0] is StepOutcome.LOOK_BACK
     other = after._replace(
         phase=jnp.asarray(int(Phase.LOCATE)), bracket=TOWARD_MAXIMUM._replace(guard=jnp.asarray(RATE_PEAK), tries=tries)
     )
@@ -401,7 +401,7 @@ def test_a_maximum_that_is_not_there_is_not_recorded():
     """Given up after its tries below it: the run goes on from the last try's end, inside the step."""
     state = located(STATE_ALONE, Phase.LOOK_BACK, tries=jnp.asarray(MAX_TRIES_MAXIMUM))
     outcome, after = iterated(STATE_ALONE, state, trial(STATE_ALONE, pressed(1.0, 50.0)))
-    assert outcome is Outcome.ACCEPT
+    assert outcome is StepOutcome.ACCEPT
     assert int(after.log.count) == 0
     assert float(after.point.time) == START + LENGTH
 

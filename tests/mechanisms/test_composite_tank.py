@@ -8,7 +8,7 @@ import jaxbuffer as jb
 from jaxbuffer.mechanisms.tank_drop.laminate import Composite, equivalent, least_reserve
 from jaxbuffer.mechanisms.tank_drop.section import wall_mass
 from jaxbuffer.structures import Plane, Quads
-from jaxbuffer.structures.materials import History
+from jaxbuffer.structures.materials import PlasticHistory
 
 Q11, Q12, Q22, Q66 = 130572.2, 1634.70, 4670.58, 4650.0  # MPa: E1/(1 - ν12 ν21) and so on, ν21 = 0.35·4650/130000
 QUARTER = (Q11 + 2 * Q12 + Q22) / 4  # of a ply at 45°, to which Q66 is added
@@ -31,7 +31,7 @@ def reserve(stretch: float, bend: float, fine: int = 1, **changes) -> float:
     positions, piece = wall(fine)
     high = 2.0 * positions[:, 1] / THICK - 1.0
     displacement = np.stack([(stretch + bend * high) * (positions[:, 0] - 0.5 * LONG), 0.0 * high], axis=1)
-    stress = piece.resist(jnp.asarray(displacement), History.none(fine, 4)).stress
+    stress = piece.resist(jnp.asarray(displacement), PlasticHistory.none(fine, 4)).stress
     return float(least_reserve(Composite(**changes), fine, stress, piece.material))
 
 

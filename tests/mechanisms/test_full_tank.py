@@ -8,7 +8,7 @@ from jaxbuffer.mechanisms.tank_drop.numbering import Numbering
 from jaxbuffer.mechanisms.tank_drop.run import rows_of
 from jaxbuffer.mechanisms.tank_drop.section import section
 from jaxbuffer.output.style import png
-from jaxbuffer.papers.study import Case, Studied
+from jaxbuffer.papers.study import Studied, StudyCase
 from jaxbuffer.papers.tank.figures import figure
 from jaxbuffer.papers.tank.rows import COLUMNS, row
 from jaxbuffer.papers.tank.studies import STUDIES
@@ -54,7 +54,7 @@ def test_a_full_tank_carries_by_its_liquid(full, evidence):
 
 
 def test_its_studies_are_drawn(full):
-    case = Case("full", 1.0, full.design, full.scenario)
+    case = StudyCase("full", 1.0, full.design, full.scenario)
     made = row(case, full)
     assert set(made) == set(COLUMNS) and made["order"] == "none"
     studied = Studied(STUDIES[0]._replace(cases=(case,)), (full,), (made,))

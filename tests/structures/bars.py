@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from jaxbuffer.structures import Bars, Rods, System
+from jaxbuffer.structures import Bars, FiniteElementSystem, Rods
 from jaxbuffer.structures.central_differences import advance
 
 
@@ -29,7 +29,7 @@ def system(
     contacts=(),
     held: Sequence[int] = (),
     points: Sequence[tuple[float, float]] = (),
-) -> System:
+) -> FiniteElementSystem:
     """Nodes come one bar after the other, then ``points``: (height [m], inverse mass [1/kg])."""
     heights = np.concatenate([np.linspace(*bar, elements + 1) for bar in bars] + [[height for height, _ in points]])
     first = np.arange(len(bars)) * (elements + 1)
@@ -41,7 +41,9 @@ def system(
     inverse[:own, 1] = 1.0 / np.asarray(rods.mass())[:own]
     inverse[own:, 1] = [mass for _, mass in points]
     inverse[list(held)] = 0.0
-    return System(positions, jnp.asarray(inverse), (rods,), tuple(contacts), gravity=jnp.array([0.0, -gravity]))
+    return FiniteElementSystem(
+        positions, jnp.asarray(inverse), (rods,), tuple(contacts), gravity=jnp.array([0.0, -gravity])
+    )
 
 
 class Followed(NamedTuple):
@@ -53,7 +55,7 @@ class Followed(NamedTuple):
     energies: np.ndarray
 
 
-def follow(bars: System, velocity, step: float, steps: int) -> Followed:
+def follow(bars: FiniteElementSystem, velocity, step: float, steps: int) -> Followed:
     """``velocity``: (nodes,) of all half a step before the start [m/s]."""
     start = bars.start(jnp.zeros_like(bars.positions).at[:, 1].set(velocity))
 

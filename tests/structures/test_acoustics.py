@@ -7,7 +7,7 @@ import pytest
 from scipy.linalg import eig, eigh
 from test_quads import grid
 
-from jaxbuffer.structures import Liquid, System
+from jaxbuffer.structures import FiniteElementSystem, Liquid
 from jaxbuffer.structures.acoustics import element_matrices
 from jaxbuffer.structures.boundary import boundary_areas
 from jaxbuffer.structures.central_differences import advance
@@ -85,7 +85,7 @@ def piston_and_column(elements, spring=0.0, mass=MASS, free_end=True):
         boundary_areas(jnp.asarray(positions[wet])),
     )
     inverse = jnp.array([[0.0, 1.0 / mass]])
-    return System(jnp.zeros((1, 2)), inverse, liquid=liquid), spring
+    return FiniteElementSystem(jnp.zeros((1, 2)), inverse, liquid=liquid), spring
 
 
 def followed(system, spring, speed, step, steps):
@@ -93,7 +93,7 @@ def followed(system, spring, speed, step, steps):
 
     def one(state, _):
         pulled = jnp.zeros((1, 2)).at[0, 1].set(-spring * state.displacement[0, 1])
-        with_spring = System(system.positions, system.inverse_mass, load=pulled, liquid=system.liquid)
+        with_spring = FiniteElementSystem(system.positions, system.inverse_mass, load=pulled, liquid=system.liquid)
         after, seen = advance(with_spring, state, step, ())
         spent = 0.5 * spring * state.displacement[0, 1] ** 2
         return after, (

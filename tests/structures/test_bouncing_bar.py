@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from bars import Bar, follow, system
 
-from jaxbuffer.structures.contact import METHODS, Contact, RigidPlane
+from jaxbuffer.structures.contact import METHODS, NodeContact, RigidPlane
 
 TOPIC = "Finite elements, liquid and contact"
 LENGTH, YOUNG, DENSITY, GRAVITY, HEIGHT = 10.0, 900.0, 1.0, 10.0, 5.0
@@ -55,7 +55,7 @@ def exact(x, time):
 
 
 def bounced(elements, method, periods=2.0, courant=1.0, stiffness=0.0, averaged=True):
-    floor = Contact(np.array([0]), RigidPlane(elements + 1, (0.0, 1.0)), method, stiffness, averaged=averaged)
+    floor = NodeContact(np.array([0]), RigidPlane(elements + 1, (0.0, 1.0)), method, stiffness, averaged=averaged)
     bar = system(
         [Bar(HEIGHT, HEIGHT + LENGTH)],
         elements,

@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 from test_acoustics import DENSITY, LENGTH, MASS, RIGID, SOUND, SPRING
 from test_quads import grid
 
-from jaxbuffer.structures import Elastic, Liquid, Plane, Quads, System
+from jaxbuffer.structures import Elastic, FiniteElementSystem, Liquid, Plane, Quads
 from jaxbuffer.structures.acoustics import Cover, element_matrices
 from jaxbuffer.structures.boundary import boundary_areas
 from jaxbuffer.structures.central_differences import advance
@@ -35,7 +35,7 @@ def closed_column(elements=40, mass=MASS):
     structure = jnp.array([[0.0, 0.0], [1.0, 0.0]])
     wet = np.flatnonzero(positions[:, 1] == 0.0)
     liquid = liquid_on(positions, corners, (), [0, 1], wet, structure, follows=True)
-    return System(structure, jnp.array([[0.0, 2.0 / mass]] * 2), liquid=liquid)
+    return FiniteElementSystem(structure, jnp.array([[0.0, 2.0 / mass]] * 2), liquid=liquid)
 
 
 def moved(system, start, step, steps, spring=0.0, node=0):
@@ -44,7 +44,7 @@ def moved(system, start, step, steps, spring=0.0, node=0):
     def one(state, _):
         pulled = jnp.zeros_like(system.positions).at[:, 1].set(-spring * state.displacement[:, 1])
         fields = (system.elements, (), (), system.gravity, pulled, system.liquid, None, system.gas)
-        after, seen = advance(System(system.positions, system.inverse_mass, *fields), state, step, ())
+        after, seen = advance(FiniteElementSystem(system.positions, system.inverse_mass, *fields), state, step, ())
         spent = 0.5 * spring * jnp.sum(state.displacement[:, 1] ** 2)
         total = seen.energies.kinetic + seen.energies.stored + seen.energies.liquid + spent
         return after, (seen.displacement[node], seen.pressure, total)
@@ -88,7 +88,7 @@ def test_a_wall_on_a_closed_layer_swings_as_the_closed_form_says(evidence):
     face, surface = order(np.asarray(wall), depth), order(below, depth)
     assert np.all(np.diff(below[surface, 0]) < 0.0)
     liquid = liquid_on(below, cells, (), face, surface, wall, density, sound, follows=True)
-    system = System(wall, inverse.at[ends, 0].set(0.0), (plate,), liquid=liquid)
+    system = FiniteElementSystem(wall, inverse.at[ends, 0].set(0.0), (plate,), liquid=liquid)
     k = number * np.pi / length
     start = jnp.zeros_like(wall).at[:, 1].set(1e-3 * jnp.cos(k * wall[:, 0]))
     rigidity = young * thick**3 / (12.0 * (1.0 - poisson**2))
@@ -114,7 +114,7 @@ def lid_on_column(mass, speed, gap, elements=200):
     shares = jnp.full((2, 2), 0.5)
     cover = Cover(surface, jnp.full(2, 0.5), jnp.zeros((2, 2), int), shares, jnp.full(2, gap))
     liquid = liquid_on(positions, corners, surface, cover=cover)
-    system = System(jnp.array([[0.0, LENGTH + gap]]), jnp.array([[0.0, 1.0 / mass]]), liquid=liquid)
+    system = FiniteElementSystem(jnp.array([[0.0, LENGTH + gap]]), jnp.array([[0.0, 1.0 / mass]]), liquid=liquid)
     return moved(system, jnp.array([[0.0, -speed]]), 0.5 * LENGTH / elements / SOUND, 1200), surface
 
 

@@ -7,9 +7,9 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxbuffer.structures import Elastic, Plane, Quads, System
+from jaxbuffer.structures import Elastic, FiniteElementSystem, Plane, Quads
 from jaxbuffer.structures.central_differences import advance
-from jaxbuffer.structures.contact import Contact, RigidPlane
+from jaxbuffer.structures.contact import NodeContact, RigidPlane
 
 TOPIC = "Finite elements, liquid and contact"
 RADIUS, YOUNG, POISSON = 0.1, 1e7, 0.3
@@ -73,15 +73,15 @@ def pressed(across):
         mass = group.mass()[:-1]
         inverse = jnp.concatenate([jnp.repeat(1.0 / mass[:, None], 2, axis=1), jnp.zeros((1, 2))])
         inverse = inverse.at[node[0], 0].set(0.0)
-        floor = Contact(slaves, RigidPlane(len(at), (0.0, 1.0)))
-        system = System(jnp.asarray(positions), inverse, (group,), (floor,), load=jnp.asarray(load))
+        floor = NodeContact(slaves, RigidPlane(len(at), (0.0, 1.0)))
+        system = FiniteElementSystem(jnp.asarray(positions), inverse, (group,), (floor,), load=jnp.asarray(load))
         step = 0.9 * system.stable_step()
         damped = 0.35 * jnp.sqrt(MODULUS / jnp.sum(mass)) * step
         rise = 0.4 * STEPS * across * step
 
         def one(state, _):
             share = jnp.minimum(state.time / rise, 1.0)
-            rising = System(system.positions, inverse, (group,), (floor,), load=share * system.load)
+            rising = FiniteElementSystem(system.positions, inverse, (group,), (floor,), load=share * system.load)
             after, _ = advance(rising, state, step, (None,))
             return after._replace(velocity=(1.0 - damped) / (1.0 + damped) * after.velocity), None
 

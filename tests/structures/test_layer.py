@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxbuffer.structures import System
+from jaxbuffer.structures import FiniteElementSystem
 from jaxbuffer.structures.central_differences import advance
 from jaxbuffer.structures.contact import Layer, RigidPlane
 
@@ -18,7 +18,7 @@ def struck(damping=0.0, speed=SPEED, solid=0.0, step=1e-5, steps=8000):
     """A node falls on a cushion that lies on the ground: times, compressions, forces, speeds and energies."""
     layer = Layer(np.array([0]), RigidPlane(1, (0.0, 1.0)), jnp.full(1, WIDTH), THICKNESS, STIFFNESS, damping, solid)
     inverse = jnp.array([[0.0, 1.0 / MASS], [0.0, 0.0]])
-    system = System(jnp.array([[0.0, THICKNESS], [0.0, 0.0]]), inverse, layers=(layer,))
+    system = FiniteElementSystem(jnp.array([[0.0, THICKNESS], [0.0, 0.0]]), inverse, layers=(layer,))
 
     def one(state, _):
         after, seen = advance(system, state, step, ())

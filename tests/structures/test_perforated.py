@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from test_quads import grid
 
-from jaxbuffer.structures import Liquid, System
+from jaxbuffer.structures import FiniteElementSystem, Liquid
 from jaxbuffer.structures.acoustics import element_matrices
 from jaxbuffer.structures.boundary import boundary_areas
 from jaxbuffer.structures.central_differences import advance
@@ -39,7 +39,8 @@ def duct(holes, mass):
     liquid = Liquid(incidence, stiffness, mass_of_liquid, everywhere, DENSITY, nothing, nothing, nowhere)
     added = through.added_mass()[:, 0]
     inverse = jnp.stack([jnp.where(np.isinf(mass), 0.0, 1.0 / (0.5 * mass + added)), jnp.zeros(2)], axis=1)
-    return System(at, inverse, liquid=liquid._replace(plate=through)), np.arange(len(positions)) < len(left)
+    system = FiniteElementSystem(at, inverse, liquid=liquid._replace(plate=through))
+    return system, np.arange(len(positions)) < len(left)
 
 
 def let_go(holes, mass, pressure):

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from test_quads import grid
 
-from jaxbuffer.structures import Elastic, Plane, Quads, System
+from jaxbuffer.structures import Elastic, FiniteElementSystem, Plane, Quads
 from jaxbuffer.structures.central_differences import advance
-from jaxbuffer.structures.contact import Contact, RigidPlane, Segments, candidates, contact_forces
+from jaxbuffer.structures.contact import NodeContact, RigidPlane, Segments, candidates, contact_forces
 
 SOFT = Elastic(1000.0, 1e7, 0.3)
 
@@ -25,7 +25,7 @@ def two_blocks(method, slaves=None, published=False, friction=0.0, speed=(0.4, -
     top = np.flatnonzero(low[:, 1] == 0.3)
     ends = np.stack([top[1:], top[:-1]], axis=1)  # the body on the left: from right to left along its top
     bottom = len(low) + np.flatnonzero(high[:, 1] < 0.301)
-    contact = Contact(
+    contact = NodeContact(
         bottom if slaves is None else bottom[slaves],
         Segments(ends),
         method,
@@ -33,7 +33,7 @@ def two_blocks(method, slaves=None, published=False, friction=0.0, speed=(0.4, -
         friction=friction,
         published=published,
     )
-    system = System(positions, inverse, (group,), (contact,))
+    system = FiniteElementSystem(positions, inverse, (group,), (contact,))
     velocity = jnp.zeros_like(positions).at[len(low) :].set(jnp.asarray([speed]))
     return system, system.start(velocity), len(low)
 
@@ -148,10 +148,10 @@ def test_coulombs_friction_slides_and_sticks():
     positions = jnp.asarray(np.concatenate([positions, [[0.0, 0.0]]]))
     group = Plane(Quads.of(positions, corners), Elastic(1000.0, 1e8, 0.3))
     inverse = jnp.repeat(jnp.where(group.mass() > 0.0, 1.0 / jnp.maximum(group.mass(), 1e-9), 0.0)[:, None], 2, axis=1)
-    floor = Contact(
+    floor = NodeContact(
         np.flatnonzero(np.asarray(positions[:-1, 1]) == 0.0), RigidPlane(6, (0.0, 1.0)), "multiplier", friction=0.4
     )
-    system = System(positions, inverse, (group,), (floor,), gravity=jnp.array([0.0, -10.0]))
+    system = FiniteElementSystem(positions, inverse, (group,), (floor,), gravity=jnp.array([0.0, -10.0]))
     start = system.start(jnp.zeros_like(positions).at[:-1, 0].set(0.2))
     step = 0.5 * float(system.stable_step())
 

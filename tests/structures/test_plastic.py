@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import brentq
 
 from jaxbuffer.structures import Plane, Plastic, Quads, mises
-from jaxbuffer.structures.materials import History
+from jaxbuffer.structures.materials import PlasticHistory
 
 TOPIC = "Finite elements, liquid and contact"
 SOFT = Plastic(950.0, 1e9, 0.4, 25e6, 40e6, 0.6)
@@ -25,7 +25,7 @@ def driven(material, strains):
             material.plastic_work(found.history),
         )
 
-    return jax.lax.scan(one, History.none(), jnp.asarray(strains))[1]
+    return jax.lax.scan(one, PlasticHistory.none(), jnp.asarray(strains))[1]
 
 
 def test_pure_shear_loads_unloads_and_loads_back_as_hand_calculation_says(evidence):

@@ -6,7 +6,7 @@ import pytest
 from bars import Bar, follow, system
 from scipy.integrate import solve_ivp
 
-from jaxbuffer.structures.contact import Contact, RigidPlane
+from jaxbuffer.structures.contact import NodeContact, RigidPlane
 
 TOPIC = "Finite elements, liquid and contact"
 STEEL = {"young": 2e11, "density": 7800.0, "section": 4e-4}
@@ -16,7 +16,7 @@ PLATEAU = 7800.0 * WAVE * 4e-4 / 2.0  # N s/m, ρcS/2
 
 def node_on_node(slave, master, method):
     """The end of one bar above that of another."""
-    return Contact(np.array([slave]), RigidPlane(master, (0.0, 1.0)), method)
+    return NodeContact(np.array([slave]), RigidPlane(master, (0.0, 1.0)), method)
 
 
 @pytest.mark.parametrize("method", ["multiplier", "defence node"])
@@ -59,7 +59,7 @@ def test_the_impacting_bar():
     """Siconos' example: ρcSv = 1270.827 N for 2 L/c = 385.450 µs, from 0.5 ms on; no gravity."""
     n, young, section, speed, gap = 100, 210e9, 3.14e-4, 0.1, 5e-5
     wave = np.sqrt(young / 7800.0)
-    floor = Contact(np.array([0]), RigidPlane(n + 1, (0.0, 1.0)), "multiplier")
+    floor = NodeContact(np.array([0]), RigidPlane(n + 1, (0.0, 1.0)), "multiplier")
     bar = system(
         [Bar(gap, gap + 1.0)], n, young=young, density=7800.0, section=section, contacts=[floor], points=[(0.0, 0.0)]
     )
@@ -80,7 +80,7 @@ def test_a_laterally_held_bar_of_plane_elements_on_a_wall():
     """SDNV100: 1.85638e6 N for 68.95 µs, by penalty; the plateau between the overshoots of its first half."""
     import jax
 
-    from jaxbuffer.structures import Elastic, Plane, Quads, System
+    from jaxbuffer.structures import Elastic, FiniteElementSystem, Plane, Quads
     from jaxbuffer.structures.central_differences import advance
 
     n, side, length, speed, gap = 80, 0.02, 0.2, 100.0, 2e-3
@@ -93,8 +93,8 @@ def test_a_laterally_held_bar_of_plane_elements_on_a_wall():
     group = Plane(Quads.of(positions, np.stack([first, first + 1, first + 3, first + 2], axis=1)), material)
     inverse = np.zeros(positions.shape)
     inverse[:-1, 1] = 1.0 / np.asarray(group.mass())[:-1]
-    floor = Contact(np.array([0, 1]), RigidPlane(2 * n + 2, (0.0, 1.0)), "penalty", 2e11)
-    bar = System(positions, jnp.asarray(inverse), (group,), (floor,))
+    floor = NodeContact(np.array([0, 1]), RigidPlane(2 * n + 2, (0.0, 1.0)), "penalty", 2e11)
+    bar = FiniteElementSystem(positions, jnp.asarray(inverse), (group,), (floor,))
     step = 0.5 * float(bar.stable_step())
     start = bar.start(jnp.zeros_like(positions).at[:-1, 1].set(-speed))
 
@@ -114,7 +114,7 @@ def test_a_laterally_held_bar_of_plane_elements_on_a_wall():
 def test_a_mass_on_a_spring_against_a_stiff_stop():
     """SDND101: 9950.372 N for 31.26 ms, by penalty; a bar of one element is the spring."""
     mass, spring, stop, speed = 100.0, 1e4, 1e6, 1.0
-    contact = Contact(np.array([1]), RigidPlane(2, (0.0, 1.0)), "penalty", stop)
+    contact = NodeContact(np.array([1]), RigidPlane(2, (0.0, 1.0)), "penalty", stop)
     bars = system([Bar(0.0, 1.0)], 1, young=spring, density=1e-9, contacts=[contact], held=[0], points=[(1.0, 0.0)])
     inverse = jnp.asarray(bars.inverse_mass).at[1, 1].set(1.0 / mass)
     bars = type(bars)(bars.positions, inverse, bars.elements, bars.contacts)
@@ -147,7 +147,7 @@ def test_the_step_found_is_safe_with_a_penalty(beta, critical):
     """The critical step of a lumped bar whose end node rests on k = β EA/h, over h/c; ours bounds it from below."""
     n = 40
     h = 1.0 / n
-    contact = Contact(np.array([0]), RigidPlane(n + 1, (0.0, 1.0)), "penalty", beta * 1.0 / h)
+    contact = NodeContact(np.array([0]), RigidPlane(n + 1, (0.0, 1.0)), "penalty", beta * 1.0 / h)
     bar = system([Bar(0.0, 1.0)], n, young=1.0, density=1.0, contacts=[contact], points=[(0.0, 0.0)])
     main = np.full(n + 1, 2.0)
     main[[0, -1]] = 1.0

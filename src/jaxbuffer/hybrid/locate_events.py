@@ -53,7 +53,7 @@ class Path(NamedTuple):
         return quintic(before, later, h, x)[0]
 
 
-class Guards(NamedTuple):
+class GuardValues(NamedTuple):
     """What is watched of a state: gaps [m], terminal guards, observables and the slopes of observables."""
 
     gap: Float[Array, " contacts"]
@@ -68,7 +68,7 @@ class Guards(NamedTuple):
         return jnp.concatenate([gap, self.terminal, -self.slope])
 
 
-def guards_at(system: HybridSystem, time: Float[Array, ""], state: State) -> Guards:
+def guards_at(system: HybridSystem, time: Float[Array, ""], state: State) -> GuardValues:
     """Return the guards of a state; its gaps alone say which contacts are closed."""
     active = closed(system, state)
 
@@ -77,17 +77,17 @@ def guards_at(system: HybridSystem, time: Float[Array, ""], state: State) -> Gua
 
     rate = system.derivative(time, state, active)
     value, slope = jax.jvp(observed, (time, state), (jnp.ones(()), rate))
-    return Guards(system.gaps(state), system.terminals(state), slope, value)
+    return GuardValues(system.gaps(state), system.terminals(state), slope, value)
 
 
-class Search(NamedTuple):
+class SearchState(NamedTuple):
     """Where the search stands: the step that is searched, the time [s] to which it has been, closed contacts and guards
     there, each observable's largest and smallest values so far and its largest in the log, `Status`, the log."""
 
     step: Int[Array, ""]
     time: Float[Array, ""]
     active: Active
-    guards: Guards
+    guards: GuardValues
     extremes: Extremes
     logged: Float[Array, " observables"]
     status: Int[Array, ""]
@@ -119,7 +119,7 @@ def locate_events(
             touching=jnp.asarray(False),
         )
     running = jnp.asarray(int(Status.RUNNING))
-    search = Search(
+    search = SearchState(
         step=jnp.asarray(0),
         time=path.time[0],
         active=active,
@@ -148,7 +148,7 @@ def locate_events(
     return log, status
 
 
-def _step(system: HybridSystem, path: Path, s: Search) -> Search:
+def _step(system: HybridSystem, path: Path, s: SearchState) -> SearchState:
     """Search one step, or its next part: all its events, in order of time."""
     contacts, end = s.active.shape[0], path.time[s.step + 1]
     until = _until(system, path, s)
@@ -159,14 +159,14 @@ def _step(system: HybridSystem, path: Path, s: Search) -> Search:
     happens = (after >= 0.0) & (before < 0.0)
     happens = happens.at[:contacts].set(after[:contacts] > 0.0)
 
-    def located(s: Search) -> Search:
+    def located(s: SearchState) -> SearchState:
         find = lambda which: _time(system, path, s, which, until, happens[which])  # noqa: E731
         # One guard after the other, since `vmap` would bisect for those that have no event too.
         times = lax.map(find, jnp.arange(happens.shape[0]))
         # In order of time, because an event that ends the run hides those after it.
         order = jnp.argsort(times)
 
-        def append(k: Array, s: Search) -> Search:
+        def append(k: Array, s: SearchState) -> SearchState:
             still = happens[order[k]] & (s.status == Status.RUNNING)
             return lax.cond(still, lambda: _appended(system, path, s, order[k], times[order[k]]), lambda: s)
 
@@ -178,7 +178,7 @@ def _step(system: HybridSystem, path: Path, s: Search) -> Search:
     return s._replace(step=s.step + whole, time=until, guards=guards, extremes=extremes)
 
 
-def _until(system: HybridSystem, path: Path, s: Search) -> Float[Array, ""]:
+def _until(system: HybridSystem, path: Path, s: SearchState) -> Float[Array, ""]:
     """Return the time to which to search next [s]: the step's end, or the top of a guard that rises above zero before
     it and falls again."""
     contacts, terminals = s.active.shape[0], s.guards.terminal.shape[0]
@@ -202,10 +202,10 @@ def _until(system: HybridSystem, path: Path, s: Search) -> Float[Array, ""]:
 def _with_start(
     system: HybridSystem,
     path: Path,
-    s: Search,
+    s: SearchState,
     end: Float[Array, " observables"],
     located: Bool[Array, " observables"],
-) -> Search:
+) -> SearchState:
     """Log the start as a maximum where an observable falls from there to the step's ``end`` unlocated; ``located``:
     those with a maximum within the step."""
     if not len(end):
@@ -231,7 +231,7 @@ def _with_start(
 def _time(
     system: HybridSystem,
     path: Path,
-    s: Search,
+    s: SearchState,
     which: Int[Array, ""],
     until: Float[Array, ""],
     happens: Bool[Array, ""],
@@ -249,7 +249,9 @@ def _time(
     return lax.cond(happens, lambda: lax.fori_loop(0, HALVINGS, halve, bracket)[1], lambda: jnp.inf)
 
 
-def _appended(system: HybridSystem, path: Path, s: Search, guard: Int[Array, ""], time: Float[Array, ""]) -> Search:
+def _appended(
+    system: HybridSystem, path: Path, s: SearchState, guard: Int[Array, ""], time: Float[Array, ""]
+) -> SearchState:
     """Append one more event to the search's log."""
     contacts, terminals = s.active.shape[0], s.guards.terminal.shape[0]
     state = path.within(s.step, time)

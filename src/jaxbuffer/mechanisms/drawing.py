@@ -53,7 +53,7 @@ class Disc(NamedTuple):
     part: str = ""
 
 
-class Rod(NamedTuple):
+class RodShape(NamedTuple):
     """A bar between two spots, ``width`` [m] wide; ``part``: as of `Outline`."""
 
     first: Spot
@@ -164,7 +164,7 @@ def as_they_are(history: Any) -> Float[np.ndarray, "steps bodies 3"]:
 class Drawing(NamedTuple):
     """A mechanism's picture.
 
-    - ``shapes``: `Outline`, `Disc`, `Rod`, `Band`, `Spring` and `Coil`, from the back to the front.
+    - ``shapes``: `Outline`, `Disc`, `RodShape`, `Band`, `Spring` and `Coil`, from the back to the front.
     - ``touches``: one for each contact that has impacts, in their order.
     - ``names``: points worth a name.
     - ``detail``: a closer look at the contact.

@@ -7,7 +7,7 @@ import numpy as np
 from jax import Array
 
 
-class Curve(NamedTuple):
+class PanelCurve(NamedTuple):
     """Values over the history's time, or over ``along``, with their name in the legend; ``dashed``."""
 
     label: str
@@ -31,7 +31,7 @@ class Panel(NamedTuple):
 
     title: str
     axis: str
-    curves: tuple[Curve, ...]
+    curves: tuple[PanelCurve, ...]
     levels: tuple[Level, ...] = ()
     stacked: bool = False
     path: str = ""

@@ -26,6 +26,6 @@ from .kinematics import Block as Block
 from .kinematics import Kinematics as Kinematics
 from .kinematics import MaterialPoint as MaterialPoint
 from .kinematics import Point as Point
-from .system import Constraints as Constraints
+from .system import ConstraintRows as ConstraintRows
 from .system import Motion as Motion
 from .system import System as System

@@ -18,7 +18,7 @@ from .joints import Joint, Row
 from .kinematics import GROUND, Block, Kinematics
 
 
-class Constraints(NamedTuple):
+class ConstraintRows(NamedTuple):
     """All joints' rows at one instant (M9).
 
     - ``phi``: (rows,) Φ [m, rad].
@@ -115,7 +115,7 @@ class System(eqx.Module):
             blocks.append(((*modal, u, v, angle), body.mass_block(kin.frame(k), kin.modal(k)[0])))
         return MassMatrix.of(self.inverse_masses, blocks)
 
-    def constraints(self, kin: Kinematics) -> Constraints:
+    def constraints(self, kin: Kinematics) -> ConstraintRows:
         """Return Φ, Φ_q and γ of all joints, in their order."""
         rows = self._rows(kin)
         jacobian = jnp.zeros((len(rows), self.coordinates))
@@ -125,7 +125,7 @@ class System(eqx.Module):
         phi, gamma, rate = (
             stacked([getattr(row, name) for row in rows]) if rows else jnp.zeros(0) for name in ("phi", "gamma", "rate")
         )
-        return Constraints(phi, jacobian, gamma, rate)
+        return ConstraintRows(phi, jacobian, gamma, rate)
 
     def errors(self, kin: Kinematics) -> Float[Array, " rows"]:
         """Return the (rows,) Φ alone: how far the joints are from holding [m, rad]."""

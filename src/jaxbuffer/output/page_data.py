@@ -6,7 +6,7 @@ from typing import Any
 import equinox as eqx
 import numpy as np
 
-from ..mechanisms.drawing import Band, Rod, Spot, Spring
+from ..mechanisms.drawing import Band, RodShape, Spot, Spring
 from ..mechanisms.run import Run
 from ..run.instants import at_times
 from .animation import frames_of, speed_in_words
@@ -112,7 +112,7 @@ def _shapes(shapes: Sequence[Any], bodies: int) -> list[dict[str, Any]]:
         look = {"filled": filled, "part": shape.part, "colour": colour, "dashed": dashed, "stroke": stroke}
         if isinstance(shape, Band):
             made.append({**look, "stations": [*shape.stations], "width": shape.width})
-        elif isinstance(shape, (Spring, Rod)):
+        elif isinstance(shape, (Spring, RodShape)):
             ends = {name: _spot(spot) for name, spot in (("first", shape.first), ("second", shape.second))}
             made.append({**look, **ends, "width": shape.width, "spring": isinstance(shape, Spring)})
         else:

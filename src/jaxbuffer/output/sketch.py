@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from .._types import Axes
-from ..mechanisms.drawing import Band, Coil, Disc, Drawing, Frames, Outline, Points, Rod, Spot, Spring, placed
+from ..mechanisms.drawing import Band, Coil, Disc, Drawing, Frames, Outline, Points, RodShape, Spot, Spring, placed
 from .style import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, SKY
 
 # Of filled parts in their order, and how opaque: so that each is lighter than the next, also without colours.
@@ -74,7 +74,7 @@ def _draw(axes: Axes, shape: Any, points: Points, fill: Any) -> Any:
 
 def is_filled(shape: Any) -> bool:
     """Return whether a shape is an area rather than a line."""
-    return bool(getattr(shape, "filled", isinstance(shape, Rod | Band)))
+    return bool(getattr(shape, "filled", isinstance(shape, RodShape | Band)))
 
 
 def outline(shape: Any, frames: Frames) -> Points:

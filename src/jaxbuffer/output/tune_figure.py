@@ -145,7 +145,7 @@ def _variables(axes: Axes, tuned: Tuned) -> None:
     label(axes, "Variables between their bounds, before → after", "place between bounds [-]", "", False)
 
 
-class Row(NamedTuple):
+class QuantityChange(NamedTuple):
     """A quantity's worst value over the scenarios ``before`` and ``after``; its ``limit``, None for none; ``lowest``:
     whether that is a lower limit, and the values the least ones; ``text``: all of it in words and figures."""
 
@@ -156,7 +156,7 @@ class Row(NamedTuple):
     text: str
 
 
-def _rows(tuned: Tuned) -> list[Row]:
+def _rows(tuned: Tuned) -> list[QuantityChange]:
     """Return the largest of each quantity over the scenarios, or the least of one with a lower limit alone.
 
     Quantities that are not limited and zero throughout are left out.
@@ -176,7 +176,8 @@ def _rows(tuned: Tuned) -> list[Row]:
         text = f"{before_and_after(factor * before, factor * after)}{unit_text(symbol)}"
         if limit is not None:
             text += f", {'at least' if lowest else 'limit'} {with_unit(factor * limit, symbol, 4)}"
-        rows.append(Row(before, after, limit, lowest, f"{with_line_breaks(f'{title}:', WIDE, SMALL)}\n{text}"))
+        text = f"{with_line_breaks(f'{title}:', WIDE, SMALL)}\n{text}"
+        rows.append(QuantityChange(before, after, limit, lowest, text))
     return rows
 
 
@@ -200,7 +201,7 @@ def _limits(axes: Axes, tuned: Tuned) -> None:
     label(axes, "Worst over the scenarios, before → after", x, "", False)
 
 
-def _share(row: Row, value: float) -> float:
+def _share(row: QuantityChange, value: float) -> float:
     """Return what share of its limit a value is [%], or of the value before where it has none; NaN, which is not drawn,
     where that has no meaning: of a value before that is zero or has another sign."""
     if row.limit is not None:

@@ -13,7 +13,7 @@ from ..value_text import percent_text, relative_change, table_text
 from .abstract import abstract, badges
 from .limits import case_labels, end_count, limit_check, limits, limits_of
 from .origin import origin
-from .page import Cell, Page, Section, Table
+from .page import Cell, Page, PageSection, Table
 from .records import ROUNDING, by_name, ended, figure, in_figures, same, scenario_of, words
 from .review import distinct
 from .runs import FORCE, once
@@ -41,18 +41,18 @@ def comparison(every: Sequence[Results]) -> Page:
     pills = [
         Cell(f"{results.folder}: {badge.text}", badge.mark) for results in every for badge in badges([results], every)
     ]
-    parts = [Section(table.caption, tables=[table]) for table in tables]
+    parts = [PageSection(table.caption, tables=[table]) for table in tables]
     if all(results.tuned is not None for results in every):
         every_limit = [tables[-1], *limited_by_scenario(every)]
         parts[-1] = dataclasses.replace(parts[-1], text=[COLOURS], tables=every_limit)
     parts += _with_differences(distinct(_limits(every)), every)
     if curves := _forces(every):
         caption = "Contact force over time, each curve by its folder"
-        parts.append(Section("Forces", curves=[{"caption": caption, "axis": FORCE, "curves": curves}]))
+        parts.append(PageSection("Forces", curves=[{"caption": caption, "axis": FORCE, "curves": curves}]))
     run = every[0].mechanism.view.run_name
     drawn = [(results, stem, words) for results in every for stem, words in ((run, run), ("tune", "the search"))]
     if figures := [it for results, stem, words in drawn for it in figure(results, stem, f"{results.folder}: {words}")]:
-        parts.append(Section("Figures", figures=figures))
+        parts.append(PageSection("Figures", figures=figures))
     return Page(
         f"{every[0].mechanism.view.title}: designs compared", names, pills, [*parts, origin(every)], abstract(every)
     )
@@ -80,13 +80,13 @@ def _contents(results: Results) -> str:
     return " and ".join(contents) or "a design alone"
 
 
-def _limits(every: Sequence[Results]) -> list[tuple[Results, Section]]:
+def _limits(every: Sequence[Results]) -> list[tuple[Results, PageSection]]:
     """Return a section for each folder that says which limits it keeps, its own or those of the first folder that has
     some."""
     return [(results, section) for results in every if (section := limits(results, every, named=True)) is not None]
 
 
-def _with_differences(sections: list[Section], every: Sequence[Results]) -> list[Section]:
+def _with_differences(sections: list[PageSection], every: Sequence[Results]) -> list[PageSection]:
     """Return the sections with a warning in the first one where the folders' limits differ."""
     differences = differing(every)
     if not differences or not sections:

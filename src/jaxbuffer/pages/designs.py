@@ -9,14 +9,14 @@ from ..output.folder import Record, Results
 from ..output.words import said
 from ..value_text import table_text, unit_text
 from .limits import limits_of, required_success, source_of_limits
-from .page import Cell, Section, Table
+from .page import Cell, PageSection, Table
 from .records import by_name, field_name, figure, in_figures, same, scenario_of, units_of, words
 
 TITLE = "What is asked"
 Rows = list[list[str]]
 
 
-def requirements(first: Results, every: Sequence[Results]) -> Section | None:
+def requirements(first: Results, every: Sequence[Results]) -> PageSection | None:
     """Return a section on what the page's tuning, or else its run, must do; limits come from the first folder that has
     some."""
     mechanism, tuned = first.mechanism, first.tuned
@@ -31,7 +31,7 @@ def requirements(first: Results, every: Sequence[Results]) -> Section | None:
     text = [f"What the model leaves out: {' '.join(mechanism.view.leaves_out)}"] if mechanism.view.leaves_out else []
     if not rows and not text:
         return None
-    return Section(TITLE, text, tables=[Table(TITLE, ("what", "of", "asked"), rows)] if rows else [])
+    return PageSection(TITLE, text, tables=[Table(TITLE, ("what", "of", "asked"), rows)] if rows else [])
 
 
 def _limits(first: Results, source: Record | None) -> Rows:
@@ -81,7 +81,7 @@ def _variables(mechanism: Mechanism, variables: Sequence[Record]) -> Rows:
     return rows
 
 
-def design(results: Results) -> Section | None:
+def design(results: Results) -> PageSection | None:
     """Return every number of the design: tuned and given ones first, those at their defaults folded away."""
     if results.design is None:
         return None
@@ -102,7 +102,7 @@ def design(results: Results) -> Section | None:
     headings = ("field", "meaning", "value", "unit", "default", "source")
     tables = [Table("What is tuned or given", headings, special)] if special else []
     tables.append(Table(f"{len(usual)} fields at their defaults", headings, usual, folded=True))
-    return Section(
+    return PageSection(
         "Design", figures=figure(results, "motion", "The mechanism at telling times, to scale"), tables=tables
     )
 

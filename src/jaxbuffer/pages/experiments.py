@@ -10,7 +10,7 @@ from ..fields.record import without_unit
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
 from ..value_text import degrees_text, percent_text, table_text, unit_text
-from .page import Cell, Section, Table
+from .page import Cell, PageSection, Table
 from .records import by_quantity, ended, field_name, figure, in_figures, units_of, words
 
 OPEN = "not computed"  # of a run that an interrupted sweep has not reached
@@ -18,7 +18,7 @@ ON_FRONT = ("front", "front, not converged")
 STANDING = {"front": "good", "front, not converged": "unsure", "dominated": "", "limits broken": "bad"}
 
 
-def sweep(results: Results) -> Section | None:
+def sweep(results: Results) -> PageSection | None:
     """Return what a sweep covers, how its runs ended, its maps, and where it is safe."""
     if results.sweep is None:
         return None
@@ -37,12 +37,12 @@ def sweep(results: Results) -> Section | None:
     figures += figure(results, "sweep", "The sweep's quantities over the swept numbers")
     title, tables = "Sweep" if envelope is None else "Envelope", [_outcomes(results.mechanism, outcomes)]
     if envelope is None:
-        return Section(title, text, figures, tables)
+        return PageSection(title, text, figures, tables)
     between = envelope.get("between")
     safe = between and not between["unsafe_runs"] and between["runs"] == between.get("asked_runs", between["runs"])
     warnings = [between["words"]] if between and not safe else []
     text += [between["words"]] if between and safe else []
-    return Section(title, text, figures, tables, warnings=[*warnings, *not_found(envelope, record["axes"])])
+    return PageSection(title, text, figures, tables, warnings=[*warnings, *not_found(envelope, record["axes"])])
 
 
 def reached(results: Results, counts: Mapping[str, int]) -> str:
@@ -131,7 +131,7 @@ def _ends(field: Record) -> str:
     return f"{low if low.endswith('°') else low.partition(' ')[0]} to {high}"
 
 
-def sample(results: Results) -> Section | None:
+def sample(results: Results) -> PageSection | None:
     """Return ranges, how the runs ended, whose scatter matters most, and how far a fitted surface can be trusted."""
     record = results.records.get("sample")
     if record is None:
@@ -163,7 +163,7 @@ def sample(results: Results) -> Section | None:
     figures = figure(results, "indices", "First-order and total index of each number, with intervals")
     figures += figure(results, "surface", "What a surface says of runs it has not seen, against what was computed")
     figures += figure(results, "sample", "The quantities over each sampled number")
-    return Section("Sample", text, figures, tables, warnings=warnings)
+    return PageSection("Sample", text, figures, tables, warnings=warnings)
 
 
 def _indices(mechanism: Mechanism, name: str, rows: list[Record]) -> Table:
@@ -195,7 +195,7 @@ def _surfaces(mechanism: Mechanism, record: Record) -> Table:
     return Table(caption, ("quantity", "kind", "error, rms", "of a value", "variance explained", "verdict"), rows)
 
 
-def front(results: Results) -> Section | None:
+def front(results: Results) -> PageSection | None:
     """Return the points of a front: objectives, how sure they are, and their designs."""
     record = results.records.get("front")
     if record is None:
@@ -221,7 +221,7 @@ def front(results: Results) -> Section | None:
     ]
     table = Table("Points of the front", ("point", *headings, "standing"), rows)
     caption = "The front; hollow: not converged; crosses: another point is better"
-    return Section("Front", text, figure(results, "pareto", caption), [table])
+    return PageSection("Front", text, figure(results, "pareto", caption), [table])
 
 
 def _front_column(results: Results, name: str) -> tuple[str, float]:

@@ -10,7 +10,7 @@ from ..mechanisms.limit import IMPACTS, Limit, both_sides
 from ..mechanisms.mechanism import EndCount, Mechanism, RequiredEnd
 from ..output.folder import Record, Results
 from ..value_text import percent_text, table_text, with_unit
-from .page import Cell, Section, Table
+from .page import Cell, PageSection, Table
 from .records import by_name, in_figures, same, scenario_of, words
 
 LIMITS = ("limits", "lower_limits", "most_impacts", "ends")  # what a record has that its study limits
@@ -217,7 +217,7 @@ def case_labels(results: Results, among: Sequence[Any] = ()) -> list[str]:
     ]
 
 
-def limits(results: Results, every: Sequence[Results] = (), named: bool = False) -> Section | None:
+def limits(results: Results, every: Sequence[Results] = (), named: bool = False) -> PageSection | None:
     """Return what the study limits, of the tuning or of the run; None where nothing is limited.
 
     **Arguments:** ``every``: as of `limit_check`; ``named``: whether the table's caption names the folder.
@@ -232,14 +232,14 @@ def limits(results: Results, every: Sequence[Results] = (), named: bool = False)
     where = f"{results.folder}: " if named else ""
     tables = [Table(f"{where}{caption}", HEADINGS, _rows(check))]
     if results.tuned is None:
-        return Section("Limits", tables=tables)
+        return PageSection("Limits", tables=tables)
     said = [f"{line[:1].upper()}{line[1:]}." for line in results.tuned["outside_validity"]]
     said = [*(f"Limit {line}." for line in results.tuned.get("why", [])), *said]
     if beyond := _beyond(check):
         heading = f"{where}{len(beyond)} times a limit is broken, the worst first"
         tables.append(Table(heading, BEYOND, beyond, folded=len(beyond) > MANY))
         said = [_summed(check, beyond), *said]
-    return Section("Limits", warnings=said, tables=tables)
+    return PageSection("Limits", warnings=said, tables=tables)
 
 
 class LimitCounts(NamedTuple):

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from ..output.folder import BESIDE, RECORDS, Record, Results
 from ..output.provenance import MADE
 from ..value_text import table_text
-from .page import Cell, Section, Table
+from .page import Cell, PageSection, Table
 from .records import words
 from .verification import lines, verified
 
@@ -15,7 +15,7 @@ FILES = {**RECORDS, **BESIDE}
 MINUTE = 120.0  # s from which a time is told in minutes
 
 
-def origin(every: Sequence[Results]) -> Section:
+def origin(every: Sequence[Results]) -> PageSection:
     """Return how each result came about, and how exact the runs were."""
     records = [  # every record that says which version made it
         (str(results.folder / (f"{results.mechanism.view.run_name}.json" if name == "run" else FILES[name])), record)
@@ -32,14 +32,14 @@ def origin(every: Sequence[Results]) -> Section:
     warnings = differing(records)
     if missing:
         warnings.append(f"Nothing is recorded of how these came about: {', '.join(missing)}.")
-    return Section(TITLE, tables=tables, warnings=warnings, listings=_studies(records))
+    return PageSection(TITLE, tables=tables, warnings=warnings, listings=_studies(records))
 
 
-def verification() -> Section:
+def verification() -> PageSection:
     """Return what is known of the program's own correctness."""
     counted = verified()
     text = lines(counted)
-    return Section("Verification", [] if counted is None else text, warnings=text if counted is None else [])
+    return PageSection("Verification", [] if counted is None else text, warnings=text if counted is None else [])
 
 
 def differing(records: Sequence[tuple[str, Record]]) -> list[str]:

@@ -64,7 +64,7 @@ class Figure:
 
 
 @dataclasses.dataclass(frozen=True)
-class Section:
+class PageSection:
     """A part of a page: its ``title``, then in this order
 
     - ``warnings`` and paragraphs of ``text``;
@@ -97,7 +97,7 @@ class Page:
     title: str
     subtitle: str
     verdicts: Sequence[Cell]
-    sections: Sequence[Section]
+    sections: Sequence[PageSection]
     abstract: Sequence[str] = ()
 
     @property

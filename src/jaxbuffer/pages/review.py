@@ -13,11 +13,11 @@ from .designs import design, requirements
 from .experiments import front, sample, sweep
 from .limits import fails_in_corners_alone, limits, repeats_tuning
 from .origin import origin, verification
-from .page import Page, Section, write_page
+from .page import Page, PageSection, write_page
 from .runs import diagnosis, run, scenarios, search
 from .sensitivities import sensitivity
 
-Parts = list[tuple[Results, Section]]
+Parts = list[tuple[Results, PageSection]]
 
 
 def report(*folders: str | Path, to: str | Path | None = None, title: str = "") -> Path:
@@ -74,7 +74,7 @@ def review(every: Sequence[Results], title: str = "") -> Page:
     return Page(title, subtitle, badges(every, every), [*parts, origin(every), verification()], abstract(every))
 
 
-def distinct(parts: Parts) -> list[Section]:
+def distinct(parts: Parts) -> list[PageSection]:
     """Return the sections; those of equal titles get their folder's name added."""
     titles = Counter(section.title for _, section in parts)
     folders = {results.folder for results, _ in parts}

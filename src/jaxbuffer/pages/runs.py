@@ -10,7 +10,7 @@ from ..tuning.problem import Variable
 from ..value_text import percent_text, table_text
 from .designs import other_design
 from .limits import case_labels, corners_verdict, elsewhere, end_count
-from .page import Cell, Section, Table
+from .page import Cell, PageSection, Table
 from .records import by_name, ended, figure, in_figures, quantity, same, scenario_of, words
 
 MANY = 12  # impacts; a longer table is folded
@@ -20,7 +20,7 @@ MARGIN = "_margin"  # how names of margins end
 HELPING = 3  # lines of advice that are shown
 
 
-def run(results: Results, first: Results) -> Section | None:
+def run(results: Results, first: Results) -> PageSection | None:
     """Return one run's quantities and impacts."""
     record, mechanism = results.records.get("run"), results.mechanism
     if record is None:
@@ -34,7 +34,7 @@ def run(results: Results, first: Results) -> Section | None:
         tables.append(Table(caption, [words(name) for name in hits[0]], rows, folded=len(hits) > MANY))
     scenario = scenario_of(mechanism, record["scenario"])
     text = [f"{words(record['outcome']).capitalize()}; {mechanism.view.label(scenario)}."]
-    return Section(
+    return PageSection(
         mechanism.view.run_name.capitalize(),
         [*text, *other_design(results, first, record), *elsewhere(first, record["scenario"])],
         figure(results, mechanism.view.run_name, f"The {mechanism.view.run_name} over time"),
@@ -63,7 +63,7 @@ def forces(results: Results, caption: str) -> list[dict[str, Any]]:
     return [{"caption": caption, "axis": FORCE, "curves": record["curves"]}, *record.get("more", ())]
 
 
-def diagnosis(results: Results, every: Sequence[Results]) -> Section | None:
+def diagnosis(results: Results, every: Sequence[Results]) -> PageSection | None:
     """Return why a run did not end as it should: way and energy left, where the rest went, the impact that turned it.
 
     **Arguments:** ``every``: all folders of the page; sensitivities of the same run say what to change first.
@@ -77,7 +77,7 @@ def diagnosis(results: Results, every: Sequence[Results]) -> Section | None:
     }
     rows = [[heading, text] for heading, text in rows_by_heading.items()]
     title = f"Why not {results.success}"
-    return Section(title, tables=[Table("What held the run back", ("of", "what is known"), rows)])
+    return PageSection(title, tables=[Table("What held the run back", ("of", "what is known"), rows)])
 
 
 def what_to_change(results: Results, every: Sequence[Results]) -> str:
@@ -98,7 +98,7 @@ def what_to_change(results: Results, every: Sequence[Results]) -> str:
     return ""
 
 
-def scenarios(results: Results) -> Section | None:
+def scenarios(results: Results) -> PageSection | None:
     """Return each scenario's largest values before and after, against the limits."""
     tuned, mechanism = results.tuned, results.mechanism
     if tuned is None:
@@ -127,14 +127,14 @@ def scenarios(results: Results) -> Section | None:
     counts = [end_count(results, side) for side in ("before", "after")]
     reached = [f"Before tuning {counts[0]} scenarios, after it {counts[1]}."] if counts[1] else []
     if corners is None:
-        return Section("Scenarios", reached, curves=curves, tables=tables)
+        return PageSection("Scenarios", reached, curves=curves, tables=tables)
     said = [f"{line[:1].upper()}{line[1:]}." for line in corners["said"]]
     holds = not corners_verdict(tuned)
     text = [f"The scenarios are {tuned['sample']['count']} samples of what scatters, which are no bound.", said[-1]]
     of_corners = said[:-1]
     # Corners that hold are a fact among others; those that do not are a warning.
     text, warnings = ([text[0], *of_corners, text[1]], []) if holds else (text, of_corners)
-    return Section("Scenarios", [*reached, *text], curves=curves, tables=tables, warnings=warnings)
+    return PageSection("Scenarios", [*reached, *text], curves=curves, tables=tables, warnings=warnings)
 
 
 def _value(value: float | None, factor: float, sides: Sequence[Limit]) -> Cell:
@@ -142,7 +142,7 @@ def _value(value: float | None, factor: float, sides: Sequence[Limit]) -> Cell:
     return Cell(table_text(None if value is None else factor * value), "bad" if beyond else "")
 
 
-def search(results: Results) -> Section | None:
+def search(results: Results) -> PageSection | None:
     """Return how the design was found, and how good it is."""
     tuned = results.tuned
     if tuned is None:
@@ -165,4 +165,4 @@ def search(results: Results) -> Section | None:
         more = percent_text(above, ".3g")
         facts.append(f"The largest force is {more} above the first impact's, which no buffer softens.")
     figures = figure(results, "tune", "The search: objective, limits and variables over its evaluations")
-    return Section("Tuning", facts, figures, [table])
+    return PageSection("Tuning", facts, figures, [table])

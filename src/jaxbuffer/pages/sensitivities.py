@@ -11,7 +11,7 @@ from ..sensitivities.evidence import FLOOR
 from ..value_text import percent_text, quotient_unit, table_text
 from .designs import other_design
 from .limits import elsewhere, limits_of, source_of_limits
-from .page import Cell, Section, Table
+from .page import Cell, PageSection, Table
 from .records import by_name, by_quantity, figure, in_figures, scenario_of, title, words
 
 MARKS = {"trusted": "good", "check": "unsure", "refused": "bad"}
@@ -19,7 +19,7 @@ FAR = 0.5  # relative change beyond which first order says little
 Rows = Mapping[str, Sequence[Record]]  # derivatives by quantity
 
 
-def sensitivity(results: Results, first: Results, every: Sequence[Results] = ()) -> Section | None:
+def sensitivity(results: Results, first: Results, every: Sequence[Results] = ()) -> PageSection | None:
     """Return elasticities with their verdicts, at one scenario.
 
     **Arguments:** ``first``: the page's folder; ``every``: all of them, of which the first with limits says what is
@@ -36,7 +36,7 @@ def sensitivity(results: Results, first: Results, every: Sequence[Results] = ())
     tables += _slopes(results.mechanism, {title(results.mechanism, name): rows for name, rows in signed.items()})
     tables += _until_broken(results, relative, source_of_limits([results, first, *every]))
     figures = figure(results, "sensitivity", "Elasticities as bars, with their estimated errors")
-    return Section("Sensitivity", _text(results, first, record), figures, tables)
+    return PageSection("Sensitivity", _text(results, first, record), figures, tables)
 
 
 def _text(results: Results, first: Results, record: Record) -> list[str]:

@@ -14,7 +14,7 @@ NEAR = 0.03  # relative: what still counts as a printed number, or as another on
 NONE = "none"  # in a row, for what its run does not have
 
 
-class Case(NamedTuple):
+class StudyCase(NamedTuple):
     """One run of a study.
 
     ``label``: in figures and tables; ``value``: the varied number in the label's unit; ``design``, ``scenario`` of any
@@ -40,7 +40,7 @@ class Study(NamedTuple):
     title: str
     varied: str
     assumed: str
-    cases: tuple[Case, ...]
+    cases: tuple[StudyCase, ...]
 
 
 class Studied(NamedTuple):
@@ -54,7 +54,7 @@ class Studied(NamedTuple):
 Rows = dict[str, tuple[Row, ...]]
 
 
-class Verdict(NamedTuple):
+class ClaimVerdict(NamedTuple):
     """``said``: what the model shows, with its numbers; ``verdict``: `YES`, `PARTLY`, `NO` or `OPEN`."""
 
     said: str
@@ -66,15 +66,15 @@ class Claim(NamedTuple):
 
     claim: str
     where: str
-    judge: Callable[[Rows], Verdict]
+    judge: Callable[[Rows], ClaimVerdict]
 
 
-def simulated(case: Case) -> Run:
+def simulated(case: StudyCase) -> Run:
     """Simulate a case with its history."""
     return simulate(case.design, case.scenario, **{"history": True, **case.options})
 
 
-class Part(NamedTuple):
+class PaperPart(NamedTuple):
     """The studies of one mechanism.
 
     ``studies``; ``columns``: of a row after study and case, with units; ``shown`` of them in tables; ``row``: the
@@ -85,11 +85,11 @@ class Part(NamedTuple):
     studies: tuple[Study, ...]
     columns: Mapping[str, str]
     shown: tuple[str, ...]
-    row: Callable[[Case, Any], Row]
+    row: Callable[[StudyCase, Any], Row]
     claims: tuple[Claim, ...]
     figure: Callable[[Studied], "Figure"]
     table: Callable[[Studied], list[Row]] | None = None
-    solve: Callable[[Case], Any] = simulated
+    solve: Callable[[StudyCase], Any] = simulated
 
 
 class Paper(NamedTuple):
@@ -99,8 +99,8 @@ class Paper(NamedTuple):
     name: str
     title: str
     note: str
-    parts: tuple[Part, ...]
-    published: tuple[Part, ...] = ()
+    parts: tuple[PaperPart, ...]
+    published: tuple[PaperPart, ...] = ()
 
     @property
     def studies(self) -> tuple[Study, ...]:
@@ -112,7 +112,7 @@ class Paper(NamedTuple):
         """Return the columns of all parts' rows, with units."""
         return {name: unit for part in self.parts for name, unit in part.columns.items()}
 
-    def part_of(self, study: Study) -> Part:
+    def part_of(self, study: Study) -> PaperPart:
         """Return which part a study belongs to."""
         return next(part for part in self.parts if study in part.studies)
 
@@ -144,7 +144,7 @@ def runs(studies: Sequence[Study]) -> int:
 
 
 def run(
-    part: Part, studies: Sequence[Study] | None = None, done: Callable[[str], None] = lambda _: None
+    part: PaperPart, studies: Sequence[Study] | None = None, done: Callable[[str], None] = lambda _: None
 ) -> list[Studied]:
     """Simulate every case of a part's studies (default: all of them); ``done`` hears of each."""
     results = []

@@ -21,7 +21,7 @@ POINTS = 2048  # of the pulse at which its response is looked at before the larg
 Response = Callable[[Array, Array], Array]  # to an excitation that begins at 0, from 2πr and the time s ≥ 0 since then
 
 
-class Part(NamedTuple):
+class PulsePart(NamedTuple):
     """An excitation that begins within a pulse: ``factor`` times a step, ramp, sine or cosine, from ``start`` on."""
 
     factor: float
@@ -29,7 +29,7 @@ class Part(NamedTuple):
     response: Response
 
 
-Pulse = tuple[Part, ...]
+Pulse = tuple[PulsePart, ...]
 
 
 def _step(w: Array, s: Array) -> Array:
@@ -55,14 +55,18 @@ def _cosine(w: Array, s: Array) -> Array:
 
 PULSES: Mapping[str, Pulse] = MappingProxyType(
     {
-        "rectangle": (Part(1.0, 0.0, _step), Part(-1.0, 1.0, _step)),
-        "half-sine": (Part(1.0, 0.0, _sine), Part(1.0, 1.0, _sine)),
-        "triangle": (Part(2.0, 0.0, _ramp), Part(-4.0, 0.5, _ramp), Part(2.0, 1.0, _ramp)),
-        "terminal-peak saw-tooth": (Part(1.0, 0.0, _ramp), Part(-1.0, 1.0, _ramp), Part(-1.0, 1.0, _step)),
-        "initial-peak saw-tooth": (Part(1.0, 0.0, _step), Part(-1.0, 0.0, _ramp), Part(1.0, 1.0, _ramp)),
+        "rectangle": (PulsePart(1.0, 0.0, _step), PulsePart(-1.0, 1.0, _step)),
+        "half-sine": (PulsePart(1.0, 0.0, _sine), PulsePart(1.0, 1.0, _sine)),
+        "triangle": (PulsePart(2.0, 0.0, _ramp), PulsePart(-4.0, 0.5, _ramp), PulsePart(2.0, 1.0, _ramp)),
+        "terminal-peak saw-tooth": (
+            PulsePart(1.0, 0.0, _ramp),
+            PulsePart(-1.0, 1.0, _ramp),
+            PulsePart(-1.0, 1.0, _step),
+        ),
+        "initial-peak saw-tooth": (PulsePart(1.0, 0.0, _step), PulsePart(-1.0, 0.0, _ramp), PulsePart(1.0, 1.0, _ramp)),
         "versed sine": (
-            *(Part(0.5, 0.0, _step), Part(-0.5, 0.0, _cosine)),
-            *(Part(-0.5, 1.0, _step), Part(0.5, 1.0, _cosine)),
+            *(PulsePart(0.5, 0.0, _step), PulsePart(-0.5, 0.0, _cosine)),
+            *(PulsePart(-0.5, 1.0, _step), PulsePart(0.5, 1.0, _cosine)),
         ),
     }
 )

@@ -12,5 +12,5 @@ from .quads import Quads as Quads
 from .quads import at_faces as at_faces
 from .structure import Plane as Plane
 from .structure import Rods as Rods
+from .system import FiniteElementSystem as FiniteElementSystem
 from .system import State as State
-from .system import System as System

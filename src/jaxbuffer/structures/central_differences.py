@@ -10,20 +10,21 @@ from jaxtyping import Array, Bool, Float, Int
 
 from .._types import Scalar
 from .acoustics import Liquid
-from .contact.forces import ContactForces, contact_forces
+from .contact.forces import NodeContactForces, contact_forces
 from .perforated import Through
 from .structure import Resistance
-from .system import Energies, Instant, Near, State, System
+from .system import Energies, FiniteElementSystem, Instant, Near, State
 
 T = TypeVar("T")
 BLOCK = 50  # steps between two searches
 KEPT = 512  # states between blocks that a backward run goes back to, at most
 
 
-def advance(system: System, state: State, step: Scalar, near: Near) -> tuple[State, Instant]:
+def advance(system: FiniteElementSystem, state: State, step: Scalar, near: Near) -> tuple[State, Instant]:
     """Take one step by central differences (M126).
 
-    **Arguments:** ``system``; ``state`` at t; ``step`` [s]; ``near``: the contacts' candidates (see `System.search`).
+    **Arguments:** ``system``; ``state`` at t; ``step`` [s]; ``near``: the contacts' candidates
+    (see `FiniteElementSystem.search`).
 
     **Returns:** the state at t + step, and what is known of t.
     """
@@ -87,11 +88,11 @@ class Wet(NamedTuple):
 
 
 def _pressing(
-    system: System, state: State, positions: Array, residual: Array, step: Scalar, near: Near
-) -> tuple[tuple[ContactForces, ...], tuple[ContactForces, ...], Float[Array, "nodes 2"]]:
+    system: FiniteElementSystem, state: State, positions: Array, residual: Array, step: Scalar, near: Near
+) -> tuple[tuple[NodeContactForces, ...], tuple[NodeContactForces, ...], Float[Array, "nodes 2"]]:
     """Return the forces of each layer and of each contact, one after the other, and all of them on the nodes [N]."""
     layers = tuple(layer.forces(positions, state.velocity) for layer in system.layers)
-    pressing, contacts = sum((forces.nodes for forces in layers), jnp.zeros_like(positions)), list[ContactForces]()
+    pressing, contacts = sum((forces.nodes for forces in layers), jnp.zeros_like(positions)), list[NodeContactForces]()
     for contact, candidates, before in zip(system.contacts, near, state.pressed, strict=True):
         forces = contact_forces(
             contact, positions, state.velocity, residual + pressing, system.inverse_mass, step, candidates, before
@@ -102,7 +103,7 @@ def _pressing(
 
 
 def _with_liquid(
-    forces: Array, system: System, liquid: Liquid, pressure: Array, resistance: Array, positions: Array
+    forces: Array, system: FiniteElementSystem, liquid: Liquid, pressure: Array, resistance: Array, positions: Array
 ) -> Float[Array, "nodes 2"]:
     """Add the forces of the liquid on wall and plate [N]."""
     static, nodes = system.static_pressure, len(positions)
@@ -149,7 +150,7 @@ def _sum(resistances: tuple[Resistance, ...], name: str) -> Float[Array, ""]:
     return sum((getattr(part, name) for part in resistances), jnp.zeros(()))
 
 
-def _liquid_energy(system: System, state: State, pressure: Array, impulse: Array) -> Float[Array, ""]:
+def _liquid_energy(system: FiniteElementSystem, state: State, pressure: Array, impulse: Array) -> Float[Array, ""]:
     """Return the energy of the liquid, of what its static pressure has done, and of the gas above it [J]."""
     own = jnp.zeros(()) if system.gas is None else system.gas.energy(system.positions + state.displacement)
     if system.liquid is None:
@@ -161,7 +162,7 @@ def _liquid_energy(system: System, state: State, pressure: Array, impulse: Array
 
 
 def march(
-    system: System,
+    system: FiniteElementSystem,
     start: State,
     step: Scalar,
     blocks: Int[Array, ""] | int,
@@ -176,7 +177,7 @@ def march(
     **Arguments:**
 
     - ``system``, ``start``: what moves, and from where.
-    - ``step``: [s], below `System.stable_step`.
+    - ``step``: [s], below `FiniteElementSystem.stable_step`.
     - ``blocks``: how many blocks of steps.
     - ``observe``: (observations so far, an instant) → observations with those of the instant; ``observations``: the
       first ones.

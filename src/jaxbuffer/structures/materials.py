@@ -13,7 +13,7 @@ from jaxtyping import Array, Bool, Float
 from .._types import Scalar, stacked
 
 
-class History(NamedTuple):
+class PlasticHistory(NamedTuple):
     """What integration points remember.
 
     - ``plastic``: (…, 3) plastic strain (ε11, ε22, ε12) [-].
@@ -24,9 +24,9 @@ class History(NamedTuple):
     equivalent: Float[Array, " *points"]
 
     @staticmethod
-    def none(*points: int) -> "History":
+    def none(*points: int) -> "PlasticHistory":
         """Return the history of points that have never yielded."""
-        return History(jnp.zeros((*points, 3)), jnp.zeros(points))
+        return PlasticHistory(jnp.zeros((*points, 3)), jnp.zeros(points))
 
 
 class Stressed(NamedTuple):
@@ -38,7 +38,7 @@ class Stressed(NamedTuple):
     """
 
     stress: Float[Array, "*points 4"]
-    history: History
+    history: PlasticHistory
     stored: Float[Array, " *points"]
 
 
@@ -52,7 +52,7 @@ class Material(eqx.Module):
         changed [-]."""
         raise NotImplementedError
 
-    def answer(self, strain: Float[Array, "*points 3"], history: History) -> Stressed:
+    def answer(self, strain: Float[Array, "*points 3"], history: PlasticHistory) -> Stressed:
         """Return the stress and what follows. ``strain``: (ε11, ε22, γ12) [-]."""
         raise NotImplementedError
 
@@ -60,16 +60,16 @@ class Material(eqx.Module):
         """Return the speed of the fastest wave [m/s]."""
         raise NotImplementedError
 
-    def plastic_work(self, history: History) -> Float[Array, " *points"]:
+    def plastic_work(self, history: PlasticHistory) -> Float[Array, " *points"]:
         """Return the work that yielding has taken so far [J/m³]."""
         return jnp.zeros(history.equivalent.shape)
 
-    def flowed_across(self, history: History) -> Float[Array, "*points 2"] | None:
+    def flowed_across(self, history: PlasticHistory) -> Float[Array, "*points 2"] | None:
         """Return by how much own axis 1, and 2, is strained by what has flowed so far, where no stress acts along it
         and the other axis is held [-]; None where nothing flows."""
         return None
 
-    def failed(self, history: History) -> Bool[Array, " *points"]:
+    def failed(self, history: PlasticHistory) -> Bool[Array, " *points"]:
         """Return which points carry nothing any more."""
         return jnp.zeros(history.equivalent.shape, bool)
 
@@ -104,7 +104,7 @@ class Elastic(Material):
         across = self.poisson if self.plane == "stress" else self.poisson / (1.0 - self.poisson)
         return stacked([across, across])
 
-    def answer(self, strain: Float[Array, "*points 3"], history: History) -> Stressed:
+    def answer(self, strain: Float[Array, "*points 3"], history: PlasticHistory) -> Stressed:
         e11, e22, g12 = strain[..., 0], strain[..., 1], strain[..., 2]
         both, twice = self.lame * (e11 + e22), 2.0 * self.shear_modulus
         s33 = jnp.zeros_like(both) if self.plane == "stress" else both
@@ -150,7 +150,7 @@ class Orthotropic(Material):
         stiff = self._stiffness()
         return stacked([stiff[1, 0] / stiff[1, 1], stiff[0, 1] / stiff[0, 0]])
 
-    def answer(self, strain: Float[Array, "*points 3"], history: History) -> Stressed:
+    def answer(self, strain: Float[Array, "*points 3"], history: PlasticHistory) -> Stressed:
         stiff = self._stiffness()
         normal = [stiff[k, 0] * strain[..., 0] + stiff[k, 1] * strain[..., 1] for k in range(3)]
         stress = jnp.stack([normal[0], normal[1], self.shear * strain[..., 2], normal[2]], axis=-1)
@@ -191,7 +191,7 @@ class Plastic(Material):
     def wave_speed(self) -> Float[Array, ""]:
         return self.elastic.wave_speed()
 
-    def answer(self, strain: Float[Array, "*points 3"], history: History) -> Stressed:
+    def answer(self, strain: Float[Array, "*points 3"], history: PlasticHistory) -> Stressed:
         shear = self.elastic.shear_modulus
         bulk = self.elastic.lame + 2.0 * shear / 3.0
         p11, p22, p12 = (history.plastic[..., k] for k in range(3))
@@ -214,16 +214,16 @@ class Plastic(Material):
         plastic = jnp.stack([p11 + flow * trial[0], p22 + flow * trial[1], p12 + flow * trial[3]], axis=-1)
         equivalent = history.equivalent + yielded
         stored = (left * mises) ** 2 / (6.0 * shear) + 0.5 * bulk * volume**2
-        return Stressed(stress, History(plastic, equivalent), stored)
+        return Stressed(stress, PlasticHistory(plastic, equivalent), stored)
 
-    def plastic_work(self, history: History) -> Float[Array, " *points"]:
+    def plastic_work(self, history: PlasticHistory) -> Float[Array, " *points"]:
         return (self.yield_stress + 0.5 * self.hardening * history.equivalent) * history.equivalent
 
-    def flowed_across(self, history: History) -> Float[Array, "*points 2"]:
+    def flowed_across(self, history: PlasticHistory) -> Float[Array, "*points 2"]:
         across = history.plastic[..., :2]
         return jnp.broadcast_to(1.0 - self.coupling(), across.shape) * across
 
-    def failed(self, history: History) -> Bool[Array, " *points"]:
+    def failed(self, history: PlasticHistory) -> Bool[Array, " *points"]:
         return history.equivalent >= self.failure_strain
 
 

@@ -9,7 +9,7 @@ from jaxtyping import Array, Float
 
 from .._types import Scalar
 from .bars import Bars
-from .materials import History, Material, Stressed
+from .materials import Material, PlasticHistory, Stressed
 from .quads import Quads, nodal_forces
 
 
@@ -24,7 +24,7 @@ class Resistance(NamedTuple):
     """
 
     forces: Float[Array, "nodes 2"]
-    history: History
+    history: PlasticHistory
     stress: Float[Array, "elements points 4"]
     stored: Float[Array, ""]
     plastic: Float[Array, ""]
@@ -34,10 +34,10 @@ class Resistance(NamedTuple):
 class Elements(Protocol):
     """A group of elements of one kind and one material."""
 
-    def start(self) -> History:
+    def start(self) -> PlasticHistory:
         """Return what they remember at first."""
 
-    def resist(self, displacement: Float[Array, "nodes 2"], history: History) -> Resistance:
+    def resist(self, displacement: Float[Array, "nodes 2"], history: PlasticHistory) -> Resistance:
         """Return their answer."""
 
     def mass(self) -> Float[Array, " nodes"]:
@@ -57,10 +57,10 @@ class Plane(eqx.Module):
     quads: Quads
     material: Material
 
-    def start(self) -> History:
-        return History.none(*self.quads.weight.shape)
+    def start(self) -> PlasticHistory:
+        return PlasticHistory.none(*self.quads.weight.shape)
 
-    def resist(self, displacement: Float[Array, "nodes 2"], history: History) -> Resistance:
+    def resist(self, displacement: Float[Array, "nodes 2"], history: PlasticHistory) -> Resistance:
         """Return the elements' answer. One whose points have all failed is deleted: it carries nothing and remembers no
         more."""
         alive = 1.0 - jnp.all(self.material.failed(history), axis=1)
@@ -74,7 +74,7 @@ class Plane(eqx.Module):
             return alive[:, None, None] * answer.stress[..., :3], answer
 
         forces, answer = nodal_forces(self.quads, here, self.material.coupling(), stress_of)
-        since = History(
+        since = PlasticHistory(
             *(jnp.where(_beside(alive, new) > 0.0, new, old) for new, old in zip(answer.history, history, strict=True))
         )
         lost = alive * jnp.all(self.material.failed(since), axis=1)
@@ -128,10 +128,10 @@ class Rods(eqx.Module):
     young: Scalar
     density: Scalar
 
-    def start(self) -> History:
-        return History.none(self.bars.length.shape[0], 1)
+    def start(self) -> PlasticHistory:
+        return PlasticHistory.none(self.bars.length.shape[0], 1)
 
-    def resist(self, displacement: Float[Array, "nodes 2"], history: History) -> Resistance:
+    def resist(self, displacement: Float[Array, "nodes 2"], history: PlasticHistory) -> Resistance:
         strain = self.bars.strains(self.bars.incidence.to_corners(displacement))
         stress = self.young * strain
         stored = 0.5 * jnp.sum(stress * strain * self.bars.length) * self.bars.section

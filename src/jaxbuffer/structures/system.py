@@ -9,18 +9,18 @@ from jaxtyping import Array, Float
 
 from .._types import Scalar
 from .acoustics import Liquid
-from .contact.forces import Contact, ContactForces
+from .contact.forces import NodeContact, NodeContactForces
 from .contact.layer import Layer
 from .contact.search import candidates
 from .contact.surfaces import Segments
 from .gas import Gas
-from .materials import History
+from .materials import PlasticHistory
 from .structure import Elements, Resistance
 
 SAFETY = 0.8  # of the critical step
 
 
-class System(eqx.Module):
+class FiniteElementSystem(eqx.Module):
     """Nodes with masses, and all that acts on them.
 
     - ``positions``: (nodes, 2) [m]. A rigid body is a node without elements.
@@ -34,7 +34,7 @@ class System(eqx.Module):
     positions: Float[Array, "nodes 2"]
     inverse_mass: Float[Array, "nodes 2"]
     elements: tuple[Elements, ...] = ()
-    contacts: tuple[Contact, ...] = ()
+    contacts: tuple[NodeContact, ...] = ()
     layers: tuple[Layer, ...] = ()
     gravity: Float[Array, " 2"] = eqx.field(default_factory=lambda: jnp.zeros(2))
     load: Float[Array, "nodes 2"] | None = None
@@ -105,7 +105,7 @@ class System(eqx.Module):
         # By Weyl's inequality the largest eigenvalues of all parts add up to a bound of the largest of their sum.
         return 2.0 / jnp.sqrt(fastest + sum(added, jnp.zeros(())))
 
-    def _penalties(self, contact: Contact) -> Float[Array, ""]:
+    def _penalties(self, contact: NodeContact) -> Float[Array, ""]:
         """Return what a contact's penalties add to the square of a frequency, at most [1/s²]: all nodes press on a
         rigid plane together, two at most on a segment."""
         surface = contact.surface
@@ -134,7 +134,7 @@ class State(NamedTuple):
     time: Float[Array, ""]
     displacement: Float[Array, "nodes 2"]
     velocity: Float[Array, "nodes 2"]
-    histories: tuple[History, ...]
+    histories: tuple[PlasticHistory, ...]
     pressure: Float[Array, " liquid"]
     pressure_rate: Float[Array, " liquid"]
     impulse: Float[Array, " liquid"]
@@ -178,8 +178,8 @@ class Instant(NamedTuple):
     displacement: Float[Array, "nodes 2"]
     velocity: Float[Array, "nodes 2"]
     resistances: tuple[Resistance, ...]
-    contacts: tuple[ContactForces, ...]
-    layers: tuple[ContactForces, ...]
+    contacts: tuple[NodeContactForces, ...]
+    layers: tuple[NodeContactForces, ...]
     pressure: Float[Array, " liquid"]
     energies: Energies
 

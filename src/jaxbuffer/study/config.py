@@ -57,7 +57,7 @@ SAMPLE = ("count", "method", "seed", "ranges")
 KINDS = ("kind", "scenario", "scenarios", "options", "problem", "tune", "sweep", "sample")  # beside the design's own
 
 
-class Options(Part):
+class StudyOptions(Part):
     """How to simulate.
 
     - ``duration``: after which a run is over [s]; None: the mechanism's.
@@ -89,7 +89,7 @@ class Config:
     design: Part = dataclasses.field(default_factory=lambda: mechanism_named(DEFAULT_KIND).design())
     scenario: Part = dataclasses.field(default_factory=lambda: mechanism_named(DEFAULT_KIND).scenario())
     scenarios: tuple[Part, ...] = ()
-    options: Options = dataclasses.field(default_factory=Options)
+    options: StudyOptions = dataclasses.field(default_factory=StudyOptions)
     tuning: Settings = dataclasses.field(default_factory=Settings)
     table: Mapping[str, Any] = dataclasses.field(default_factory=dict)
     sweep: Mapping[str, Any] = dataclasses.field(default_factory=dict)  # path to values, as `grid` reads them
@@ -210,8 +210,8 @@ def apply_overrides(config: Config, values: Mapping[str, str]) -> Config:
 
 
 def apply_options(settings: T, typed: Mapping[str, str]) -> T:
-    """Return `Options` or `Settings` with fields replaced as typed on a command line: ``{"rtol": "1e-8"}`` of --rtol
-    1e-8."""
+    """Return `StudyOptions` or `Settings` with fields replaced as typed on a command line: ``{"rtol": "1e-8"}`` of
+    --rtol 1e-8."""
     values = {name: _typed(settings, name, text) for name, text in typed.items()}
     for name, value in values.items():
         if (least := metadata(settings, name).get("least")) is not None:
@@ -277,7 +277,7 @@ def _config(data: dict[str, Any], folder: Path) -> Config:
     # Commands of one run need one scenario: without a [scenario] it is the first that is listed.
     if scenarios and "scenario" not in data:
         scenario = scenarios[0]
-    options = _replaced(Options(), _table(data, "options"), "options.")
+    options = _replaced(StudyOptions(), _table(data, "options"), "options.")
     sweep = by_path(_table(data, "sweep"), SPAN, "sweep", single_fields(design, scenario))
     if sweep:
         grid(sweep, design, scenario)  # checks it

@@ -17,7 +17,7 @@ from ..mechanisms import all_mechanisms
 from ..mechanisms.mechanism import Mechanism
 from ..tuning.problem import Settings
 from ..value_text import interval_text
-from .config import Options, sections
+from .config import StudyOptions, sections
 
 WIDTH, LONGEST = 34, 118  # columns before a comment, and of a line
 SCHEMA = "jaxbuffer.schema.json"
@@ -63,7 +63,7 @@ def example_toml(mechanism: Mechanism) -> str:
     lines += [
         "",
         "[options]  # how",
-        *_fields(Options(duration=mechanism.duration(replace(design, example))), commented=True),
+        *_fields(StudyOptions(duration=mechanism.duration(replace(design, example))), commented=True),
     ]
     lines += ["", "[tune]  # how jaxbuffer tune searches", *_fields(Settings(), commented=True)]
     swept = ((_entry(path, it), unit_at(design, scenario, path)) for path, it in mechanism.defaults.grid.items())

@@ -10,7 +10,7 @@ from ..mechanisms.limit import both_sides
 from ..sweeps.grid import Grid, grid
 from ..tuning.problem import Problem
 from ..value_text import interval_text, with_unit
-from .config import Config, Options
+from .config import Config, StudyOptions
 
 SHOWN = 12  # scenarios that are listed one by one
 FAR = 100.0  # a factor to the default from which on it is told: a unit may be mistyped
@@ -64,7 +64,7 @@ def _differences(study: Config) -> list[str]:
                     f"{prefix}{path} {typed}{_value(part, path)} ({_beside_default(part, default, path)})"
                 )
     # What is usual for this very design, so that a duration that nobody typed is no difference.
-    default_options = Options(duration=mechanism.duration(study.design))
+    default_options = StudyOptions(duration=mechanism.duration(study.design))
     for path in paths(study.options):
         if get(study.options, path) != get(default_options, path):
             differences.append(f"{_shown(study.options, path, 'options.')} (default {_value(default_options, path)})")

@@ -19,7 +19,7 @@ EXAMPLE = '{function = "objectives.py:effort", unit = "N m"}'
 FIELDS = ("function", "unit", "description")
 
 
-class Named(NamedTuple):
+class NamedQuantity(NamedTuple):
     """An own quantity as a study names it: the file and the function's name in it, its unit, and what it is."""
 
     file: str
@@ -28,7 +28,7 @@ class Named(NamedTuple):
     description: str
 
 
-def named_quantities(table: Mapping[str, Any], mechanism: Mechanism) -> dict[str, Named]:
+def named_quantities(table: Mapping[str, Any], mechanism: Mechanism) -> dict[str, NamedQuantity]:
     """Return the own quantities of a ``[problem]``, without looking at their files. **Raises:** `InputError` for what
     names none."""
     given = table.get("quantities", {})
@@ -37,7 +37,7 @@ def named_quantities(table: Mapping[str, Any], mechanism: Mechanism) -> dict[str
     return {name: _named(name, entry, mechanism) for name, entry in given.items()}
 
 
-def _named(name: str, entry: Any, mechanism: Mechanism) -> Named:
+def _named(name: str, entry: Any, mechanism: Mechanism) -> NamedQuantity:
     where = f"problem.quantities.{name}"
     check_name(name, mechanism.quantities)
     if not isinstance(entry, dict):
@@ -54,7 +54,7 @@ def _named(name: str, entry: Any, mechanism: Mechanism) -> Named:
         remedy = "is not a file and a name in it, such as objectives.py:effort"
         raise InputError(f"{where}.function = {shown(entry['function'])} {remedy}")
     check_unit(f"{where}.unit", entry["unit"])
-    return Named(file, function, entry["unit"], entry.get("description", ""))
+    return NamedQuantity(file, function, entry["unit"], entry.get("description", ""))
 
 
 def own_quantities(table: Mapping[str, Any], mechanism: Mechanism, folder: Path) -> dict[str, Derived]:
@@ -102,7 +102,7 @@ def _run(path: Path, shown_as: str) -> dict[str, Any]:
     return vars(module)
 
 
-def _function(defined: Mapping[str, Any], named: Named) -> Callable[..., Any]:
+def _function(defined: Mapping[str, Any], named: NamedQuantity) -> Callable[..., Any]:
     """Return the function of that name."""
     if named.function in defined:
         function: Callable[..., Any] = defined[named.function]

@@ -14,7 +14,7 @@ from ..fields import POSITIVE, Part, get, meaning, metadata, paths
 from ..mechanisms.mechanism import Mechanism
 from ..sweeps.axis import SCALES as RANGES
 from ..tuning.problem import SCALES, Settings
-from .config import KINDS, Options, sections
+from .config import KINDS, StudyOptions, sections
 
 DIALECT = "http://json-schema.org/draft-07/schema#"
 TEXT = {"type": "string", "pattern": r"^\s*[-+]?[0-9.]", "description": 'a number with its unit, "0.5 kN/m" say'}
@@ -32,7 +32,7 @@ def study_schema(mechanism: Mechanism) -> Schema:
         **parts,
         "scenario": _part(scenario),
         "scenarios": {"type": "array", "items": _part(scenario), "minItems": 1},
-        "options": _part(Options()),
+        "options": _part(StudyOptions()),
         "tune": _part(Settings()),
         "problem": _problem(mechanism, design, scenario),
         "sweep": _by_path(fields, _values),

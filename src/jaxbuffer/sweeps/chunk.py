@@ -27,7 +27,7 @@ PER_THREAD = 8  # tasks a thread at least there, so that none waits long for the
 BUSY = 2  # runs of a task for each thread at least, so that one scheduler can hand out so many (docs/clusters.md)
 
 
-class Settings(NamedTuple):
+class SweepSettings(NamedTuple):
     """What all runs of a sweep share: ``rtol`` [-], Baumgarte's gain ``stabilisation`` [1/s], ``solver``; ``trust``:
     whether each is run again at a tenth of the tolerance."""
 
@@ -43,9 +43,9 @@ class Settings(NamedTuple):
 
 # The same object is returned for equal settings: a process that unpickles many tasks has one solver, and one program.
 @functools.lru_cache(maxsize=8)
-def _settings(rtol: float, stabilisation: float, solver: str | None, trust: bool) -> Settings:
+def _settings(rtol: float, stabilisation: float, solver: str | None, trust: bool) -> SweepSettings:
     named = None if solver is None else solver_named(solver)
-    return Settings(np.asarray(rtol), np.asarray(stabilisation), named, trust)
+    return SweepSettings(np.asarray(rtol), np.asarray(stabilisation), named, trust)
 
 
 class Runs(NamedTuple):
@@ -126,7 +126,7 @@ def solve_chunk(
     return jax.vmap(numbers)(chunk, result)
 
 
-def columns_of_chunk(chunk: Chunk, enabled: Any, settings: Settings) -> list[np.ndarray]:
+def columns_of_chunk(chunk: Chunk, enabled: Any, settings: SweepSettings) -> list[np.ndarray]:
     """Return the columns of a sweep (`column_names`), each with an entry for each run of the chunk.
 
     ``enabled`` (runs,): which runs are stepped; the others fill up the chunk.

@@ -12,7 +12,7 @@ from ..cluster.spread import spread
 from ..cluster.workers import Workers
 from ..errors import InputError
 from ..files import Lock, user_path
-from .chunk import CHUNK, Settings, columns_of_chunk, runs, task_size
+from .chunk import CHUNK, SweepSettings, columns_of_chunk, runs, task_size
 from .columns import tally
 from .cut import Block, BlockSweep, GridSweep, RunsSweep, Template
 from .executor import Where
@@ -27,7 +27,7 @@ class Job(NamedTuple):
     store: SweepStore
     grid: bool
     template: Template
-    settings: Settings
+    settings: SweepSettings
 
 
 class Report(NamedTuple):
@@ -66,7 +66,7 @@ def solved(job: Job, block: Block) -> list[np.ndarray]:
     return [np.concatenate(column) for column in zip(*parts, strict=True)]
 
 
-def run(cut: Callable[[int], BlockSweep], count: int, settings: Settings, where: Where) -> StoredSweep:
+def run(cut: Callable[[int], BlockSweep], count: int, settings: SweepSettings, where: Where) -> StoredSweep:
     """Solve all runs, or those that the store lacks, on the workers of a cluster.
 
     - ``cut``: returns the sweep in blocks of at most so many runs.

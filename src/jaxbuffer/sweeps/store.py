@@ -26,7 +26,7 @@ from ..programs.structure import user_code
 from ..run.trust import VERDICTS
 from ..version import version
 from . import zarr_format
-from .chunk import Settings
+from .chunk import SweepSettings
 from .columns import EMPTY, column_names, column_types
 from .cut import Block, BlockSweep, Cut
 
@@ -175,7 +175,7 @@ class Saver:
         return block, [np.where(finished, part, blank) for part, blank in zip(parts, blanks, strict=True)]
 
 
-def begun(path: Path, sweep: BlockSweep, settings: Settings, made_on: Mapping[str, str]) -> SweepStore:
+def begun(path: Path, sweep: BlockSweep, settings: SweepSettings, made_on: Mapping[str, str]) -> SweepStore:
     """Put a store there without any block, in place of what was there; it is whole or not there.
 
     ``made_on``: the kind of process that makes it.
@@ -214,7 +214,7 @@ def _arrays(folder: Path, sweep: BlockSweep, types: Mapping[str, str]) -> dict[s
     return metadata
 
 
-def identity(settings: Settings, sweep: BlockSweep) -> dict[str, str]:
+def identity(settings: SweepSettings, sweep: BlockSweep) -> dict[str, str]:
     """Return what makes a sweep the one it is, by name: a hash of each part's numbers and of how they are arranged."""
     hashes = {"version": version()}
     # No solver is the automatic one, which the command line names and a call in Python leaves out.
@@ -231,7 +231,7 @@ def identity(settings: Settings, sweep: BlockSweep) -> dict[str, str]:
     return hashes
 
 
-def _in_words(settings: Settings, sweep: BlockSweep) -> dict[str, Any]:
+def _in_words(settings: SweepSettings, sweep: BlockSweep) -> dict[str, Any]:
     return {
         "rtol [-]": float(settings.rtol),
         "stabilisation [1/s]": float(settings.stabilisation),
@@ -241,7 +241,7 @@ def _in_words(settings: Settings, sweep: BlockSweep) -> dict[str, Any]:
     }
 
 
-def resumed(path: Path, sweep: BlockSweep, settings: Settings) -> tuple[SweepStore, dict[str, str]]:
+def resumed(path: Path, sweep: BlockSweep, settings: SweepSettings) -> tuple[SweepStore, dict[str, str]]:
     """Return a store that is there, and the kind of process that made it; the ``sweep`` gets its blocks.
 
     **Raises:** `InputError` where there is none, it is damaged, or another sweep's.

@@ -25,7 +25,7 @@ from ..programs.process import check_ready, kind
 from ..programs.threads import cores
 from ..progress import counted
 from ..run.request import DEFAULT_TOLERANCE, TOLERANCES, check_pair
-from .chunk import CHUNK, Settings, columns_of_chunk, runs, task_size
+from .chunk import CHUNK, SweepSettings, columns_of_chunk, runs, task_size
 from .columns import empty_columns
 from .cut import BlockSweep, GridSweep, RunsSweep, Template
 from .executor import Where, check_executor, completed
@@ -148,7 +148,7 @@ def sweep(
         check_executor(executor)
         if client is not None:
             raise InputError("executor and client contradict; keep one")
-    settings = Settings(np.asarray(rtol, float), np.asarray(stabilisation, float), solver, trust)
+    settings = SweepSettings(np.asarray(rtol, float), np.asarray(stabilisation, float), solver, trust)
     where = Where(
         executor if client is None else client, workers, counted(progress, mechanism.view.run_name), folder, resume
     )
@@ -174,7 +174,7 @@ def sweep(
     return result
 
 
-def _run(result: Sweep, cut: Cutter, duration: Any, settings: Settings, where: Where) -> Sweep:
+def _run(result: Sweep, cut: Cutter, duration: Any, settings: SweepSettings, where: Where) -> Sweep:
     """Fill a sweep's columns with all its runs, but those that its folder has if it is resumed."""
     check_ready()
     design, scenarios, over = result.design, result.scenarios, result.grid
@@ -222,7 +222,9 @@ def _run(result: Sweep, cut: Cutter, duration: Any, settings: Settings, where: W
     return result
 
 
-def _solved(settings: Settings, call: tuple[np.ndarray, tuple[Any, np.ndarray]]) -> tuple[np.ndarray, list[np.ndarray]]:
+def _solved(
+    settings: SweepSettings, call: tuple[np.ndarray, tuple[Any, np.ndarray]]
+) -> tuple[np.ndarray, list[np.ndarray]]:
     """Return the places of a call's runs, and their columns."""
     places, chunk = call
     return places, columns_of_chunk(*chunk, settings)
@@ -231,7 +233,7 @@ def _solved(settings: Settings, call: tuple[np.ndarray, tuple[Any, np.ndarray]])
 def _saver(
     path: Path,
     sweep: BlockSweep,
-    settings: Settings,
+    settings: SweepSettings,
     resume: bool,
     columns: dict[str, np.ndarray],
     finished: np.ndarray,

@@ -34,7 +34,7 @@ FAR = 10.0  # times the floor at the design: what counts for designs whose parts
 
 
 @dataclasses.dataclass(frozen=True)
-class Floor:
+class PeakForceBound:
     """A lower limit of the first impact's peak in each load case [N].
 
     ``simulated`` without a buffer, and ``closed_form``, elastic and frictionless; ``energy`` T_c⁻ [J]; ``lowest``: the
@@ -70,7 +70,7 @@ class Flight(NamedTuple):
     undisturbed: bool
 
 
-def floor(problem: Problem, scaled: Float[np.ndarray, " variables"]) -> Floor | None:
+def floor(problem: Problem, scaled: Float[np.ndarray, " variables"]) -> PeakForceBound | None:
     """Compute the floor at a design, and the lowest one within the bounds; None for a mechanism without one."""
     known = problem.mechanism.tuning.floor
     if known is None:
@@ -82,7 +82,7 @@ def floor(problem: Problem, scaled: Float[np.ndarray, " variables"]) -> Floor | 
     lowest, best = _lowest(problem, scaled, simulated, flights)
     closed = [None if design is None else known.first_impact(design, scenario) for design, scenario in built]
     at = dict(zip(problem.paths, map(float, problem.values(best)), strict=True))
-    return Floor(
+    return PeakForceBound(
         simulated,
         np.array([np.nan if c is None else float(c.elastic_peak) for c in closed]),
         np.array([np.nan if c is None else float(c.effective_energy) for c in closed]),

@@ -17,7 +17,7 @@ from ..mechanisms.energy import energy_text
 from ..mechanisms.mechanism import EndCount
 from ..tables import html, table, text
 from ..value_text import before_and_after, change_text, percent_text, relative_change
-from .checks import Corners, Floor, corners, floor
+from .checks import Corners, PeakForceBound, corners, floor
 from .evaluation import Evaluation, Evaluator
 from .goal import Goal, Tangent
 from .message import Ended, broken_limits, headline
@@ -68,7 +68,7 @@ class Tuned(Saved):
     ended: str
     borne_out: bool
     message: str
-    floor: Floor | None
+    floor: PeakForceBound | None
     records: tuple[Record, ...]
     captures: int
     corners: Corners | None = None

@@ -1,4 +1,4 @@
-"""What becomes of a trial step: one `Outcome`, and what is known of the event that is being located."""
+"""What becomes of a trial step: one `StepOutcome`, and what is known of the event that is being located."""
 
 from typing import NamedTuple
 
@@ -10,7 +10,7 @@ from ..events.crossing import NEARLY, Crossing, first_crossing
 from ..events.excursion import excursion_in_step
 from ..events.guards import Guards, signed
 from ..trees import where
-from .phase import Outcome
+from .phase import StepOutcome
 from .state import LoopState
 from .task import Task
 from .trial import Trial
@@ -30,7 +30,7 @@ class Decision(NamedTuple):
     @property
     def accepted(self) -> Bool[Array, ""]:
         """Return whether the run goes on from the step's end at once."""
-        return self.outcome == Outcome.ACCEPT
+        return self.outcome == StepOutcome.ACCEPT
 
 
 def decide(task: Task, state: LoopState, trial: Trial) -> Decision:
@@ -55,7 +55,7 @@ def decide(task: Task, state: LoopState, trial: Trial) -> Decision:
     refinement = refine(bracket, trial.length, guards, task.rated, options.event_time, _shortfall(task, state, trial))
     outcome = _evaluated_once(_outcome(task, state, trial, crossing, refinement), state.point.time)
     shorter = _without_excursion(task, state, trial, outcome, before)
-    outcome = jnp.where(shorter < trial.length, int(Outcome.SHORTEN), outcome)
+    outcome = jnp.where(shorter < trial.length, int(StepOutcome.SHORTEN), outcome)
     return Decision(outcome, _next_bracket(state, outcome, crossing, refinement, before), refinement, shorter)
 
 
@@ -64,7 +64,7 @@ def _without_excursion(
 ) -> Float[Array, ""]:
     """Return the length of the step [s], or of a shorter one to take instead where an event may begin and end within
     it."""
-    stands = (outcome == Outcome.ACCEPT) | (outcome == Outcome.LOOK_BACK) | (outcome == Outcome.RETAKE)
+    stands = (outcome == StepOutcome.ACCEPT) | (outcome == StepOutcome.LOOK_BACK) | (outcome == StepOutcome.RETAKE)
     point, step = state.point, trial.step
     fraction = excursion_in_step(
         task.system,
@@ -92,17 +92,17 @@ def _outcome(task: Task, state: LoopState, trial: Trial, crossing: Crossing, ref
     succeeds = accurate & finite & (~locating | refinement.finished) & (~holds_event | only_maximum)
     lacks_tangents = ~trial.with_tangents & bool(task.tangents.count)
     return _first(
-        (succeeds & lacks_tangents, Outcome.RETAKE),
-        (only_maximum, Outcome.LOOK_BACK),
-        (holds_event, Outcome.LOCATE),
-        (succeeds, Outcome.ACCEPT),
-        (~locating, Outcome.REJECT),
-        (finite & ~refinement.finished, Outcome.REFINE),
-        otherwise=Outcome.ABANDON,
+        (succeeds & lacks_tangents, StepOutcome.RETAKE),
+        (only_maximum, StepOutcome.LOOK_BACK),
+        (holds_event, StepOutcome.LOCATE),
+        (succeeds, StepOutcome.ACCEPT),
+        (~locating, StepOutcome.REJECT),
+        (finite & ~refinement.finished, StepOutcome.REFINE),
+        otherwise=StepOutcome.ABANDON,
     )
 
 
-def _first(*cases: tuple[Bool[Array, ""], Outcome], otherwise: Outcome) -> Int[Array, ""]:
+def _first(*cases: tuple[Bool[Array, ""], StepOutcome], otherwise: StepOutcome) -> Int[Array, ""]:
     """Return the outcome of the first condition that holds."""
     chosen = jnp.asarray(int(otherwise))
     # From last to first, so that the first condition that holds has the last word.
@@ -129,11 +129,11 @@ def _next_bracket(
     # Counted over all events from one start: events that take each other's place must come to an end too.
     tries = jnp.where(state.locating, state.bracket.tries + 1, 0)
     around = Bracket.around(crossing, signed(before, state.active).value, tries)
-    located = where(outcome == Outcome.REFINE, refinement.bracket, Bracket.none())
-    located = where((outcome == Outcome.LOCATE) | (outcome == Outcome.LOOK_BACK), around, located)
+    located = where(outcome == StepOutcome.REFINE, refinement.bracket, Bracket.none())
+    located = where((outcome == StepOutcome.LOCATE) | (outcome == StepOutcome.LOOK_BACK), around, located)
     # Taken again with tangents, the step may end a little beside its event; that it has converged is remembered.
     again = state.bracket._replace(converged=refinement.converged)
-    return where(outcome == Outcome.RETAKE, again, located)
+    return where(outcome == StepOutcome.RETAKE, again, located)
 
 
 def _shortfall(task: Task, state: LoopState, trial: Trial) -> Float[Array, ""]:

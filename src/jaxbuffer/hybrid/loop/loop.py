@@ -22,7 +22,7 @@ from ..trees import where
 from .decision import Decision, decide
 from .event import Event, event_at_end, logged
 from .log import Log, Steps
-from .phase import Outcome
+from .phase import StepOutcome
 from .state import LoopState, Status, initial_state
 from .task import Task
 from .trial import take_trial
@@ -90,7 +90,7 @@ def _iterate(task: Task[P], state: LoopState, running: Bool[Array, ""] | None = 
     if running is not None:
         # A rejected step writes neither into the log nor into the history, so these need no copy for the lanes that
         # ended.
-        decision = decision._replace(outcome=jnp.where(running, decision.outcome, int(Outcome.REJECT)))
+        decision = decision._replace(outcome=jnp.where(running, decision.outcome, int(StepOutcome.REJECT)))
     event = event_at_end(task, state, trial, decision)
     log, in_log = logged(task, state, trial, decision, event)
     step_sizes = next_step_sizes(task, state, trial, decision, event)

@@ -32,7 +32,7 @@ LOOKING_BACK = (Phase.LOOK_BACK, Phase.RETAKE_LOOK_BACK)
 RETAKING = (Phase.RETAKE_STEP, Phase.RETAKE_LOCATE, Phase.RETAKE_LOOK_BACK)
 
 
-class Outcome(enum.IntEnum):
+class StepOutcome(enum.IntEnum):
     """What becomes of a trial step.
 
     ``ACCEPT``: the run goes on from its end, on whatever event lies there. ``REJECT``: its error is too large; a
@@ -55,36 +55,40 @@ class Outcome(enum.IntEnum):
 
 
 _OF_A_STEP = {
-    Outcome.ACCEPT: Phase.STEP,
-    Outcome.REJECT: Phase.STEP,
-    Outcome.LOCATE: Phase.LOCATE,
-    Outcome.LOOK_BACK: Phase.LOOK_BACK,
-    Outcome.SHORTEN: Phase.STEP,
+    StepOutcome.ACCEPT: Phase.STEP,
+    StepOutcome.REJECT: Phase.STEP,
+    StepOutcome.LOCATE: Phase.LOCATE,
+    StepOutcome.LOOK_BACK: Phase.LOOK_BACK,
+    StepOutcome.SHORTEN: Phase.STEP,
 }
 _OF_A_LOCATION = {
-    Outcome.ACCEPT: Phase.STEP,
-    Outcome.LOCATE: Phase.LOCATE,
-    Outcome.ABANDON: Phase.STEP,
-    Outcome.SHORTEN: Phase.STEP,
+    StepOutcome.ACCEPT: Phase.STEP,
+    StepOutcome.LOCATE: Phase.LOCATE,
+    StepOutcome.ABANDON: Phase.STEP,
+    StepOutcome.SHORTEN: Phase.STEP,
 }
 
 # Pairs that are not listed cannot occur. After ACCEPT the event may ask for another phase: see `update.next_phase`.
-TRANSITIONS: dict[Phase, dict[Outcome, Phase]] = {
-    Phase.STEP: {**_OF_A_STEP, Outcome.RETAKE: Phase.RETAKE_STEP},
-    Phase.LOCATE: {**_OF_A_LOCATION, Outcome.REFINE: Phase.LOCATE, Outcome.RETAKE: Phase.RETAKE_LOCATE},
-    Phase.LOOK_BACK: {**_OF_A_LOCATION, Outcome.REFINE: Phase.LOOK_BACK, Outcome.RETAKE: Phase.RETAKE_LOOK_BACK},
+TRANSITIONS: dict[Phase, dict[StepOutcome, Phase]] = {
+    Phase.STEP: {**_OF_A_STEP, StepOutcome.RETAKE: Phase.RETAKE_STEP},
+    Phase.LOCATE: {**_OF_A_LOCATION, StepOutcome.REFINE: Phase.LOCATE, StepOutcome.RETAKE: Phase.RETAKE_LOCATE},
+    Phase.LOOK_BACK: {
+        **_OF_A_LOCATION,
+        StepOutcome.REFINE: Phase.LOOK_BACK,
+        StepOutcome.RETAKE: Phase.RETAKE_LOOK_BACK,
+    },
     Phase.RETAKE_STEP: _OF_A_STEP,
-    Phase.RETAKE_LOCATE: {**_OF_A_LOCATION, Outcome.REFINE: Phase.LOCATE},
-    Phase.RETAKE_LOOK_BACK: {**_OF_A_LOCATION, Outcome.REFINE: Phase.LOOK_BACK},
-    Phase.REEVALUATE: {Outcome.ACCEPT: Phase.STEP, Outcome.REJECT: Phase.STEP},
+    Phase.RETAKE_LOCATE: {**_OF_A_LOCATION, StepOutcome.REFINE: Phase.LOCATE},
+    Phase.RETAKE_LOOK_BACK: {**_OF_A_LOCATION, StepOutcome.REFINE: Phase.LOOK_BACK},
+    Phase.REEVALUATE: {StepOutcome.ACCEPT: Phase.STEP, StepOutcome.REJECT: Phase.STEP},
 }
 # Pairs that cannot occur need a number too; which one is of no consequence.
-_TABLE = np.array([TRANSITIONS[phase].get(outcome, Phase.STEP) for phase in Phase for outcome in Outcome])
+_TABLE = np.array([TRANSITIONS[phase].get(outcome, Phase.STEP) for phase in Phase for outcome in StepOutcome])
 
 
 def following(phase: Int[Array, ""], outcome: Int[Array, ""]) -> Int[Array, ""]:
     """Return the next phase by the table of transitions."""
-    return jnp.asarray(_TABLE)[phase * len(Outcome) + outcome]
+    return jnp.asarray(_TABLE)[phase * len(StepOutcome) + outcome]
 
 
 def is_one_of(phase: Int[Array, ""], phases: tuple[Phase, ...]) -> Bool[Array, ""]:

@@ -13,7 +13,7 @@ from ..rungekutta.controller import StepSizes
 from ..trees import where
 from .decision import Decision
 from .event import Event
-from .phase import Outcome, Phase, following
+from .phase import Phase, StepOutcome, following
 from .state import LoopState, Point, Status
 from .task import Task
 from .trial import Trial
@@ -58,7 +58,7 @@ def advance(task: Task[P], state: LoopState, trial: Trial, decision: Decision, e
     given_up = (sought | state.given_up) & stays
     return Advance(
         point=where(returns, state.step_end, where(accepted, reached, state.point)),
-        step_end=where(decision.outcome == Outcome.LOOK_BACK, reached, state.step_end),
+        step_end=where(decision.outcome == StepOutcome.LOOK_BACK, reached, state.step_end),
         extremes=where(accepted, extremes, state.extremes),
         located=jnp.where(accepted, located, state.located),
         given_up=jnp.where(accepted, given_up, state.given_up),
@@ -86,8 +86,8 @@ def next_step_sizes(task: Task[P], state: LoopState, trial: Trial, decision: Dec
     """
     outcome = decision.outcome
     chosen = ~state.locating & ~state.reevaluating
-    looks_back, abandoned = outcome == Outcome.LOOK_BACK, outcome == Outcome.ABANDON
-    learns = (outcome == Outcome.REJECT) | looks_back | abandoned | decision.accepted & chosen
+    looks_back, abandoned = outcome == StepOutcome.LOOK_BACK, outcome == StepOutcome.ABANDON
+    learns = (outcome == StepOutcome.REJECT) | looks_back | abandoned | decision.accepted & chosen
     # The controller cuts a step with an infinite norm to a tenth.
     norm = jnp.where(trial.finite, trial.norm, jnp.inf)
     stands = decision.accepted | looks_back
@@ -98,7 +98,7 @@ def next_step_sizes(task: Task[P], state: LoopState, trial: Trial, decision: Dec
     shorter = jnp.minimum(sizes.steps, sizes.steps[trial.method])
     sizes = sizes._replace(steps=jnp.where(abandoned, shorter, sizes.steps))
     cut = jnp.minimum(sizes.steps, decision.shorter)
-    sizes = sizes._replace(steps=jnp.where(outcome == Outcome.SHORTEN, cut, sizes.steps))
+    sizes = sizes._replace(steps=jnp.where(outcome == StepOutcome.SHORTEN, cut, sizes.steps))
     # Last, since touchdowns and releases replace whatever the step has taught.
     sizes = where(event.touchdown, StepSizes.of(event.contact_step, len(task.options.solver.methods)), sizes)
     return where(event.release, state.step_sizes_before_contact, sizes)
@@ -128,7 +128,7 @@ def next_status(
     task: Task[P], state: LoopState, trial: Trial, decision: Decision, event: Event, step_sizes: StepSizes
 ) -> Int[Array, ""]:
     """Return whether and how the run ends here."""
-    refused = (decision.outcome == Outcome.REJECT) | (decision.outcome == Outcome.ABANDON)
+    refused = (decision.outcome == StepOutcome.REJECT) | (decision.outcome == StepOutcome.ABANDON)
     # A step of length zero cannot be shortened.
     stuck = refused & (state.reevaluating | (jnp.min(step_sizes.steps) < SHORTEST))
     timeout = jnp.where(event.timed_out, Status.TIMEOUT, Status.RUNNING)

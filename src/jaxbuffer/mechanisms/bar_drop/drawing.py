@@ -13,7 +13,7 @@ from ..drawing import (
     Drawing,
     Named,
     Outline,
-    Rod,
+    RodShape,
     Spot,
     Touch,
     box,
@@ -34,7 +34,7 @@ def drawing(design: BarDrop, bodies: tuple[str, ...] = ()) -> Drawing:
     end, hinge, struck = Spot(BAR, half), Spot(GROUND), Spot(GROUND, 2.0 * half, -ball)
     reach, thick = float(plate.length) / 2.0, float(plate.thickness)
     slab: Outline | Band = Outline(GROUND, box(struck.x - reach, struck.x + reach, -ball - thick, -ball), part="plate")
-    rod: Rod | Band = Rod(Spot(BAR, -half), end, wide, "bar")
+    rod: RodShape | Band = RodShape(Spot(BAR, -half), end, wide, "bar")
     frames, surface = 1 + bool(plate.modes), struck
     if bar.modes:
         rod = Band(stations(frames), wide, "bar")

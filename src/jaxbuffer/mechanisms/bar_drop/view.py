@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from ..energy import energy_unit
-from ..picture import Curve, Level, Panel
+from ..picture import Level, Panel, PanelCurve
 from ..plain_summary import plain_summary
 from ..validity import BEYOND_LAW, ValidityLimit
 from ..view import Names, View
@@ -60,13 +60,17 @@ def panels(run: BarDropRun) -> list[Panel]:
     deepest = f"Penetration, largest {1e6 * float(run.maxima['penetration']):.4g} µm"
     return [
         Panel(
-            "Gap below the ball end", "gap [mm]", (Curve("", 1e3 * history.gap[:, 0]),), (Level("", 0.0),), whole=True
+            "Gap below the ball end",
+            "gap [mm]",
+            (PanelCurve("", 1e3 * history.gap[:, 0]),),
+            (Level("", 0.0),),
+            whole=True,
         ),
-        Panel(deepest, "penetration [µm]", (Curve("", np.maximum(1e6 * np.asarray(history.penetration), 0.0)),)),
+        Panel(deepest, "penetration [µm]", (PanelCurve("", np.maximum(1e6 * np.asarray(history.penetration), 0.0)),)),
         Panel(
             "Energy",
             f"energy [{unit}]",
-            tuple(Curve(name, many * values) for name, values in energy.items()),
+            tuple(PanelCurve(name, many * values) for name, values in energy.items()),
             whole=True,
         ),
         *(bent(run, body) for body in ("plate", "bar") if getattr(run.design, body).modes),
@@ -80,7 +84,7 @@ def bent(run: BarDropRun, body: str) -> Panel:
     largest, modes = float(run.maxima[name]), getattr(run.design, body).modes
     unit, factor = ("mm", 1e3) if largest > 1e-3 else ("µm", 1e6)
     title = f"Deflection of the {body}, largest {factor * largest:.4g} {unit} ({modes} modes)"
-    return Panel(title, f"deflection [{unit}]", (Curve("", factor * np.asarray(history.others[name])),))
+    return Panel(title, f"deflection [{unit}]", (PanelCurve("", factor * np.asarray(history.others[name])),))
 
 
 def names(design: BarDrop) -> Names:

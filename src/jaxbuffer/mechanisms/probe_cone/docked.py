@@ -20,7 +20,7 @@ from .outcome import Outcome
 DOUBLINGS, NEWTON_STEPS = 60, 30  # of a stroke from 1e-9 m on, and towards the stroke whose energy is known
 
 
-class Crossing(NamedTuple):
+class PlaneCrossing(NamedTuple):
     """Where the tip crossed the capture plane, or else the run's end.
 
     ``at``: the posture there, which moves with the parameters; ``time`` [s]; ``occurred``: whether it crossed.
@@ -37,7 +37,7 @@ def latched(mechanism: Assembled, log: Log) -> Bool[Array, ""]:
     return jnp.asarray(False) if latch is None else latch.since > 0.0
 
 
-def crossing(mechanism: Assembled, log: Log, code: Int[Array, ""]) -> Crossing:
+def crossing(mechanism: Assembled, log: Log, code: Int[Array, ""]) -> PlaneCrossing:
     """Return where the tip crossed the capture plane.
 
     ``code``: of the outcome. Without latches a captured run ends there; with them it is the touchdown of theirs.
@@ -45,7 +45,7 @@ def crossing(mechanism: Assembled, log: Log, code: Int[Array, ""]) -> Crossing:
     last = _last(log)
     end = log.rows[last, 0]
     if mechanism.element("latch") is None:
-        return Crossing(mechanism.posture(end), log.time[last], code == Outcome.captured)
+        return PlaneCrossing(mechanism.posture(end), log.time[last], code == Outcome.captured)
     which = mechanism.contact_names.index("latch")
     mine = (log.kind == Kind.TOUCHDOWN) & (log.which == which) & (jnp.arange(log.kind.shape[0]) < log.count)
     slot, listed = jnp.argmax(mine), jnp.any(mine)
@@ -56,7 +56,7 @@ def crossing(mechanism: Assembled, log: Log, code: Int[Array, ""]) -> Crossing:
     state = jnp.where(listed, row + rate * late, end)
     # A log that overflowed does not have the entry; the state says when the latches began to close.
     since = mechanism.evaluated(mechanism.posture(end), "latch").since
-    return Crossing(mechanism.posture(state), log.time[last] - since, listed | (since > 0.0))
+    return PlaneCrossing(mechanism.posture(state), log.time[last] - since, listed | (since > 0.0))
 
 
 def docked(mechanism: Assembled, start: EvaluatedState, log: Log, code: Int[Array, ""], latch_force: Scalar) -> Docked:

@@ -15,7 +15,7 @@ from ..drawing import (
     Drawing,
     Named,
     Outline,
-    Rod,
+    RodShape,
     Spot,
     Spring,
     Touch,
@@ -45,7 +45,7 @@ def drawing(design: Design, bodies: tuple[str, ...] = ()) -> Drawing:
     tall, hinge = 0.5 * CYLINDER_WIDTH * tip, Spot(B, half)
     stop = [] if design.buffer.stop_stiffness is None else [_stop(design, half, tall)]
     wide, bending = ROD_WIDTH * tip, masses.bending
-    rod = Rod(Spot(P, -rear), Spot(TIP), wide, "probe")
+    rod = RodShape(Spot(P, -rear), Spot(TIP), wide, "probe")
     bent = Band(stations(TIP + 1), wide, "probe", clamped=True)
     behind = TIP + 1 + (0 if bending is None else len(stations(TIP + 1)))  # the frames of the latches
     latched = design.latch.stiffness is not None

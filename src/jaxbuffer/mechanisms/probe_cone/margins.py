@@ -7,11 +7,11 @@ from ..._types import Scalar
 from ...elements import BufferForce
 from ...hybrid import Log
 from ..assembled import Assembled
-from .docked import Crossing
+from .docked import PlaneCrossing
 from .throat import ThroatState
 
 
-def throat(mechanism: Assembled, log: Log, cross: Crossing, duration: Scalar) -> tuple[Array, Array]:
+def throat(mechanism: Assembled, log: Log, cross: PlaneCrossing, duration: Scalar) -> tuple[Array, Array]:
     """Return how far the tip centre is before the capture plane at the end of the run [m], and how far beyond that
     plane it would be at ``duration``, going on from the end, or from its crossing of the plane, as fast as it goes
     there [m]: positive exactly if it crosses the plane until then.

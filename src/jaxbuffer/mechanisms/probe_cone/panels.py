@@ -6,7 +6,7 @@ import numpy as np
 
 from ...value_text import with_unit
 from ..energy import energy_unit
-from ..picture import Curve, Level, Panel
+from ..picture import Level, Panel, PanelCurve
 from .capture import Capture
 
 NOT_ELASTIC = ("kinetic", "latch_closing", "thrust")  # of what a history calls stored
@@ -22,9 +22,9 @@ def panels(capture: Capture) -> list[Panel]:
         "Gap and distance to capture",
         "distance [mm]",
         (
-            Curve("gap, lower flank", 1e3 * history.gap[:, 0]),
-            Curve("gap, upper flank", 1e3 * history.gap[:, 1]),
-            Curve("to the capture plane", 1e3 * history.throat_distance, dashed=True),
+            PanelCurve("gap, lower flank", 1e3 * history.gap[:, 0]),
+            PanelCurve("gap, upper flank", 1e3 * history.gap[:, 1]),
+            PanelCurve("to the capture plane", 1e3 * history.throat_distance, dashed=True),
         ),
         (Level("", 0.0),),
     )
@@ -32,7 +32,7 @@ def panels(capture: Capture) -> list[Panel]:
     angle = Panel(
         f"Hinge angle{_reach(turned, most, '°')}",
         "hinge angle [°]",
-        (Curve("", np.degrees(history.hinge_angle)),),
+        (PanelCurve("", np.degrees(history.hinge_angle)),),
         (Level("", 0.0),),
     )
     rest = [_energy(capture), _stroke(capture), angle, *more]
@@ -57,7 +57,7 @@ def _latch(capture: Capture) -> Panel | None:
     levels = [Level(f"largest, {largest:.4g} N", largest)]
     if latch.strength is not None and largest > 0.5 * float(latch.strength):
         levels.append(Level(f"strength, {float(latch.strength):.4g} N", float(latch.strength), limit=True))
-    force = Curve("", capture.history.latch_force)  # type: ignore[union-attr]
+    force = PanelCurve("", capture.history.latch_force)  # type: ignore[union-attr]
     return Panel("Latch force", "latch force [N]", (force,), (*levels, Level("", 0.0)))
 
 
@@ -66,13 +66,13 @@ def _bending(capture: Capture) -> Panel | None:
         return None
     off = 1e3 * np.asarray(capture.history.bending)  # type: ignore[union-attr]
     title = f"Bending of the probe{_reach(off, 1e3 * float(capture.bending), 'mm')}"
-    return Panel(title, "tip off the axis [mm]", (Curve("", 1e3 * capture.history.bending),))  # type: ignore[union-attr]
+    return Panel(title, "tip off the axis [mm]", (PanelCurve("", 1e3 * capture.history.bending),))  # type: ignore[union-attr]
 
 
 def _play(capture: Capture) -> Panel | None:
     if capture.design.hinge.play is None:
         return None
-    gap = Curve("", 1e6 * capture.history.hinge_gap)  # type: ignore[union-attr]
+    gap = PanelCurve("", 1e6 * capture.history.hinge_gap)  # type: ignore[union-attr]
     return Panel("Hinge, from the pin to its bush", "gap [µm]", (gap,), (Level("", 0.0),))
 
 
@@ -102,7 +102,7 @@ def _energy(capture: Capture) -> Panel:
     # The panel stacks them, so that the unit is that of their sum.
     largest = float(np.max(np.sum([np.asarray(values) for values in parts.values()], axis=0)))
     unit, many = energy_unit(largest)
-    curves = tuple(Curve(name, many * np.asarray(value)) for name, value in parts.items())
+    curves = tuple(PanelCurve(name, many * np.asarray(value)) for name, value in parts.items())
     closing = "" if design.latch.stiffness is None else ", latches put in some as they close"
     return Panel(f"Energy without that of the common motion{closing}", f"energy [{unit}]", curves, stacked=True)
 
@@ -121,5 +121,5 @@ def _stroke(capture: Capture) -> Panel:
     levels = [Level(f"largest, {largest:.4g} mm", largest)]
     if largest > 0.5 * end:
         levels.append(Level(f"{what}, {end:.4g} mm", end, limit=True))
-    stroke = Curve("", 1e3 * capture.history.stroke)  # type: ignore[union-attr]
+    stroke = PanelCurve("", 1e3 * capture.history.stroke)  # type: ignore[union-attr]
     return Panel("Buffer stroke", "stroke [mm]", (stroke,), (*levels, Level("", 0.0)))

@@ -16,7 +16,7 @@ from ..drawing import (
     Named,
     Outline,
     Points,
-    Rod,
+    RodShape,
     Spot,
     Touch,
     as_they_are,
@@ -46,7 +46,7 @@ def drawing(design: SliderCrank, bodies: tuple[str, ...] = ()) -> Drawing:
     wide, tall = 2.6 * small, 2.2 * small
     near, far = length - throw - 1.2 * wide, length + throw + 1.2 * wide
     wide_rod = float(rod.depth) if rod.depth is not None else small
-    shank: Rod | Band = Rod(rear, front, wide_rod, "rod")
+    shank: RodShape | Band = RodShape(rear, front, wide_rod, "rod")
     if bends(design):
         shank = Band(stations(BODIES), wide_rod, "rod")
         # The pins of a rod that bends are where its first and its last station are.
@@ -60,7 +60,7 @@ def drawing(design: SliderCrank, bodies: tuple[str, ...] = ()) -> Drawing:
         Outline(GROUND, np.array([[near, low], [far, low]]), False, "guide"),
         Outline(GROUND, np.array([[near, high], [far, high]]), False),
         *slider,
-        Rod(Spot(CRANK, -off), at_crank, 1.2 * large, "crank"),
+        RodShape(Spot(CRANK, -off), at_crank, 1.2 * large, "crank"),
         Disc(Spot(GROUND), 1.2 * large),
         *rod_shapes,
         Disc(seat, float(design.piston_pin.radius), part="pins"),

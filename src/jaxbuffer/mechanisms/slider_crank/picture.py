@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..energy import energy_unit
-from ..picture import Curve, Level, Panel
+from ..picture import Level, Panel, PanelCurve
 from ..run import Run
 from .journal import PINS, journal_path
 
@@ -23,15 +23,15 @@ def panels(run: Run) -> list[Panel]:
         Panel(
             f"Torque of the drive, {torque.min():.4g} to {torque.max():.4g} N m",
             "torque [N m]",
-            (Curve("", torque),),
+            (PanelCurve("", torque),),
             (Level("", 0.0),),
         ),
         Panel(
             f"Slider, at most {1e-3 * float(run.maxima['slider_acceleration']):.4g} km/s²",
             "size of acceleration [km/s²]",
-            (Curve("", 1e-3 * acceleration),),
+            (PanelCurve("", 1e-3 * acceleration),),
         ),
-        Panel("Energy", f"energy [{unit}]", tuple(Curve(name, many * values) for name, values in stored.items())),
+        Panel("Energy", f"energy [{unit}]", tuple(PanelCurve(name, many * values) for name, values in stored.items())),
     ]
 
 
@@ -42,8 +42,8 @@ def _path(run: Run, pin: str) -> Panel:
     edge = 1e3 * float(part.clearance) * _outline(part.by_components)
     title = f"{pin.replace('_', ' ').capitalize()} in its bush"
     curves = (
-        Curve("path", across, along=along),
-        Curve("play", edge[1], dashed=True, along=edge[0]),
+        PanelCurve("path", across, along=along),
+        PanelCurve("play", edge[1], dashed=True, along=edge[0]),
     )
     return Panel(title, "across [mm]", curves, path="along the slider's line [mm]")
 

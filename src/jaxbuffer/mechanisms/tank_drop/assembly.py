@@ -9,10 +9,10 @@ from jaxtyping import Array, Float
 
 from ..._types import Scalar, stacked
 from ...fields import replace
-from ...structures import Liquid, Orthotropic, Plane, Plastic, Quads, System
+from ...structures import FiniteElementSystem, Liquid, Orthotropic, Plane, Plastic, Quads
 from ...structures.acoustics import Cover, element_matrices
 from ...structures.boundary import boundary_areas, enclosed
-from ...structures.contact import Contact, Layer, RigidPlane
+from ...structures.contact import Layer, NodeContact, RigidPlane
 from ...structures.gas import Gas
 from ...structures.incidence import Incidence
 from ...structures.perforated import Holes, Perforated, at_heights
@@ -26,7 +26,7 @@ SOLID = 10.0  # stiffness of the solid cushion over that of the soft one
 ACROSS = 4  # integration points from one side of an element to the other
 
 
-class Assembled(NamedTuple):
+class TankModel(NamedTuple):
     """The system of half a cross-section or of the whole, a metre long.
 
     - ``system``, ``section``: of it; ``wall``: its elements, ``material``: theirs.
@@ -37,7 +37,7 @@ class Assembled(NamedTuple):
     - ``half``: of the whole, half of it under a slider at no angle; None for a half.
     """
 
-    system: System
+    system: FiniteElementSystem
     section: Section
     wall: Plane
     material: Plastic | Orthotropic
@@ -45,7 +45,7 @@ class Assembled(NamedTuple):
     slider: int
     factor: Scalar
     angle: Scalar
-    half: "Assembled | None"
+    half: "TankModel | None"
 
     def compression(self, positions: Float[Array, "nodes 2"]) -> Float[Array, " pressed"]:
         """Return how far the cushion is pressed together at each node below it; without one, the wall into the slider
@@ -61,7 +61,7 @@ class Assembled(NamedTuple):
         return jnp.cos(self.angle) * jnp.sum(normal)
 
 
-def assembled(design: TankDrop, scenario: TankDropScenario) -> Assembled:
+def assembled(design: TankDrop, scenario: TankDropScenario) -> TankModel:
     """Return the parts put together, nothing loaded yet."""
     mesh = section(design, scenario.fill)
     whole = design.mesh.extent == "whole"
@@ -91,7 +91,7 @@ def assembled(design: TankDrop, scenario: TankDropScenario) -> Assembled:
     # The section carries its share of the slider (M166).
     slider_inverse = jnp.stack([jnp.zeros(()), factor / jnp.asarray(design.slider.mass, float)])
     inverse = jnp.concatenate([inverse, slider_inverse[None], jnp.zeros((1, 2))])
-    system = System(
+    system = FiniteElementSystem(
         positions,
         inverse,
         (wall,),
@@ -106,7 +106,7 @@ def assembled(design: TankDrop, scenario: TankDropScenario) -> Assembled:
     half = None
     if whole:
         half = assembled(replace(design, {"mesh.extent": "half"}), replace(scenario, {"angle": 0.0}))
-    return Assembled(system, mesh, wall, material, _strength(design), slider, factor, angle, half)
+    return TankModel(system, mesh, wall, material, _strength(design), slider, factor, angle, half)
 
 
 def _above(design: TankDrop, mesh: Section, under: RigidPlane) -> Scalar:
@@ -149,19 +149,19 @@ def _strength(design: TankDrop) -> Scalar:
     return design.composite.along_compression if design.material.kind == "composite" else design.material.yield_stress
 
 
-def _support(design: TankDrop, mesh: Section, baffle: int) -> Contact:
+def _support(design: TankDrop, mesh: Section, baffle: int) -> NodeContact:
     """Return the contact of the outside, up to the level, with the baffle."""
     slaves = mesh.sets.support
     strips = jnp.linalg.norm(boundary_areas(mesh.positions[slaves]), axis=1)
-    return Contact(slaves, RigidPlane(baffle, (0.0, 1.0)), design.support.method, design.support.stiffness * strips)
+    return NodeContact(slaves, RigidPlane(baffle, (0.0, 1.0)), design.support.method, design.support.stiffness * strips)
 
 
-def _strike(design: TankDrop, mesh: Section, under: RigidPlane) -> Contact:
+def _strike(design: TankDrop, mesh: Section, under: RigidPlane) -> NodeContact:
     """Return the contact of the slider without a cushion with the outside from the level on, by the method of the
     support."""
     slaves = mesh.sets.pressed
     strips = jnp.linalg.norm(boundary_areas(mesh.positions[slaves]), axis=1)
-    return Contact(slaves, under, design.support.method, design.support.stiffness * strips)
+    return NodeContact(slaves, under, design.support.method, design.support.stiffness * strips)
 
 
 def _air(design: TankDrop, mesh: Section) -> Gas:

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from ..energy import energy_unit
-from ..picture import Curve, Level, Panel
+from ..picture import Level, Panel, PanelCurve
 
 
 def panels(run: Any) -> list[Panel]:
@@ -19,13 +19,13 @@ def panels(run: Any) -> list[Panel]:
         Panel(
             f"Deflection of the top, largest {1e3 * float(run.deflection):.4g} mm",
             "downwards [mm]",
-            (Curve("top", 1e3 * others["deflection"]), Curve("slider", 1e3 * travel, dashed=True)),
+            (PanelCurve("top", 1e3 * others["deflection"]), PanelCurve("slider", 1e3 * travel, dashed=True)),
             whole=True,
         ),
         Panel(
             f"Stress after von Mises, largest {1e-6 * float(run.peak_stress):.4g} MPa",
             "stress [MPa]",
-            (Curve("largest in the wall", 1e-6 * others["peak_stress"]),),
+            (PanelCurve("largest in the wall", 1e-6 * others["peak_stress"]),),
             () if composite else (Level("yield stress", 1e-6 * float(design.material.yield_stress)),),
             whole=True,
         ),
@@ -36,8 +36,8 @@ def panels(run: Any) -> list[Panel]:
                 "Pressure of the liquid on the wall",
                 "over the atmosphere's [kPa]",
                 (
-                    Curve("highest", 1e-3 * others["highest_pressure"]),
-                    Curve("lowest", 1e-3 * others["lowest_pressure"]),
+                    PanelCurve("highest", 1e-3 * others["highest_pressure"]),
+                    PanelCurve("lowest", 1e-3 * others["lowest_pressure"]),
                 ),
                 whole=True,
             )
@@ -47,12 +47,12 @@ def panels(run: Any) -> list[Panel]:
             Panel(
                 f"Equivalent plastic strain, largest {float(run.plastic_strain):.4g}",
                 "strain [-]",
-                (Curve("largest in the wall", others["peak_plastic_strain"]),),
+                (PanelCurve("largest in the wall", others["peak_plastic_strain"]),),
                 (Level("failure", float(design.material.failure_strain), limit=True),),
                 whole=True,
             )
         )
     energy = {name: np.asarray(getattr(history.energy, name)) for name in history.energy.names if name != "total"}
     unit, many = energy_unit(max(np.max(np.abs(values)) for values in energy.values()))
-    curves = tuple(Curve(name, many * values) for name, values in energy.items() if np.any(values))
+    curves = tuple(PanelCurve(name, many * values) for name, values in energy.items() if np.any(values))
     return [*result, Panel("Energy", f"energy [{unit}]", curves, whole=True)]

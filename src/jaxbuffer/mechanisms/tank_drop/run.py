@@ -11,11 +11,11 @@ from ..._types import Scalar
 from ..energy import Balance, Energy
 from ..history import History
 from ..impacts import Impacts
-from .assembly import Assembled, assembled
+from .assembly import TankModel, assembled
 from .design import TankDrop, TankDropScenario
 from .outcome import FORMS, TankOutcome
 from .section import Section, wall_mass
-from .stepping import SMOOTH, Dropped, Row
+from .stepping import SMOOTH, Dropped, HistoryRow
 from .tank_run import TankRun
 
 
@@ -67,7 +67,7 @@ def run_of(parameters: tuple[TankDrop, TankDropScenario, Scalar], duration: Scal
 
 
 def _of_every_run(
-    parts: Assembled, parameters: Any, drop: Dropped, code: Array, known: Array, end: Array, momentum: Array
+    parts: TankModel, parameters: Any, drop: Dropped, code: Array, known: Array, end: Array, momentum: Array
 ) -> dict[str, Any]:
     """Return the fields of `Run`: one impact, that of the cushion. ``known``: 1, or NaN for a failed run; ``end`` [s];
     ``momentum``: by which the slider was slowed down [N s]."""
@@ -133,7 +133,7 @@ def _energy(factor: Scalar, energies: Any) -> Energy:
     return Energy(stored={"elastic": whole.pop("stored"), **whole}, lost=lost)
 
 
-def history_of(parts: Assembled, rows: Row) -> History:
+def history_of(parts: TankModel, rows: HistoryRow) -> History:
     """Return the slider's motion, forces of the whole tank, and how the wall moves: its middle, column by column as of
     `NodeSets` ("wall_x", "wall_y", of a plate "plate_x", "plate_y" [m]), the ``displacement`` of all nodes [m], the
     stress [Pa] and plastic strain of all elements, and the liquid's ``pressure`` [Pa]."""
@@ -185,7 +185,7 @@ def _plate(at: Array, section: Section) -> dict[str, Array]:
     return {"plate_x": middle[..., 0], "plate_y": middle[..., 1]}
 
 
-def _close_up(rows: Row) -> Row:
+def _close_up(rows: HistoryRow) -> HistoryRow:
     """Compact the filled rows; pad with the last one.
 
     A run with fewer steps than rows, or one that ends early, leaves some empty; the first one always counts as filled.

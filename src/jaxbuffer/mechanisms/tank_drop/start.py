@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float
 
 from ...structures import State
-from .assembly import Assembled
+from .assembly import TankModel
 from .design import TankDropScenario
 from .node_sets import mirrors
 
@@ -32,14 +32,14 @@ class Unknowns(NamedTuple):
         return jnp.zeros(2 * self.nodes).at[self.places].set(values).reshape(-1, 2)
 
 
-def falling(parts: Assembled, scenario: TankDropScenario) -> State:
+def falling(parts: TankModel, scenario: TankDropScenario) -> State:
     """Return the tank at rest and the slider at the speed of its fall."""
     state = at_rest(parts)
     speed = jnp.sqrt(2.0 * scenario.gravity * scenario.height)
     return state._replace(velocity=state.velocity.at[parts.slider, 1].set(-speed))
 
 
-def at_rest(parts: Assembled) -> State:
+def at_rest(parts: TankModel) -> State:
     """Return the tank in equilibrium with gravity and the liquid's static pressure, its flat bottom on the baffle where
     it presses on it, or as deep in it as a penalty lets it; the slider is where the cushion would just touch the tank
     undeformed. Newton's method finds it; derivatives are those of the equilibrium. The whole section stands as its half
@@ -57,7 +57,7 @@ def at_rest(parts: Assembled) -> State:
     return parts.system.start()._replace(displacement=unknowns.displacement(values))
 
 
-def _unknowns(parts: Assembled) -> Unknowns:
+def _unknowns(parts: TankModel) -> Unknowns:
     """Return all unknowns of the wall, without those sideways in the middle of the section."""
     mesh, nodes = parts.section, len(parts.system.positions)
     free = np.ones((nodes, 2), bool)
@@ -68,7 +68,7 @@ def _unknowns(parts: Assembled) -> Unknowns:
     return Unknowns(places, np.searchsorted(places, 2 * mesh.numbers.outer[: mesh.numbers.flat + 1] + 1), nodes)
 
 
-def _better(parts: Assembled, unknowns: Unknowns, values: Array, stands: Array) -> tuple[Array, Bool[Array, " bottom"]]:
+def _better(parts: TankModel, unknowns: Unknowns, values: Array, stands: Array) -> tuple[Array, Bool[Array, " bottom"]]:
     """Return the values after a step of Newton's method where these of the bottom's nodes stand, and which stand then:
     those that press, or are below the baffle."""
     contact = parts.system.contacts[0]
@@ -86,7 +86,7 @@ def _better(parts: Assembled, unknowns: Unknowns, values: Array, stands: Array) 
     return after, jnp.where(stands, pressed > 0.0, after[bottom] < 0.0)
 
 
-def _linearised(parts: Assembled, unknowns: Unknowns, values: Array) -> tuple[Array, Array]:
+def _linearised(parts: TankModel, unknowns: Unknowns, values: Array) -> tuple[Array, Array]:
     """Return the wall's stiffness (unknowns, unknowns) [N/m] and what is not in balance there (unknowns,) [N], without
     the baffle."""
     system, wall, displacement = parts.system, parts.wall, unknowns.displacement(values)

@@ -13,7 +13,7 @@ from ...structures import Orthotropic, State, at_faces, march, mises
 from ...structures.central_differences import BLOCK
 from ...structures.contact import SOLID
 from ...structures.system import SAFETY, Energies, Instant
-from .assembly import Assembled, assembled
+from .assembly import TankModel, assembled
 from .design import TankDrop, TankDropScenario
 from .laminate import least_reserve
 from .outcome import FORMS
@@ -29,7 +29,7 @@ ROWS = 800  # of a history, evenly spread over the duration
 ATMOSPHERE = 1.013e5  # Pa: a liquid under less than minus this is torn
 
 
-class Row(NamedTuple):
+class HistoryRow(NamedTuple):
     """What a history keeps of an instant.
 
     - ``time``: [s].
@@ -86,7 +86,7 @@ class Tally(NamedTuple):
     first: Float[Array, ""]
     off: Float[Array, ""]
     energies: Energies
-    rows: Row | None
+    rows: HistoryRow | None
 
 
 class Dropped(NamedTuple):
@@ -148,14 +148,14 @@ def dropped(
     return Dropped(state, tally, steps, step, until(tally), too_many, jnp.asarray(allowed))
 
 
-def _empty_tally(parts: Assembled, start: State, history: bool) -> Tally:
+def _empty_tally(parts: TankModel, start: State, history: bool) -> Tally:
     zero = jnp.zeros(())
     energies = Energies(*(zero,) * len(Energies._fields))
     rows = None
     if history:
         elements = len(parts.section.sets.corners)
         room = lambda *shape: jnp.zeros((ROWS, *shape))  # noqa: E731
-        rows = Row(
+        rows = HistoryRow(
             *(room(), room(*start.displacement.shape), room(), room(), room(), room(*start.pressure.shape)),
             *(room(elements), room(elements), Energies(*(room() for _ in energies))),
         )
@@ -167,7 +167,7 @@ def _empty_tally(parts: Assembled, start: State, history: bool) -> Tally:
 
 
 def _next_tally(
-    parts: Assembled, design: TankDrop, step: Scalar, duration: Scalar, tally: Tally, instant: Instant
+    parts: TankModel, design: TankDrop, step: Scalar, duration: Scalar, tally: Tally, instant: Instant
 ) -> Tally:
     system, section = parts.system, parts.section
     (wall,) = instant.resistances
@@ -215,18 +215,20 @@ def _next_tally(
     )
 
 
-def _reserve(parts: Assembled, design: TankDrop, stress: Array) -> Array:
+def _reserve(parts: TankModel, design: TankDrop, stress: Array) -> Array:
     """Return the reserve of a composite's plies now; of a plastic wall the largest stress tells it in the end."""
     if not isinstance(parts.material, Orthotropic):
         return jnp.asarray(jnp.inf)
     return least_reserve(design.composite, design.mesh.refinement, stress, parts.material)
 
 
-def _with_row(parts: Assembled, duration: Scalar, rows: Row, instant: Instant, force: Array, stress: Array) -> Row:
+def _with_row(
+    parts: TankModel, duration: Scalar, rows: HistoryRow, instant: Instant, force: Array, stress: Array
+) -> HistoryRow:
     """Return the history with this instant in the row of its share of the duration: the last one there stays."""
     (wall,) = instant.resistances
     place = jnp.clip(jnp.floor(instant.time / duration * ROWS).astype(int), 0, ROWS - 1)
-    row = Row(
+    row = HistoryRow(
         jnp.asarray(instant.time),
         instant.displacement,
         instant.velocity[parts.slider, 1],

@@ -3,7 +3,7 @@
 Its figures are lost and its text prints no force, so its statements are all there is to compare with.
 """
 
-from ..study import Paper, Part
+from ..study import Paper, PaperPart
 from .claims import CLAIMS
 from .figures import figure
 from .published import as_published
@@ -11,7 +11,7 @@ from .readings import PART as READINGS
 from .rows import COLUMNS, SHOWN, row
 from .studies import STUDIES
 
-CAPTURES = Part(STUDIES, COLUMNS, SHOWN, row, CLAIMS, figure)
+CAPTURES = PaperPart(STUDIES, COLUMNS, SHOWN, row, CLAIMS, figure)
 PAPER = Paper(
     "docking",
     "An Efficient Buffering Mechanism for Mechanical Capturing Systems",

@@ -13,7 +13,7 @@ from ...fields import replace
 from ...mechanisms.probe_cone.design import Scenario, table2
 from ...mechanisms.probe_cone.parts import ALUMINIUM_DENSITY, ROD_RADIUS, TIP_RADIUS
 from ...output.style import drawing, line, panels
-from ..study import NO, PARTLY, YES, Case, Claim, Part, Row, Rows, Studied, Study, Verdict
+from ..study import NO, PARTLY, YES, Claim, ClaimVerdict, PaperPart, Row, Rows, Studied, Study, StudyCase
 from .claims import BACK
 from .published import EQUATIONS
 from .rows import COLUMNS, SHOWN, row
@@ -71,10 +71,10 @@ def readings() -> Iterator[Reading]:
             yield from (Reading(False, radius, rod, slip=slip) for slip in SLIPS)
 
 
-def _cases(reading: Reading) -> Iterator[Case]:
+def _cases(reading: Reading) -> Iterator[StudyCase]:
     for free, speed in itertools.product((False, True), SPEEDS):
         design = replace(table2(), {**reading.changes, "probe.free_tip": free})
-        yield Case(f"{reading}: {'free' if free else 'welded'}", speed, design, Scenario(approach_speed=speed))
+        yield StudyCase(f"{reading}: {'free' if free else 'welded'}", speed, design, Scenario(approach_speed=speed))
 
 
 READINGS = tuple(readings())
@@ -130,8 +130,8 @@ def _holding(rows: Rows, tests: Sequence[str]) -> list[str]:
     ]
 
 
-def _any(*tests: str) -> Callable[[Rows], Verdict]:
-    def judge(rows: Rows) -> Verdict:
+def _any(*tests: str) -> Callable[[Rows], ClaimVerdict]:
+    def judge(rows: Rows) -> ClaimVerdict:
         holding = _holding(rows, tests)
         said = f"in {len(holding)} of {len(READINGS)} readings"
         if holding:
@@ -141,7 +141,7 @@ def _any(*tests: str) -> Callable[[Rows], Verdict]:
             best = max(itertools.combinations(tests, 2), key=lambda pair: len(_holding(rows, pair)))
             two = _holding(rows, best)
             said += f"; «{best[0]}» and «{best[1]}» in {len(two)}" + (f", such as: {two[0]}" if two else "")
-        return Verdict(said, YES if len(holding) == len(READINGS) else PARTLY if holding else NO)
+        return ClaimVerdict(said, YES if len(holding) == len(READINGS) else PARTLY if holding else NO)
 
     return judge
 
@@ -187,4 +187,4 @@ def figure(studied: Studied) -> Figure:
         return drawn
 
 
-PART = Part((STUDY,), COLUMNS, SHOWN, row, CLAIMS, figure, table)
+PART = PaperPart((STUDY,), COLUMNS, SHOWN, row, CLAIMS, figure, table)

@@ -7,7 +7,7 @@ from scipy.interpolate import CubicSpline
 
 from ...mechanisms.history import History
 from ...mechanisms.probe_cone.capture import Capture
-from ..study import NONE, Case, Row
+from ..study import NONE, Row, StudyCase
 
 FIRST = 5  # impacts whose effective mass is compared
 COLUMNS = {
@@ -40,7 +40,7 @@ COLUMNS = {
 SHOWN = ("outcome", "peak_force", "first_peak", "contact_time", "capture_time", "penetration", "stroke")
 
 
-def row(case: Case, capture: Capture) -> Row:
+def row(case: StudyCase, capture: Capture) -> Row:
     """Return the numbers of one capture, with a history."""
     history, impacts = capture.history, capture.impacts
     assert history is not None

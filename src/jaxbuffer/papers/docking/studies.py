@@ -4,7 +4,7 @@ import math
 
 from ...fields import replace
 from ...mechanisms.probe_cone.design import Design, Scenario, rigid_probe, table2
-from ..study import Case, Study
+from ..study import Study, StudyCase
 
 SPEEDS = (0.05, 0.1, 0.15, 0.2)  # m/s
 RATES = (0.0, 0.05, 0.1)  # °/s, the paper's
@@ -14,20 +14,22 @@ WELDED = table2()
 FREE = replace(table2(), {"probe.free_tip": True})
 
 
-def _by_speed(design: Design) -> tuple[Case, ...]:
-    return tuple(Case(f"{v:g} m/s", v, design, Scenario(approach_speed=v)) for v in SPEEDS)
+def _by_speed(design: Design) -> tuple[StudyCase, ...]:
+    return tuple(StudyCase(f"{v:g} m/s", v, design, Scenario(approach_speed=v)) for v in SPEEDS)
 
 
-def _by_rate(design: Design) -> tuple[Case, ...]:
-    return tuple(Case(f"{w:g} °/s", w, design, Scenario(passive_rate=math.radians(w))) for w in RATES)
+def _by_rate(design: Design) -> tuple[StudyCase, ...]:
+    return tuple(StudyCase(f"{w:g} °/s", w, design, Scenario(passive_rate=math.radians(w))) for w in RATES)
 
 
-def _by_angle(design: Design) -> tuple[Case, ...]:
-    return tuple(Case(f"{a:g}°", a, design, Scenario(misalignment=math.radians(a))) for a in ANGLES)
+def _by_angle(design: Design) -> tuple[StudyCase, ...]:
+    return tuple(StudyCase(f"{a:g}°", a, design, Scenario(misalignment=math.radians(a))) for a in ANGLES)
 
 
-def _by_friction(design: Design) -> tuple[Case, ...]:
-    return tuple(Case(f"μ = {mu:g}", mu, replace(design, {"contact.friction": mu}), Scenario()) for mu in FRICTIONS)
+def _by_friction(design: Design) -> tuple[StudyCase, ...]:
+    return tuple(
+        StudyCase(f"μ = {mu:g}", mu, replace(design, {"contact.friction": mu}), Scenario()) for mu in FRICTIONS
+    )
 
 
 SPEED, RATE, ANGLE = "approach speed [m/s]", "angular velocity of the passive vehicle [°/s]", "misalignment [°]"
@@ -38,7 +40,7 @@ STUDIES = (
         "Rigid probe against the buffer",
         "probe",
         "a buffer of 1e10 N/m and 1e8 N m/rad for the text's coefficients «high enough»; 0.1 m/s for the rigid probe",
-        (Case("rigid", 0.0, rigid_probe(), Scenario()), Case("buffered", 1.0, WELDED, Scenario())),
+        (StudyCase("rigid", 0.0, rigid_probe(), Scenario()), StudyCase("buffered", 1.0, WELDED, Scenario())),
     ),
     Study(
         "motion",
@@ -46,7 +48,7 @@ STUDIES = (
         "Velocities of the vehicles, and the buffer's motion",
         "probe",
         "",
-        (Case("Table 2", 0.0, WELDED, Scenario()),),
+        (StudyCase("Table 2", 0.0, WELDED, Scenario()),),
     ),
     Study("speed", "10", "Approach speed, tip welded", SPEED, "all speeds but 0.1 m/s", _by_speed(WELDED)),
     Study("rate", "11", "Angular velocity, tip welded", RATE, "", _by_rate(WELDED)),
@@ -58,7 +60,7 @@ STUDIES = (
         "Welded against free tip",
         "tip",
         "",
-        (Case("welded", 0.0, WELDED, Scenario()), Case("free", 1.0, FREE, Scenario())),
+        (StudyCase("welded", 0.0, WELDED, Scenario()), StudyCase("free", 1.0, FREE, Scenario())),
     ),
     Study("speed_free", "15", "Approach speed, tip free", SPEED, "all speeds but 0.1 m/s", _by_speed(FREE)),
     Study("rate_free", "16", "Angular velocity, tip free", RATE, "", _by_rate(FREE)),

@@ -1,10 +1,10 @@
 """*Impact Dynamics Analysis of Mobile Mechanical Systems* (Mathematics, 2021): a bar dropped on a plate (section 2),
 a slider-crank with play in its piston pin (section 3).
 
-A module each for studies, rows, claims and figures of a mechanism; another mechanism is another `Part`.
+A module each for studies, rows, claims and figures of a mechanism; another mechanism is another `PaperPart`.
 """
 
-from ..study import Paper, Part
+from ..study import Paper, PaperPart
 from . import algorithm, element_studies
 from .bar_claims import CLAIMS
 from .bar_figures import figure
@@ -17,11 +17,11 @@ from .crank_rows import SHOWN as CRANK_SHOWN
 from .crank_rows import row as crank_row
 from .crank_studies import STUDIES as CRANK_STUDIES
 
-BAR = Part(STUDIES, COLUMNS, SHOWN, row, CLAIMS, figure)
-ALGORITHM = Part(
+BAR = PaperPart(STUDIES, COLUMNS, SHOWN, row, CLAIMS, figure)
+ALGORITHM = PaperPart(
     algorithm.STUDIES, algorithm.COLUMNS, algorithm.SHOWN, algorithm.row, algorithm.CLAIMS, algorithm.figure
 )
-ELEMENTS = Part(
+ELEMENTS = PaperPart(
     element_studies.STUDIES,
     element_studies.COLUMNS,
     element_studies.SHOWN,
@@ -30,7 +30,7 @@ ELEMENTS = Part(
     element_studies.figure,
     solve=element_studies.solve,
 )
-CRANK = Part(CRANK_STUDIES, CRANK_COLUMNS, CRANK_SHOWN, crank_row, CRANK_CLAIMS, crank_figure)
+CRANK = PaperPart(CRANK_STUDIES, CRANK_COLUMNS, CRANK_SHOWN, crank_row, CRANK_CLAIMS, crank_figure)
 PAPER = Paper(
     "impact",
     "Impact Dynamics Analysis of Mobile Mechanical Systems",

@@ -9,7 +9,7 @@ from ..._types import Figure
 from ...fields import replace
 from ...mechanisms.bar_drop import BarDrop, BarDropScenario
 from ...output.style import BLUE, COLOURS, ORANGE, drawing, label, panels
-from ..study import Case, Claim, Row, Rows, Studied, Study, Verdict, near, verdict
+from ..study import Claim, ClaimVerdict, Row, Rows, Studied, Study, StudyCase, near, verdict
 from .bar_figures import OFFSETS
 from .fixed_steps import components, peaks
 
@@ -31,7 +31,7 @@ STUDIES = (
         "y₁ is the height of the plate above the datum, so that the bar falls by 194 mm less y₁; the algorithm is "
         "given the motion of the rigid bar; bdf: backward differences of order 2",
         tuple(
-            Case(
+            StudyCase(
                 f"c = {c:g}, y₁ = {y1:g} mm",
                 c,
                 replace(BarDrop(), {"impact.damping": 1e3 * c}),
@@ -44,7 +44,7 @@ STUDIES = (
 )
 
 
-def row(case: Case, run: Any) -> Row:
+def row(case: StudyCase, run: Any) -> Row:
     """Return what there is, what the algorithm's instants meet, and what backward differences at fixed steps
     compute."""
     whole, at_instants = _components(run), _components(run, INSTANTS)
@@ -128,7 +128,7 @@ def _over_time(axes: Any, run: Any, which: int, title: str) -> None:
     axes.legend(loc="upper left")
 
 
-def _seen(rows: Rows) -> Verdict:
+def _seen(rows: Rows) -> ClaimVerdict:
     names = ("spring_seen", "spring", "damper_seen", "damper")
     pairs = [[float(row[name]) for name in names] for row in rows["algorithm"]]
     said = "; ".join("F₁ {:.3g} of {:.4g} N, F₂ {:.3g} of {:.4g} N".format(*numbers) for numbers in pairs)
@@ -137,19 +137,19 @@ def _seen(rows: Rows) -> Verdict:
         f"c = 1 and 6: {said}. It is given the motion, so that its force stops nothing, and its instants pass over a "
         "damper that acts for some 10 µs"
     )
-    return Verdict(said, verdict([near(a, b) for a, b in zip(forces, (250, 3e3, 450, 5e4), strict=True)]))
+    return ClaimVerdict(said, verdict([near(a, b) for a, b in zip(forces, (250, 3e3, 450, 5e4), strict=True)]))
 
 
-def _printed_step(rows: Rows) -> Verdict:
+def _printed_step(rows: Rows) -> ClaimVerdict:
     printed, right = (float(rows["algorithm"][0][name]) for name in ("damper_as_printed", "damper"))
     said = (
         "with the printed a = c damping is 2 c at the touch and falls to c at the depth d, a force that jumps; a = -c "
         f"is meant. F₂ of the same motion: {printed:.4g} N against {right:.4g} N"
     )
-    return Verdict(said, verdict([near(printed, right)]))
+    return ClaimVerdict(said, verdict([near(printed, right)]))
 
 
-def _fixed(rows: Rows) -> Verdict:
+def _fixed(rows: Rows) -> ClaimVerdict:
     parts, fine, within = [], [], []
     for row, step in zip(rows["algorithm"], ("1e-3", "1e-4"), strict=True):
         low, high = (float(row[f"bdf_1e-4_{end}"]) for end in ("least", "most"))
@@ -161,7 +161,7 @@ def _fixed(rows: Rows) -> Verdict:
         within.append(f"{PRINTED[step]} N {'is' if low <= PRINTED[step] <= high else 'is not'}")
     said = f"c = 1: {parts[0]}; c = 6: {parts[1]}, by where the steps begin. Of the printed forces "
     said += f"{' and '.join(within)} in the band of 1e-4 s"
-    return Verdict(said, verdict(fine))
+    return ClaimVerdict(said, verdict(fine))
 
 
 CLAIMS = (

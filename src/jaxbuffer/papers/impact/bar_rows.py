@@ -4,7 +4,7 @@ import numpy as np
 from scipy.signal import find_peaks
 
 from ...mechanisms.bar_drop.run import BarDropRun
-from ..study import Case, Row
+from ..study import Row, StudyCase
 from .fixed_steps import components
 
 STEPS = (1e-3, 1e-4)  # s, the paper's two
@@ -52,7 +52,7 @@ SHOWN = (
 )
 
 
-def row(case: Case, run: BarDropRun) -> Row:
+def row(case: StudyCase, run: BarDropRun) -> Row:
     """Return the numbers of one drop, with a history. What a step sees is the median over grids that begin anywhere in
     it."""
     history, hits, design = run.history, run.impacts, run.design

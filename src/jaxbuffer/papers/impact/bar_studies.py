@@ -5,7 +5,7 @@ from typing import Any
 
 from ...fields import replace
 from ...mechanisms.bar_drop import BarDrop, BarDropScenario
-from ..study import Case, Study
+from ..study import Study, StudyCase
 
 DAMPINGS = (0.0, 1.0, 6.0)  # N s/mm; 0 is ours, for the spring alone
 PRINTED_SPEED = 1.325  # m/s
@@ -21,17 +21,19 @@ WHOLE = {"duration": 0.6}  # s, the paper's
 FRICTIONS = (0.0, 0.3, 1.0, 10.0)  # μ [-]; the last stands for "rough", where nothing slides
 
 
-def _by_damping(changes: Mapping[str, int], scenario: BarDropScenario, options: Mapping[str, Any]) -> tuple[Case, ...]:
+def _by_damping(
+    changes: Mapping[str, int], scenario: BarDropScenario, options: Mapping[str, Any]
+) -> tuple[StudyCase, ...]:
     return tuple(
-        Case(f"c = {c:g}", c, replace(BarDrop(), {**changes, "impact.damping": 1e3 * c}), scenario, options)
+        StudyCase(f"c = {c:g}", c, replace(BarDrop(), {**changes, "impact.damping": 1e3 * c}), scenario, options)
         for c in DAMPINGS
     )
 
 
-def _by_friction(damping: float, changes: Mapping[str, int], options: Mapping[str, Any]) -> tuple[Case, ...]:
+def _by_friction(damping: float, changes: Mapping[str, int], options: Mapping[str, Any]) -> tuple[StudyCase, ...]:
     design = replace(BarDrop(), {**changes, "impact.damping": 1e3 * damping})
     return tuple(
-        Case(f"μ = {value:g}", value, replace(design, {"impact.friction": value}), DROP, {**options, **WHOLE})
+        StudyCase(f"μ = {value:g}", value, replace(design, {"impact.friction": value}), DROP, {**options, **WHOLE})
         for value in FRICTIONS
     )
 

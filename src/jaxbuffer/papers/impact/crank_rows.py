@@ -9,7 +9,7 @@ from ...mechanisms.run import Run
 from ...mechanisms.slider_crank import journal_path
 from ...mechanisms.slider_crank.design import Rod
 from ...multibody.flexible import free_bar
-from ..study import NONE, Case, Row
+from ..study import NONE, Row, StudyCase
 
 STARTED = 1e-2  # s: from here on the start is over
 TENTH = 0.1  # of the torque at the start
@@ -39,7 +39,7 @@ COLUMNS = {
 SHOWN = tuple(name for name in COLUMNS if name not in ("outcome", "touching_share"))
 
 
-def row(case: Case, run: Run) -> Row:
+def row(case: StudyCase, run: Run) -> Row:
     """Return the numbers of one run with a history. The least and the largest torque are those after the first 10 ms;
     ``start_takes``: until the torque is a tenth of that at the start."""
     history = run.history

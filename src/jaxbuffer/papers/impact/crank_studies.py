@@ -7,7 +7,7 @@ from typing import Any
 from ...fields import replace
 from ...mechanisms.slider_crank import SliderCrank, SliderCrankScenario, published_slider_crank
 from ...mechanisms.slider_crank.design import Rod
-from ..study import Case, Study
+from ..study import Study, StudyCase
 
 SPEED = 10.0  # rad/s, ω_0
 CYCLE = 2.0 * math.pi / SPEED  # s
@@ -40,7 +40,7 @@ def rods(
     options: Mapping[str, Any],
     onset: float = 1e-8,
     ratio: float = 0.01,
-) -> tuple[Case, ...]:
+) -> tuple[StudyCase, ...]:
     """Return a rigid rod, and the same bar with modes of a damping ``ratio``; the spring comes in over ``onset``
     [m]."""
     design = replace(published(exponent, stiffness, torque), {"piston_pin.onset_depth": onset})
@@ -48,7 +48,7 @@ def rods(
     rigid = {"rod.mass": BAR.body.mass, "rod.inertia": BAR.body.inertia}
     bends = {"rod.depth": BAR.depth, "rod.damping_ratio": ratio}
     return tuple(
-        Case(
+        StudyCase(
             f"{n} modes" if n else "rigid", n, replace(design, {**bends, "rod.modes": n} if n else rigid), REST, options
         )
         for n in MODES
@@ -65,7 +65,7 @@ STUDIES = (
         "1.1 mm as the trigger distance on both sides of both components; y is read as across the slider's line, z as "
         "along it",
         tuple(
-            Case(f"e = {e:g}, k = {k:.0e}, M₀ = {m:.0e}".replace("e+0", "e"), e, published(e, k, m), REST, OPTIONS)
+            StudyCase(f"e = {e:g}, k = {k:.0e}, M₀ = {m:.0e}".replace("e+0", "e"), e, published(e, k, m), REST, OPTIONS)
             for e, k, m in RIGID
         ),
     ),

@@ -12,9 +12,9 @@ from ...fields import replace
 from ...mechanisms.bar_drop import BarDrop
 from ...mechanisms.bar_drop.run import BarDropRun
 from ...output.style import drawing, label, line, panels
-from ..study import NONE, Case, Claim, Row, Rows, Studied, Study, Verdict, near, simulated, verdict
+from ..study import NONE, Claim, ClaimVerdict, Row, Rows, Studied, Study, StudyCase, near, simulated, verdict
 from .bar_studies import ACCURATE, BENT, BODIES, DROP
-from .elements import DURATION, Meshed, MeshedRun, follow
+from .elements import DURATION, MeshedDrop, MeshedRun, follow
 
 STIFFNESS = 4e6  # N/m: the printed spring's force over its depth where the rigid bar is stopped
 EARLY = 1e-4  # s from the touch: the first peak
@@ -52,24 +52,24 @@ STUDIES = (
         "plane stress, the bar as a rectangle of the round bar's area and second moment, the plate on simple supports "
         "in the middle of its ends; the bar's end alone touches, by 4e6 N/m; no damping anywhere; 6 ms from the touch",
         (
-            Case("elements, μ = 0", 0.0, Meshed(_drop(0.0)), DROP),
-            Case("elements, μ = 0.3", 0.3, Meshed(_drop(0.3)), DROP),
-            Case("elements, rough", 1e6, Meshed(_drop(1e6)), DROP),
-            Case("finer elements, μ = 0", 0.0, Meshed(_drop(0.0), 90), DROP),
-            Case("8 modes, μ = 0", 0.0, _drop(0.0, BODIES), DROP, {**BENT, **UNTIL}),
-            Case("8 modes, rough", ROUGH, _drop(ROUGH, BODIES), DROP, {**BENT, **UNTIL}),
-            Case("rigid, μ = 0", 0.0, _drop(0.0), DROP, {**ACCURATE, **UNTIL}),
+            StudyCase("elements, μ = 0", 0.0, MeshedDrop(_drop(0.0)), DROP),
+            StudyCase("elements, μ = 0.3", 0.3, MeshedDrop(_drop(0.3)), DROP),
+            StudyCase("elements, rough", 1e6, MeshedDrop(_drop(1e6)), DROP),
+            StudyCase("finer elements, μ = 0", 0.0, MeshedDrop(_drop(0.0), 90), DROP),
+            StudyCase("8 modes, μ = 0", 0.0, _drop(0.0, BODIES), DROP, {**BENT, **UNTIL}),
+            StudyCase("8 modes, rough", ROUGH, _drop(ROUGH, BODIES), DROP, {**BENT, **UNTIL}),
+            StudyCase("rigid, μ = 0", 0.0, _drop(0.0), DROP, {**ACCURATE, **UNTIL}),
         ),
     ),
 )
 
 
-def solve(case: Case) -> Any:
+def solve(case: StudyCase) -> Any:
     """Run a case, of elements or of the mechanism."""
-    return follow(case.design, case.scenario) if isinstance(case.design, Meshed) else simulated(case)
+    return follow(case.design, case.scenario) if isinstance(case.design, MeshedDrop) else simulated(case)
 
 
-def row(case: Case, run: Any) -> Row:
+def row(case: StudyCase, run: Any) -> Row:
     """Return the numbers of one run, of elements or of the mechanism."""
     curves = _curves(run)
     time, normal = curves["time"], curves["normal"]
@@ -163,40 +163,40 @@ def _list(rows: Rows, name: str, *cases: int, factor: float = 1.0) -> tuple[list
     return numbers, ", ".join(f"{number:.3g}" for number in numbers)
 
 
-def _forces(rows: Rows) -> Verdict:
+def _forces(rows: Rows) -> ClaimVerdict:
     (free, _, rough), said = _list(rows, "peak_force", FREE, COULOMB, STUCK)
     said = f"elements, μ = 0, 0.3, rough: {said} N (finer mesh, μ = 0: {_list(rows, 'peak_force', FINER)[1]} N); "
     said += f"rough over frictionless {rough / free:.3g}, printed 2.11"
-    return Verdict(said, verdict([near(free, 433.0), near(rough, 915.0), near(rough / free, 915.0 / 433.0)]))
+    return ClaimVerdict(said, verdict([near(free, 433.0), near(rough, 915.0), near(rough / free, 915.0 / 433.0)]))
 
 
-def _same(rows: Rows) -> Verdict:
+def _same(rows: Rows) -> ClaimVerdict:
     (elements, modal, rigid), said = _list(rows, "first_peak", FREE, MODAL, RIGID)
     said = (
         f"first peak {said} N by elements, 8 modes, rigid; rough {_list(rows, 'first_peak', STUCK, MODAL_ROUGH)[1]} N"
     )
-    return Verdict(f"{said} by elements, modes", verdict([near(modal, elements), near(rigid, elements)]))
+    return ClaimVerdict(f"{said} by elements, modes", verdict([near(modal, elements), near(rigid, elements)]))
 
 
-def _lasts(rows: Rows) -> Verdict:
+def _lasts(rows: Rows) -> ClaimVerdict:
     times, said = _list(rows, "impact_lasts", FREE, MODAL, RIGID, factor=1e3)
-    return Verdict(f"{said} ms by elements, 8 modes, rigid", verdict([near(times[0], 2.0)]))
+    return ClaimVerdict(f"{said} ms by elements, 8 modes, rigid", verdict([near(times[0], 2.0)]))
 
 
-def _bounce(rows: Rows) -> Verdict:
+def _bounce(rows: Rows) -> ClaimVerdict:
     (free, _, rough), said = _list(rows, "rises_to", FREE, COULOMB, STUCK, factor=1e3)
     said = f"elements, μ = 0, 0.3, rough: {said} mm; modes, μ = 0, rough: "
     said += f"{_list(rows, 'rises_to', MODAL, MODAL_ROUGH, factor=1e3)[1]} mm"
-    return Verdict(said, verdict([rough > free, near(rough, 230.16)]))
+    return ClaimVerdict(said, verdict([rough > free, near(rough, 230.16)]))
 
 
-def _stressed(rows: Rows) -> Verdict:
+def _stressed(rows: Rows) -> ClaimVerdict:
     squeezed, said = _list(rows, "contact_pressure", FREE, STUCK, factor=1e-9)
     said = (
         f"Hertz's pressure under the ball {said} GPa, where hard steel yields from {1e-9 * YIELDS:g} GPa on; von Mises "
     )
     said += f"in the plate's elements {_list(rows, 'plate_stress', FREE, STUCK, factor=1e-6)[1]} MPa: μ = 0, rough"
-    return Verdict(said, verdict([max(squeezed) < 1e-9 * YIELDS]))
+    return ClaimVerdict(said, verdict([max(squeezed) < 1e-9 * YIELDS]))
 
 
 CLAIMS = (

@@ -16,8 +16,8 @@ from jaxtyping import Array, Float
 
 from ..._types import Scalar, stacked
 from ...mechanisms.bar_drop import BarDrop, BarDropScenario
-from ...structures import Elastic, Plane, Quads, State, System, advance, mises
-from ...structures.contact import Contact, Segments
+from ...structures import Elastic, FiniteElementSystem, Plane, Quads, State, advance, mises
+from ...structures.contact import NodeContact, Segments
 
 DURATION = 6e-3  # s
 RECORDS = 600  # of a run, each the largest of the steps since the last
@@ -25,7 +25,7 @@ STEPS_OF_ELEMENT = 1  # steps of a record for each element along the bar
 POISSON = 0.3
 
 
-class Meshed(NamedTuple):
+class MeshedDrop(NamedTuple):
     """``drop``: the bar drop that is meshed; ``along``: elements along the bar, and along the plate."""
 
     drop: BarDrop
@@ -41,7 +41,7 @@ class MeshedRun(NamedTuple):
     rotation would carry the end from here [m]; ``energy_error``: of all energy at the touch [-].
     """
 
-    design: Meshed
+    design: MeshedDrop
     time: Float[np.ndarray, " records"]
     height: Float[np.ndarray, " records"]
     deflection: Float[np.ndarray, " records"]
@@ -53,7 +53,7 @@ class MeshedRun(NamedTuple):
     energy_error: float
 
 
-def follow(design: Meshed, scenario: BarDropScenario) -> MeshedRun:
+def follow(design: MeshedDrop, scenario: BarDropScenario) -> MeshedRun:
     """Follow six milliseconds from the touch on."""
     numbers = jax.tree.map(float, (design.drop, scenario))
     records, rise, share = (np.asarray(x) for x in _followed(*numbers, design.along))
@@ -98,7 +98,7 @@ def _followed(drop: BarDrop, scenario: BarDropScenario, along: int) -> tuple[Arr
     return records.T, rise, step / system.stable_step()
 
 
-def _rise(system: System, last: State, gravity: Scalar, length: Scalar, count: int) -> Array:
+def _rise(system: FiniteElementSystem, last: State, gravity: Scalar, length: Scalar, count: int) -> Array:
     """Return how high the mean rotation of the bar, its first ``count`` nodes, would carry its end [m]: v² = 3 g h."""
     mass, at, v = (x[:count] for x in (system.mass[:, 0], system.positions + last.displacement, last.velocity))
     # The hinge is the origin: angular momentum over moment of inertia is the mean rotation's speed.
@@ -107,7 +107,7 @@ def _rise(system: System, last: State, gravity: Scalar, length: Scalar, count: i
     return length * sine + jnp.sign(spin) * (length * spin) ** 2 / (3.0 * gravity)
 
 
-def _assembled(drop: BarDrop, scenario: BarDropScenario, along: int) -> tuple[System, State, int, int]:
+def _assembled(drop: BarDrop, scenario: BarDropScenario, along: int) -> tuple[FiniteElementSystem, State, int, int]:
     """Return the system, its start, the bar's lower corner and the plate's node under it."""
     bar, plate = drop.bar, drop.plate
     deep = bar.diameter * math.sqrt(12.0) / 4.0  # of the rectangle with the circle's area and second moment
@@ -130,10 +130,10 @@ def _assembled(drop: BarDrop, scenario: BarDropScenario, along: int) -> tuple[Sy
     mass = sum((part.mass() for part in parts), jnp.zeros(2 * count))
     corner, top = 3 * along, count + 3 * np.arange(along + 1) + 2
     surface = Segments(np.stack([top[1:], top[:-1]], axis=1))  # the plate is on its left
-    touch = Contact(np.array([corner]), surface, "penalty", drop.impact.stiffness, drop.impact.friction)
+    touch = NodeContact(np.array([corner]), surface, "penalty", drop.impact.stiffness, drop.impact.friction)
     bar_mass = jnp.where(np.arange(2 * count) < count, mass, 0.0)  # the plate has sagged by its weight before
     weight = bar_mass[:, None] * stacked([0.0, -scenario.gravity])[None]
-    system = System(positions, jnp.where(fixed, 0.0, 1.0 / mass[:, None]), parts, (touch,), load=weight)
+    system = FiniteElementSystem(positions, jnp.where(fixed, 0.0, 1.0 / mass[:, None]), parts, (touch,), load=weight)
     spin = jnp.sqrt(3.0 * scenario.gravity * scenario.height) / bar.length
     turning = spin * jnp.stack([first[:, 1], -first[:, 0]], axis=1)
     return system, system.start(jnp.concatenate([turning, jnp.zeros_like(second)])), corner, int(top[along // 2])

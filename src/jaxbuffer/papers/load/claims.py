@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from ..study import NO, OPEN, PARTLY, Claim, Rows, Verdict, verdict
+from ..study import NO, OPEN, PARTLY, Claim, ClaimVerdict, Rows, verdict
 
 ORDERS = 0.95  # rank correlation from which on the peaks are in the order of the energies
 SAME = 1e-6  # relative: an energy that does not depend on the contact
@@ -18,36 +18,36 @@ def _listed(values: list[float], digits: str = ".4f") -> str:
     return ", ".join(f"{name} {value:{digits}}" for name, value in zip(NAMES, values, strict=True))
 
 
-def _ordered(case: int, column: str) -> Callable[[Rows], Verdict]:
+def _ordered(case: int, column: str) -> Callable[[Rows], ClaimVerdict]:
     """Judge whether the peaks of a case are in the order of the energies, in each mechanism."""
 
-    def judge(rows: Rows) -> Verdict:
+    def judge(rows: Rows) -> ClaimVerdict:
         ranks, speeds = _values(rows, case, column), _values(rows, case, "rank_speed")
         said = f"rank correlation {_listed(ranks)}"
         if column == "rank_first":
             said += f" (of the approach speed alone {_listed(speeds, '.2f')})"
-        return Verdict(said, verdict([rank >= ORDERS for rank in ranks]))
+        return ClaimVerdict(said, verdict([rank >= ORDERS for rank in ranks]))
 
     return judge
 
 
-def _only(rows: Rows) -> Verdict:
+def _only(rows: Rows) -> ClaimVerdict:
     changes = [
         max(abs(float(row["mean_energy"]) / float(rows[name][0]["mean_energy"]) - 1.0) for row in rows[name][1:])
         for name in NAMES
     ]
     said = f"friction and loss change the mean by {_listed(changes, '.0e')}; but it grows with the speeds squared"
-    return Verdict(said, PARTLY if max(changes) < SAME else NO)
+    return ClaimVerdict(said, PARTLY if max(changes) < SAME else NO)
 
 
-def _identified(rows: Rows) -> Verdict:
+def _identified(rows: Rows) -> ClaimVerdict:
     elastic, random = _values(rows, 0, "scatter"), _values(rows, 2, "scatter")
     said = f"rms of ln F at one T_c⁻: {_listed(elastic, '.3f')}; contact at random {_listed(random, '.3f')}"
-    return Verdict(said, verdict([value > SPREAD for value in random]))
+    return ClaimVerdict(said, verdict([value > SPREAD for value in random]))
 
 
-def _open(why: str) -> Callable[[Rows], Verdict]:
-    return lambda rows: Verdict(why, OPEN)
+def _open(why: str) -> Callable[[Rows], ClaimVerdict]:
+    return lambda rows: ClaimVerdict(why, OPEN)
 
 
 ONSET = (

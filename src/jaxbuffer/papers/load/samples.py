@@ -12,7 +12,7 @@ from ...mechanisms.bar_drop import BarDrop, BarDropScenario
 from ...mechanisms.probe_cone import Scenario, table2
 from ...mechanisms.slider_crank import SliderCrank, SliderCrankScenario
 from ...run.simulate import simulate
-from ..study import Case, Row, Study
+from ..study import Row, Study, StudyCase
 
 LONGEST = 2e-3  # s, by which an impact is past its peak
 RUNS, SEED = 200, 38  # of each case, with the same designs and postures
@@ -20,7 +20,7 @@ Range = tuple[float, float]
 Ranges = Mapping[str, Range]
 
 
-class Impacts(NamedTuple):
+class SampledImpacts(NamedTuple):
     """All impacts of a case's runs but those that the run's end cuts off: ``energy`` T_c⁻ [J], ``peak`` [N], approach
     ``speed`` [m/s], whether each is the ``first`` of its run; ``cut``: how many others there are; ``failed``: runs that
     did."""
@@ -71,7 +71,7 @@ def _study(name: str, title: str, law: str, of: tuple[Any, Any], ranges: Ranges,
     """Make a case for each of `CONTACTS`, whose numbers are drawn as well, after all others."""
     lost, losses = DAMPER if part == "impact" else RESTITUTION
     cases = (
-        Case(
+        StudyCase(
             label, k, *of, {"duration": duration, "ranges": {**ranges, f"{part}.friction": mu, f"{part}.{lost}": loss}}
         )
         for k, (label, mu, loss) in enumerate(zip(CONTACTS, FRICTIONS, losses, strict=True))
@@ -102,7 +102,7 @@ def draw(ranges: Ranges) -> list[dict[str, float]]:
     return [{name: float(values[k]) for name, values in drawn.items()} for k in range(RUNS)]
 
 
-def solve(case: Case) -> Impacts:
+def solve(case: StudyCase) -> SampledImpacts:
     """Run a case, and return the impacts of its runs."""
     rows, cut, failed = [], 0, 0
     for numbers in draw(case.options["ranges"]):
@@ -120,10 +120,10 @@ def solve(case: Case) -> Impacts:
         rows.append(np.array([energy, peak, speed, np.arange(count) == 0])[:, whole])
         cut += int(np.sum(~whole))
     energy, peak, speed, first = np.concatenate(rows, axis=1)
-    return Impacts(energy, peak, speed, first, cut, failed)
+    return SampledImpacts(energy, peak, speed, first, cut, failed)
 
 
-def row(case: Case, impacts: Impacts) -> Row:
+def row(case: StudyCase, impacts: SampledImpacts) -> Row:
     """Return how well the effective energy orders the peaks: rank correlations, of first impacts and of all; the
     approach speed's for comparison; a power law F ∝ T_c^a through the first ones, and the rms of ln F about it."""
     first, pressed = impacts.first > 0.0, impacts.peak > 0.0

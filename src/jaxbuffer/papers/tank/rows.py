@@ -8,7 +8,7 @@ from ...mechanisms.tank_drop.outcome import FORMS
 from ...mechanisms.tank_drop.run import rows_of
 from ...mechanisms.tank_drop.tank_run import TankRun
 from ...mechanisms.tank_drop.view import in_order
-from ..study import Case, Row
+from ..study import Row, StudyCase
 
 COLUMNS = {
     "outcome": "",
@@ -37,7 +37,7 @@ SHOWN = (
 )
 
 
-def row(case: Case, run: TankRun) -> Row:
+def row(case: StudyCase, run: TankRun) -> Row:
     """Return the numbers of one drop, with a history."""
     names = [name for name in COLUMNS if hasattr(run, name) and name != "outcome"]
     moved = np.asarray(run.history.others["displacement"])[: rows_of(run)] if run.history is not None else None

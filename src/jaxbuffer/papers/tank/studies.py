@@ -2,7 +2,7 @@
 
 from ...fields import replace
 from ...mechanisms.tank_drop.design import TankDrop, TankDropScenario
-from ..study import Case, Study
+from ..study import Study, StudyCase
 
 FULL = replace(TankDrop(), {"contents.kind": "full"})
 BARE = replace(FULL, {"cushion.kind": "none"})
@@ -14,9 +14,9 @@ WHOLE, STRUCK = {"duration": 0.06}, {"duration": 0.02}  # s: until the slider is
 ASSUMED = "dimensions, high-density polyethylene, walls of 5 mm, a cushion of 4 MPa/m and 150 mm"
 
 
-def _penalty(stiffness: float) -> Case:
+def _penalty(stiffness: float) -> StudyCase:
     design = replace(BARE, {"support.stiffness": stiffness})
-    return Case(f"penalty, {stiffness:g} Pa/m", stiffness, design, PAPERS, STRUCK)
+    return StudyCase(f"penalty, {stiffness:g} Pa/m", stiffness, design, PAPERS, STRUCK)
 
 
 STUDIES = (
@@ -27,9 +27,9 @@ STUDIES = (
         "fill [-]",
         ASSUMED,
         (
-            Case("full", 1.0, FULL, PAPERS, WHOLE),
-            Case("80 %, air trapped", 0.8, replace(TankDrop(), {"contents.air": "trapped"}), PARTLY_FILLED, WHOLE),
-            Case("80 %, air open", 0.8, TankDrop(), PARTLY_FILLED, WHOLE),
+            StudyCase("full", 1.0, FULL, PAPERS, WHOLE),
+            StudyCase("80 %, air trapped", 0.8, replace(TankDrop(), {"contents.air": "trapped"}), PARTLY_FILLED, WHOLE),
+            StudyCase("80 %, air open", 0.8, TankDrop(), PARTLY_FILLED, WHOLE),
         ),
     ),
     Study(
@@ -39,8 +39,11 @@ STUDIES = (
         "height [m]",
         f"{ASSUMED}; all heights but 2.04 m",
         (
-            *(Case(f"{h:g} m", h, FULL, TankDropScenario(height=h, fill=1.0), {"duration": 0.12}) for h in HEIGHTS),
-            Case("2.04 m", 2.04, FULL, PAPERS, {"duration": 0.12}),
+            *(
+                StudyCase(f"{h:g} m", h, FULL, TankDropScenario(height=h, fill=1.0), {"duration": 0.12})
+                for h in HEIGHTS
+            ),
+            StudyCase("2.04 m", 2.04, FULL, PAPERS, {"duration": 0.12}),
         ),
     ),
     Study(
@@ -50,8 +53,8 @@ STUDIES = (
         "method",
         "dimensions, material and walls as above; the method is that of slider and baffle alike",
         (
-            Case("defence node", 0.0, replace(BARE, {"support.method": "defence node"}), PAPERS, STRUCK),
-            Case("multiplier", 0.0, replace(BARE, {"support.method": "multiplier"}), PAPERS, STRUCK),
+            StudyCase("defence node", 0.0, replace(BARE, {"support.method": "defence node"}), PAPERS, STRUCK),
+            StudyCase("multiplier", 0.0, replace(BARE, {"support.method": "multiplier"}), PAPERS, STRUCK),
             *map(_penalty, STIFFNESSES),
         ),
     ),

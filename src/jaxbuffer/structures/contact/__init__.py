@@ -1,8 +1,8 @@
 """Contact of nodes with surfaces in explicit dynamics: search, then a force by penalty, multiplier or defence node."""
 
 from .forces import METHODS as METHODS
-from .forces import Contact as Contact
-from .forces import ContactForces as ContactForces
+from .forces import NodeContact as NodeContact
+from .forces import NodeContactForces as NodeContactForces
 from .forces import contact_forces as contact_forces
 from .layer import SOLID as SOLID
 from .layer import Layer as Layer

@@ -16,7 +16,7 @@ METHODS = ("defence node", "multiplier", "penalty")
 ROUNDS = 20  # at most, in which the multipliers' set of closed pairs settles
 
 
-class Contact(eqx.Module):
+class NodeContact(eqx.Module):
     """Nodes that may touch a surface.
 
     - ``slaves``: (pairs,) the nodes.
@@ -42,7 +42,7 @@ class Contact(eqx.Module):
     published: bool = eqx.field(default=False, static=True)
 
 
-class ContactForces(NamedTuple):
+class NodeContactForces(NamedTuple):
     """What a contact adds in one step.
 
     - ``nodes``: (nodes, 2) forces [N].
@@ -56,7 +56,7 @@ class ContactForces(NamedTuple):
 
 
 def contact_forces(
-    contact: Contact,
+    contact: NodeContact,
     positions: Float[Array, "nodes 2"],
     velocity: Float[Array, "nodes 2"],
     residual: Float[Array, "nodes 2"],
@@ -64,7 +64,7 @@ def contact_forces(
     step: Scalar,
     near: Any = None,
     before: Float[Array, " pairs"] | None = None,
-) -> ContactForces:
+) -> NodeContactForces:
     """Return the forces of one contact.
 
     **Arguments:** ``positions`` [m]; ``velocity``: half a step before [m/s]; ``residual``: all other forces [N];
@@ -93,10 +93,10 @@ def contact_forces(
         stop = -pairs.along(contact.slaves, free, along) / (step * yielding)
         most = contact.friction * normal
         force = force + jnp.clip(stop, -most, most)[:, None] * along
-    return ContactForces(_on_nodes(contact, pairs, weights, force, len(positions)), normal, over_step)
+    return NodeContactForces(_on_nodes(contact, pairs, weights, force, len(positions)), normal, over_step)
 
 
-def _distribution(contact: Contact, pairs: Pairs, inverse_mass: Array) -> Float[Array, "pairs 2"]:
+def _distribution(contact: NodeContact, pairs: Pairs, inverse_mass: Array) -> Float[Array, "pairs 2"]:
     """Return how a force is handed to the surface's nodes: by φ (M141), or as published, by φ m/(φ̄ M) with φ̄ = Σφ²
     and M = Σφ m/φ̄ (M142)."""
     if not contact.published:
@@ -167,7 +167,7 @@ def _closed(matrix: Array, target: Array, present: Array) -> Bool[Array, " pairs
     return jax.lax.while_loop(going, settle, (first, jnp.any(first), jnp.asarray(0)))[0]
 
 
-def _on_nodes(contact: Contact, pairs: Pairs, weights: Array, force: Array, nodes: int) -> Float[Array, "nodes 2"]:
+def _on_nodes(contact: NodeContact, pairs: Pairs, weights: Array, force: Array, nodes: int) -> Float[Array, "nodes 2"]:
     if isinstance(contact.surface, RigidPlane):
         return contact.surface.on_nodes(contact.slaves, force, nodes)
     total = added_at(contact.slaves, force, nodes)

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..._types import Scalar
-from .forces import ContactForces
+from .forces import NodeContactForces
 from .surfaces import RigidPlane
 
 SOLID = 0.8  # of the layer's thickness: compressed further, it is solid
@@ -36,7 +36,7 @@ class Layer(eqx.Module):
         """Return by how much it is pressed together at each of its nodes (nodes,), negative where it is not met [m]."""
         return self.thickness - self.plane.pairs(self.slaves, positions, None).gap
 
-    def forces(self, positions: Float[Array, "nodes 2"], velocity: Float[Array, "nodes 2"]) -> ContactForces:
+    def forces(self, positions: Float[Array, "nodes 2"], velocity: Float[Array, "nodes 2"]) -> NodeContactForces:
         """Return the forces that it adds in one step. ``positions`` [m]; ``velocity``: half a step before [m/s]."""
         pairs = self.plane.pairs(self.slaves, positions, None)
         depth = self.thickness - pairs.gap
@@ -47,7 +47,7 @@ class Layer(eqx.Module):
         pressure = self.stiffness * pressed + self.solid * beyond + self.damping * rate * (depth > 0.0)
         normal = self.width * jnp.maximum(pressure, 0.0) * (depth > 0.0)
         force = normal[:, None] * pairs.normal
-        return ContactForces(self.plane.on_nodes(self.slaves, force, len(positions)), normal, normal)
+        return NodeContactForces(self.plane.on_nodes(self.slaves, force, len(positions)), normal, normal)
 
     def fastest(self, inverse_mass: Float[Array, "nodes 2"]) -> Float[Array, ""]:
         """Return the highest natural frequency of a node on the solid layer [rad/s]."""
