@@ -57,6 +57,12 @@ class Instant(NamedTuple):
         return float(sum(flows)), max(abs(float(flow)) for flow in flows)
 
 
+def own(assembled, state, name):
+    """The numbers that the element of a name has in a state, or their rates in its rate, by their names."""
+    k = [element.name for element in assembled.elements].index(name)
+    return dict(zip(assembled.elements[k].variables, assembled.part(state, f"element {k}"), strict=True))
+
+
 def mechanism(values=None, **scenario):
     """Table 2 with other ``values`` by path."""
     return assemble(replace(table2(), values or {}), Scenario(**scenario))
@@ -92,6 +98,6 @@ def moving(assembled, stroke=0.004, stroke_rate=-0.06, ahead=0.0005, closed=(), 
     for k, element in enumerate(assembled.elements):
         for i, name in enumerate(element.variables):
             if name in extras:
-                state = state.at[assembled.places[f"element {k}"].start + i].set(extras[name])
+                state = state.at[assembled.layout.places[f"element {k}"].start + i].set(extras[name])
     active = jnp.asarray([float(name in closed) for name in assembled.contact_names])
     return Instant(assembled, state, active)

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from docking.states import LATCH, REAL_BUFFER, mechanism, moving
+from docking.states import LATCH, REAL_BUFFER, mechanism, moving, own
 from jaxbuffer.mechanisms.probe_cone.assembly import P, T
 
 CLOSING, LATCHED, THRUST_OVER = "latch", "latch closed", "thrust over"  # contacts
@@ -64,7 +64,7 @@ def test_what_closing_puts_in_stands_in_the_ledger(since, free_tip):
     rest, flow = instant.energy_rate()
     assert flow > 1e-2
     assert abs(rest) < 1e-12 * flow
-    closing = instant.mechanism.own(instant.rate, "latch")["closing_work"]
+    closing = own(instant.mechanism, instant.rate, "latch")["closing_work"]
     assert (float(closing) > 0.0) == (since < 0.02)
 
 
@@ -72,7 +72,7 @@ def test_before_the_crossing_it_does_nothing():
     instant = moving(mechanism(LATCH), ahead=-0.001, since_crossing=0.01)
     plain = moving(mechanism(), ahead=-0.001)
     assert_allclose(instant.rate[12:24], plain.rate[12:24], atol=0.0)
-    assert float(instant.mechanism.own(instant.rate, "latch")["since_crossing"]) == 0.0
+    assert float(own(instant.mechanism, instant.rate, "latch")["since_crossing"]) == 0.0
 
 
 def test_its_contacts_close_once():
@@ -100,7 +100,7 @@ def test_closed_at_once_it_stores_its_energy_at_once(free_tip):
     which = assembled.contact_names.index(CLOSING)
     after = assembled.touchdown(instant.state, jnp.zeros(()), jnp.asarray(which))
     stored = assembled.element("latch").stored(acting, closed)["latch"]
-    assert_allclose(assembled.own(after, "latch")["closing_work"], stored, rtol=1e-12)
+    assert_allclose(own(assembled, after, "latch")["closing_work"], stored, rtol=1e-12)
 
 
 @each_tip
@@ -109,7 +109,7 @@ def test_a_thrusts_impulse_and_work_stand_in_the_ledgers(free_tip):
     instant = moving(assembled, ahead=-0.002, time=0.4)
     frame = instant.posture.kin.frame(0)
     force = 1.3 * np.array([np.cos(-0.02), np.sin(-0.02)])
-    found = [float(rate) for rate in assembled.own(instant.rate, "thrust").values()]
+    found = [float(rate) for rate in own(assembled, instant.rate, "thrust").values()]
     velocity, origin = np.array(frame.velocity), np.array(frame.origin)
     turning = origin[0] * force[1] - origin[1] * force[0]
     assert_allclose(found, [1.0, force @ velocity, *force, turning], rtol=1e-12)
@@ -119,4 +119,4 @@ def test_a_thrusts_impulse_and_work_stand_in_the_ledgers(free_tip):
     rest, flow = instant.energy_rate()
     assert abs(rest) < 1e-12 * flow
     over = moving(assembled, ahead=-0.002, closed=(THRUST_OVER,), time=1.6)
-    assert_allclose([float(rate) for rate in list(assembled.own(over.rate, "thrust").values())[1:]], 0.0)
+    assert_allclose([float(rate) for rate in list(own(assembled, over.rate, "thrust").values())[1:]], 0.0)

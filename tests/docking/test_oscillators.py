@@ -48,7 +48,7 @@ def test_implicit_steps_know_them():
     built = mechanism({"shock.active_1": 20.0, "shock.passive_3": 150.0, "shock.damping": 0.2})
     state, active = built.start()
     n, oscillators = built.coordinates, built.element("oscillators")
-    swinging = built.places[f"element {built.elements.index(oscillators)}"]
+    swinging = built.layout.places[f"element {built.elements.index(oscillators)}"]
     at = lambda y: oscillators.evaluate(SimpleNamespace(v=y[n : 2 * n]), y[swinging])  # noqa: E731
     rates = lambda y: jnp.stack(oscillators.rates(at(y), jnp.zeros(0)))  # noqa: E731
     jacobian = np.zeros((len(state), len(state)))

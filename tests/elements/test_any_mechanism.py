@@ -71,7 +71,7 @@ def test_it_acts_on_two_bodies_and_its_energies_are_its_powers(name):
     state, _ = assembled.start()
     for element in assembled.elements:
         if isinstance(element, Latch):  # half closed
-            state = state.at[assembled.places[f"element {assembled.elements.index(element)}"].start].set(0.4)
+            state = state.at[assembled.layout.places[f"element {assembled.elements.index(element)}"].start].set(0.4)
     active = jnp.asarray([float(name != "thrust over") for name in assembled.contact_names])
     found = jax.jit(lambda y: conserved(assembled, y, active))(state)
     force = jnp.max(jnp.abs(assembled.derivative(0.0, state, active)[9:18]))
@@ -84,7 +84,7 @@ def test_balls_that_spin_freely_or_not_in_any_order(spins):
     assembled = mechanism(contacts=(ball(0, 1, spins[0]), ball(2, 1, spins[1])))
     state, _ = assembled.start()
     turning = jnp.asarray([1.5, -0.7][: assembled.spins])
-    state = state.at[assembled.places["spins"]].set(turning)
+    state = state.at[assembled.layout.places["spins"]].set(turning)
     active = jnp.ones(2)
     at = assembled.posture(state)
     assert np.all(np.asarray(assembled.gaps_at(at)[0]) < 0.0), "both press"
@@ -101,7 +101,7 @@ def test_the_stiff_part_is_that_of_the_equations():
     """Springs, stops, latch and pin against the Jacobian by velocities, in which nothing geometric counts."""
     assembled = mechanism((Buffer(AXIAL), *STOPS, LATCH))
     state, _ = assembled.start()
-    state = state.at[assembled.places["element 3"].start].set(0.4)
+    state = state.at[assembled.layout.places["element 3"].start].set(0.4)
     active = jnp.ones(assembled.contact_count)
     stiff = assembled.linearisation(0.0, state, active)
     exact = jax.jacfwd(lambda y: assembled.derivative(0.0, y, active))(state)[9:18, 9:18]
@@ -127,3 +127,28 @@ def test_two_parts_of_one_name_are_refused():
     with pytest.raises(InputError, match="2 observables are called 'stroke'"):
         mechanism((Buffer(AXIAL), Buffer(AXIAL, name="other")))
     assert mechanism((Buffer(AXIAL), Buffer(AXIAL, name="other", stroke="other_stroke"))).observed[-1] == "other_stroke"
+
+
+def test_a_switch_is_closed_at_the_start_where_the_start_is_beyond_its_place():
+    """Only the first stop: the stroke there is more than its 50 mm, and far from the way out."""
+    assembled = mechanism((*STOPS, Thrust(1, 7.0, 2.0)))
+    closed = dict(zip(assembled.contact_names, np.asarray(assembled.start()[1]), strict=True))
+    assert closed == {"stop": 1.0, "rebound": 0.0, "thrust over": 0.0}
+    opened = Assembled(assembled.system, Q, V, elements=assembled.elements, closed=(0.0, 0.0, 0.0))
+    assert_allclose(opened.start()[1], 0.0, err_msg="what is said counts")
+
+
+def test_what_would_mislead_is_refused():
+    system = System((Body(2.0, 0.3),))
+    with pytest.raises(InputError, match="quiet is of bodies that nothing holds to the ground: give momentum_size"):
+        Assembled(system, Q[:3], V[:3], quiet=1e-3)
+    with pytest.raises(InputError, match="there are several Oscillators"):
+        mechanism((Oscillators((0,), (3.0,), ("first",)), Oscillators((1,), (8.0,), ("second",), name="more")))
+    with pytest.raises(InputError, match="an oscillator is on the ground"):
+        Oscillators((-1,), (3.0,), ("first",))
+
+
+def test_oscillators_are_known_to_steps_also_where_nothing_else_is_stiff():
+    assembled = mechanism((Oscillators((0, 2), (3.0, 8.0), ("first", "second")),))
+    state, active = assembled.start()
+    assert float(assembled.linearisation(0.0, state, active).fastest()) == pytest.approx(4.0 * 2.0 * np.pi * 8.0)

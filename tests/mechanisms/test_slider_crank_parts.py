@@ -53,7 +53,7 @@ def test_a_round_bush_is_seen_along_a_unit_tangent():
     design = replace(SliderCrank(), {"piston_pin.joint": "clearance", "crank_pin.joint": "clearance"})
     mechanism = slider_crank(design, SliderCrankScenario())
     assert [float(contact.pair.side) for contact in mechanism.contacts] == [1.0, 1.0]
-    assert mechanism.places["drives"].start == 9 + 9 + 3
+    assert mechanism.layout.places["drives"].start == 9 + 9 + 3
 
 
 def test_it_turns_at_5000_revolutions_a_minute():

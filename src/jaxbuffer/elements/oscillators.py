@@ -10,6 +10,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._types import Scalar, stacked
+from ..errors import InputError
 from ..hybrid import Followers
 from ..multibody import Kinematics
 from .element import ROUNDED_LENGTH, Closed, Element, Magnitudes, Own
@@ -42,6 +43,11 @@ class Oscillators(Element):
     names: tuple[str, ...] = eqx.field(static=True)
     damping: Scalar = 0.05
     name: str = eqx.field(static=True, default="oscillators")
+
+    def __check_init__(self) -> None:
+        """Raise `InputError` where an oscillator has no body that can move."""
+        if any(body < 0 for body in self.bodies):
+            raise InputError("an oscillator is on the ground, which does not move: name a body that does")
 
     @property
     def rates_of_axes(self) -> Float[Array, " axes"]:

@@ -6,21 +6,22 @@ from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
 from .._types import Scalar, stacked
 from ..elements import BallContact as BallContact
-from ..elements import BallState, ContactForces, Element, Magnitudes
+from ..elements import ContactForces, Element, Magnitudes, Oscillators
 from ..elements.element import ROUNDED_LENGTH
-from ..elements.stiff_terms import ContactTerm, SpringTerm, inverse_masses, linearised
+from ..elements.stiff_terms import inverse_masses
 from ..errors import InputError
 from ..hybrid import Linearisation
-from ..multibody import Kinematics, Motion, SpringDirection, System
+from ..multibody import Kinematics, Motion, System
 from .energy import Energy
+from .layout import Closed, EvaluatedState, Layout, State, row
 from .relative_energy import rigid_energy
 from .snapshot import Snapshot
+from .stiff_part import stiff_part
 from .system import ONSET, ContactSystem, SmoothMemory
 
 DEEPEST = 0.99  # of a ball's radius
@@ -28,17 +29,6 @@ HYSTERESIS, FRICTION = "hysteresis", "friction"  # where contacts lose energy
 DRIVES = "drives"  # among what is stored: the energy that they put in, counted negative
 
 Quantity = Callable[[System, Kinematics], Scalar]
-State = Float[Array, " state"]
-Closed = Float[Array, " contacts"]
-
-
-class EvaluatedState(NamedTuple):
-    """A state looked at once: the bodies' frames, and each contact and each element as it is there."""
-
-    state: State
-    kin: Kinematics
-    contacts: tuple[BallState, ...]
-    elements: tuple[Any, ...]
 
 
 class Shown(NamedTuple):
@@ -109,7 +99,11 @@ class Assembled(ContactSystem):
     rings: bool = eqx.field(static=True, default=True)
 
     def __check_init__(self) -> None:
-        """Raise `InputError` where two parts have one name: what one of them shows would hide what the other does."""
+        """Raise `InputError` for parts that do not fit each other.
+
+        Of two with one name, what one of them shows would hide what the other does. The energy of relative motion means
+        nothing where the ground takes part: all of the motion would count as that of the whole.
+        """
         named = {
             "elements are called": [element.name for element in self.elements],
             "contacts are called": self.contact_names,
@@ -119,35 +113,22 @@ class Assembled(ContactSystem):
             for name, count in Counter(names).items():
                 if count > 1:
                     raise InputError(f"{count} {what} {name!r}: give each a name of its own")
+        if self.quiet is not None and self.momentum_size is None:
+            raise InputError("quiet is of bodies that nothing holds to the ground: give momentum_size [kg m/s] too")
+        if sum(isinstance(element, Oscillators) for element in self.elements) > 1:
+            raise InputError("there are several Oscillators: put all of them into one, which implicit steps then know")
 
     # --- the state's layout -------------------------------------------------------------------------------------------
 
     @property
-    def places(self) -> dict[str, slice]:
-        """Return where each part of the state stands: coordinates, velocities, spins of balls that spin freely, energy
-        lost, the energy that drives put in with the time, the relative energy at t = 0, each element's numbers,
-        integrals, and the contacts' memory."""
-        n = self.coordinates
-        lengths = {
-            "q": n,
-            "v": n,
-            "spins": self.spins,
-            "lost": len(self.loss_names),
-            "drives": 2 * self.system.driven,
-            "first energy": int(self.quiet is not None),
-            **{f"element {k}": len(element.variables) for k, element in enumerate(self.elements)},
-            "integrals": len(self.integrals),
-            "memory": self.impact_contacts,
-        }
-        places, first = {}, 0
-        for name, length in lengths.items():
-            places[name] = slice(first, first + length)
-            first += length
-        return places
+    def layout(self) -> Layout:
+        """Return where in the state each part's numbers stand."""
+        n, driven, held = self.coordinates, self.system.driven, self.quiet is not None
+        return Layout(n, self.contacts, self.elements, len(self.loss_names), driven, held, len(self.integrals))
 
     def part(self, state: State, name: str) -> Array:
-        """Return a part of the state, by its name in `places`."""
-        return state[self.places[name]]
+        """Return a part of the state, by its name in `Layout.places`."""
+        return state[self.layout.places[name]]
 
     def element(self, name: str) -> Any:
         """Return the element of a name, None where there is none."""
@@ -158,15 +139,10 @@ class Assembled(ContactSystem):
         pairs = zip(self.elements, at.elements, strict=True)
         return next((it for element, it in pairs if element.name == name), None)
 
-    def own(self, state: State, name: str) -> dict[str, Array]:
-        """Return the numbers that the element of a name has in a state, or their rates in its rate, by `variables`."""
-        k = [element.name for element in self.elements].index(name)
-        return dict(zip(self.elements[k].variables, self.part(state, f"element {k}"), strict=True))
-
     def closed_switches(self, active: Closed, name: str) -> Array:
         """Return which switches of the element of a name are closed, 1 or 0 each."""
         names = [element.name for element in self.elements]
-        return self._of_elements(active)[names.index(name)]
+        return self.layout.of_elements(active)[names.index(name)]
 
     @property
     def coordinates(self) -> int:
@@ -175,13 +151,7 @@ class Assembled(ContactSystem):
     @property
     def spins(self) -> int:
         """Return how many balls spin freely, each with a velocity of its own behind the coordinates'."""
-        return len(self._spinning)
-
-    @property
-    def _spinning(self) -> dict[int, Scalar]:
-        """Return which contacts have a ball that spins freely, each with its ball's inertia [kg m²]."""
-        inertias = ((k, contact.spin_inertia) for k, contact in enumerate(self.contacts))
-        return {k: inertia for k, inertia in inertias if inertia is not None}
+        return len(self.layout.spin_inertias)
 
     @property
     def loss_names(self) -> tuple[str, ...]:
@@ -191,63 +161,25 @@ class Assembled(ContactSystem):
         return tuple(dict.fromkeys(names))
 
     @property
-    def _switches(self) -> tuple[tuple[int, int], ...]:
-        """Return element and number of each switch: first those whose force is observed, as time stepping has them."""
-        all_of = [
-            (k, i, switch.force is None)
-            for k, element in enumerate(self.elements)
-            for i, switch in enumerate(element.switches)
-        ]
-        return tuple((k, i) for k, i, _ in sorted(all_of, key=lambda it: it[2]))
-
-    @property
     def contact_names(self) -> tuple[str, ...]:
-        """Return the names of the contacts, and then of the elements' switches."""
-        return (*self._ball_names, *(self.elements[k].switches[i].name for k, i in self._switches))
-
-    @property
-    def _ball_names(self) -> tuple[str, ...]:
-        names: list[str] = []
-        for contact in self.contacts:
-            names += contact.names or [f"contact {len(names) + 1}"]
-        return tuple(names)
+        """Return the names of the contacts' segments, and then of the elements' switches."""
+        return self.layout.contact_names
 
     @property
     def impact_contacts(self) -> int:
-        return sum(contact.segments for contact in self.contacts)
+        return self.layout.segments
 
     @property
     def contact_count(self) -> int:
-        return self.impact_contacts + len(self._switches)
+        return len(self.contact_names)
 
     @property
     def contact_observables(self) -> int:
-        return self.impact_contacts + len(self._switch_forces)
-
-    @property
-    def _switch_forces(self) -> tuple[str, ...]:
-        """Return the observables that are forces of switches, in the order of these."""
-        forces = (self.elements[k].switches[i].force for k, i in self._switches)
-        return tuple(force for force in forces if force is not None)
+        return self.impact_contacts + len(self.layout.switch_forces)
 
     @property
     def one_way(self) -> tuple[bool, ...]:
-        ways = [self.elements[k].switches[i].one_way for k, i in self._switches]
-        return (*[False] * self.impact_contacts, *ways) if any(ways) else ()
-
-    def _of_contacts(self, values: Array) -> list[Array]:
-        """Split an array with an entry for each segment of each contact."""
-        parts, first = [], 0
-        for contact in self.contacts:
-            parts.append(values[first : first + contact.segments])
-            first += contact.segments
-        return parts
-
-    def _of_elements(self, active: Closed) -> list[Array]:
-        """Return which switches of each element are closed."""
-        place = {switch: self.impact_contacts + at for at, switch in enumerate(self._switches)}
-        of = [[active[place[k, i]] for i in range(len(element.switches))] for k, element in enumerate(self.elements)]
-        return [jnp.stack(switches) if switches else jnp.zeros(0) for switches in of]
+        return self.layout.one_way
 
     # --- what the mechanism says of itself ----------------------------------------------------------------------------
 
@@ -262,14 +194,9 @@ class Assembled(ContactSystem):
 
     @property
     def observed(self) -> tuple[str, ...]:
-        shown = (shown.name for shown in self.shown)
-        return (*self._ball_names, *self._switch_forces, *shown, *self._other_observed)
-
-    @property
-    def _other_observed(self) -> tuple[str, ...]:
-        """Return what elements observe beside the forces of switches."""
-        names = (name for element in self.elements for name in element.observed)
-        return tuple(name for name in names if name not in self._switch_forces)
+        forces = (*self.layout.segment_names, *self.layout.switch_forces)
+        others = (name for element in self.elements for name in element.observed if name not in forces)
+        return (*forces, *(shown.name for shown in self.shown), *others)
 
     @property
     def least_maxima(self) -> Mapping[str, float]:
@@ -279,19 +206,12 @@ class Assembled(ContactSystem):
         sizes: dict[str, Scalar] = {
             shown.name: -jnp.inf if shown.negligible is None else shown.negligible(self) for shown in self.shown
         }
-        for contact, names in zip(self.contacts, self._names_of_contacts(), strict=True):
+        for contact, names in zip(self.contacts, self.layout.of_contacts(self.layout.segment_names), strict=True):
             if contact.onset_length is not None:  # even a flank far away exerts something, which is rounding
                 sizes |= dict.fromkeys(names, contact.pair.law.elastic(jnp.asarray(ROUNDED_LENGTH)))
         for element in self.elements:
             sizes |= element.negligible()
         return stacked([sizes.get(name, 0.0) for name in self.observed]) if self.observed else jnp.zeros(0)
-
-    def _names_of_contacts(self) -> list[tuple[str, ...]]:
-        names, first = [], 0
-        for contact in self.contacts:
-            names.append(self._ball_names[first : first + contact.segments])
-            first += contact.segments
-        return names
 
     def rate_observables(self) -> tuple[bool, ...]:
         rated = {shown.name for shown in self.shown if shown.of_rate}
@@ -331,14 +251,14 @@ class Assembled(ContactSystem):
 
     def kinematics(self, state: State) -> Kinematics:
         """Return the frames of the bodies."""
-        places = self.places
+        places = self.layout.places
         # Time enters by the drives' constraints alone.
         time = state[places["drives"]][1] if self.system.driven else 0.0
         return self.system.kinematics(state[places["q"]], state[places["v"]], time)
 
     def posture(self, state: State) -> EvaluatedState:
-        kin, places = self.kinematics(state), self.places
-        spins = dict(zip(self._spinning, state[places["spins"]], strict=True)) if self._spinning else {}
+        kin, places, inertias = self.kinematics(state), self.layout.places, self.layout.spin_inertias
+        spins = dict(zip(inertias, state[places["spins"]], strict=True)) if inertias else {}
         contacts = tuple(contact.evaluate(kin, spins.get(k)) for k, contact in enumerate(self.contacts))
         elements = tuple(
             element.evaluate(kin, state[places[f"element {k}"]]) for k, element in enumerate(self.elements)
@@ -359,26 +279,35 @@ class Assembled(ContactSystem):
 
     def first_posture(self) -> tuple[EvaluatedState, Closed]:
         kin = self.system.kinematics(self.q, self.v)
-        given = jnp.asarray(self.closed, float)
-        # Contacts of which nothing is said are open.
-        closed = jnp.concatenate([given, jnp.zeros(self.contact_count - given.shape[0])])
         own = [element.start(kin) for element in self.elements]
-        spins = [kin.point(self.contacts[k].body, self.contacts[k].point).spin for k in self._spinning]
+        spins = [kin.point(self.contacts[k].body, self.contacts[k].point).spin for k in self.layout.spin_inertias]
         before = len(self.loss_names) + 2 * self.system.driven + int(self.quiet is not None)
         moving = [self.q, self.v, *([stacked(spins)] if spins else []), jnp.zeros(before)]
-        state = jnp.concatenate([*moving, *own, jnp.zeros(len(self.integrals)), self._start_memory(kin, closed)])
+        without_memory = jnp.concatenate([*moving, *own, jnp.zeros(len(self.integrals))])
+        closed = self._start_closed(self.posture(jnp.concatenate([without_memory, jnp.ones(self.impact_contacts)])))
+        state = jnp.concatenate([without_memory, self._start_memory(kin, closed)])
         at = self.posture(state)
         if self.quiet is not None:
             # A run ends as held below a share of the first energy (M177), which therefore stands in the state.
             energy = self.relative_energy(at, closed)
-            at = at._replace(state=state.at[self.places["first energy"]].set(energy))
+            at = at._replace(state=state.at[self.layout.places["first energy"]].set(energy))
         return at, closed
+
+    def _start_closed(self, at: EvaluatedState) -> Closed:
+        """Return which contacts and switches are closed at t = 0: those that are said to be. Of the others the contacts
+        are open, and a switch is closed where the start is beyond its place: no event would close it."""
+        given = jnp.asarray(self.closed, float)
+        if given.shape[0] == self.contact_count:
+            return given
+        beyond = jnp.where(self.gaps_at(at)[0][self.impact_contacts :] < 0.0, 1.0, 0.0)
+        default = jnp.concatenate([jnp.zeros(self.impact_contacts), beyond])
+        return jnp.concatenate([given, default[given.shape[0] :]])
 
     def _start_memory(self, kin: Kinematics, closed: Closed) -> Float[Array, " contacts"]:
         """Return the memory at t = 0: an open contact's only says how fast the first impact may be."""
         if self.first_memory is not None:
             return self.first_memory
-        speeds = _row([contact.evaluate(kin).approach.approach_speed for contact in self.contacts])
+        speeds = row([contact.evaluate(kin).approach.approach_speed for contact in self.contacts])
         return jnp.maximum(
             speeds, jnp.where(closed[: self.impact_contacts] > 0.5, self.slowest_touchdown, self.typical_speed)
         )
@@ -387,21 +316,25 @@ class Assembled(ContactSystem):
         """Return how the memory follows the approach speed; None with events, which set it."""
         if self.memory_time is None:
             return None
-        onsets = [contact.onset_length for contact in self.contacts if contact.onset_length is not None]
+        # Each contact is let go over the length over which its own force sets in, if it has one.
+        onsets = [
+            jnp.full(contact.segments, ONSET if contact.onset_length is None else contact.onset_length)
+            for contact in self.contacts
+        ]
         approaches = [it.approach for it in at.contacts]
         return SmoothMemory.of(
             self.memory(at.state),
-            _row([a.gap for a in approaches]),
-            _row([a.approach_speed for a in approaches]),
+            row([a.gap for a in approaches]),
+            row([a.approach_speed for a in approaches]),
             self.memory_time,
-            onsets[0] if onsets else ONSET,
+            row(onsets),
             self.slowest_touchdown,
         )
 
     def contact_forces(self, at: EvaluatedState, active: Closed) -> tuple[ContactForces, ...]:
         """Return F_n and F_t of each contact [N]."""
-        memory = self._of_contacts(self.memory(at.state))
-        parts = zip(self.contacts, at.contacts, memory, self._of_contacts(active), strict=True)
+        memory = self.layout.of_contacts(self.memory(at.state))
+        parts = zip(self.contacts, at.contacts, memory, self.layout.of_contacts(active), strict=True)
         return tuple(contact.forces(ball, speeds, closed) for contact, ball, speeds, closed in parts)
 
     def exerted(self, at: EvaluatedState, active: Closed) -> Exerted:
@@ -409,7 +342,7 @@ class Assembled(ContactSystem):
         forces = self.contact_forces(at, active)
         balls = zip(self.contacts, at.contacts, forces, strict=True)
         loads = [load for contact, ball, force in balls for load in contact.loads(ball, force)]
-        elements = zip(self.elements, at.elements, self._of_elements(active), strict=True)
+        elements = zip(self.elements, at.elements, self.layout.of_elements(active), strict=True)
         loads += [load for element, *part in elements for load in element.loads(*part)]
         return Exerted(forces, self.system.motion(at.kin, tuple(loads)))
 
@@ -421,12 +354,12 @@ class Assembled(ContactSystem):
         """Return the rate of the state."""
         spins = [
             self.contacts[k].spin_moment(at.contacts[k], exerted.contacts[k]) / inertia
-            for k, inertia in self._spinning.items()
+            for k, inertia in self.layout.spin_inertias.items()
         ]
         # A drive's constraint depends on time, which is a state beside the energy that it puts in.
         drives = [self.system.drive_power(at.kin, exerted.motion.multipliers), 1.0] if self.system.driven else []
         first_energy = [0.0] * (self.quiet is not None)
-        switches = self._of_elements(active)
+        switches = self.layout.of_elements(active)
         own = [
             rate
             for element, *part in zip(self.elements, at.elements, switches, strict=True)
@@ -441,13 +374,13 @@ class Assembled(ContactSystem):
     def _losses(self, at: EvaluatedState, active: Closed, exerted: Exerted) -> dict[str, Scalar]:
         """Return the power that is lost, by where it is [W]."""
         lost: dict[str, Scalar] = {HYSTERESIS: jnp.zeros(()), FRICTION: jnp.zeros(())}
-        balls = zip(self.contacts, at.contacts, exerted.contacts, self._of_contacts(active), strict=True)
+        balls = zip(self.contacts, at.contacts, exerted.contacts, self.layout.of_contacts(active), strict=True)
         for contact, ball, forces, closed in balls:
             hysteresis, friction = contact.losses(ball, forces, closed)
             lost[HYSTERESIS], lost[FRICTION] = lost[HYSTERESIS] + hysteresis, lost[FRICTION] + friction
         parts = [
             element.losses(*part)
-            for element, *part in zip(self.elements, at.elements, self._of_elements(active), strict=True)
+            for element, *part in zip(self.elements, at.elements, self.layout.of_elements(active), strict=True)
         ]
         own = {} if self.lost_in is None else {self.lost_in: self.system.dissipation(at.kin)}
         for powers in (own, *parts):
@@ -458,21 +391,17 @@ class Assembled(ContactSystem):
         """Return the gap of each contact and each switch [m], and how fast it closes [m/s]; of what is over after some
         time the time left [s], and how fast that passes."""
         of = [element.gaps(it) for element, it in zip(self.elements, at.elements, strict=True)]
-        pairs = [of[k][i] for k, i in self._switches]
-        gaps = [*(it.approach.gap for it in at.contacts), *(jnp.reshape(jnp.asarray(gap), (1,)) for gap, _ in pairs)]
-        closing = [
-            *(it.approach.approach_speed for it in at.contacts),
-            *(jnp.reshape(jnp.asarray(speed, float), (1,)) for _, speed in pairs),
-        ]
-        return _row(gaps), _row(closing)
+        gaps = self.layout.joined([it.approach.gap for it in at.contacts], [[gap for gap, _ in pairs] for pairs in of])
+        speeds = [[speed for _, speed in pairs] for pairs in of]
+        return gaps, self.layout.joined([it.approach.approach_speed for it in at.contacts], speeds)
 
     def touchdown(self, state: State, acceleration: Float[Array, ""], contact: Int[Array, ""]) -> State:
         after = super().touchdown(state, acceleration, contact)
         # Hardly an element changes its numbers as it closes: without one, the state need not be evaluated once more.
         if all(type(element).after_closing is Element.after_closing for element in self.elements):
             return after
-        at, places = self.posture(state), self.places
-        closing = self._of_elements(jnp.where(jnp.arange(self.contact_count) == contact, 1.0, 0.0))
+        at, places = self.posture(state), self.layout.places
+        closing = self.layout.of_elements(jnp.where(jnp.arange(self.contact_count) == contact, 1.0, 0.0))
         for k, element in enumerate(self.elements):
             mine = places[f"element {k}"]
             after = after.at[mine].set(element.after_closing(at.elements[k], after[mine], closing[k]))
@@ -507,26 +436,25 @@ class Assembled(ContactSystem):
         for element, it in parts:
             settled = settled & element.settled(it)
         # No event tells here which contacts are closed: it shows in their gaps, and in what elements know.
-        by_state = [element.closed_by_state(it) for element, it in parts]
         balls = [jnp.where(it.approach.gap <= 0.0, 1.0, 0.0) for it in at.contacts]
-        active = _row([*balls, *(jnp.reshape(by_state[k][i], (1,)) for k, i in self._switches)])
+        active = self.layout.joined(balls, [element.closed_by_state(it) for element, it in parts])
         left = self.relative_energy(at, active) / self.part(at.state, "first energy")[0]
         return jnp.where(settled, self.quiet - left, -1.0)
 
     # --- what is watched, and the balance -----------------------------------------------------------------------------
 
     def normal_force_at(self, at: EvaluatedState, active: Closed) -> Float[Array, " contacts"]:
-        return _row([forces.normal for forces in self.contact_forces(at, active)])
+        return row([forces.normal for forces in self.contact_forces(at, active)])
 
     def observables_at(self, at: EvaluatedState, rate: State, active: Closed) -> Float[Array, " observables"]:
         values = self._element_observables(at, active)
         values |= {shown.name: shown.of(self, at, rate) for shown in self.shown}
         others = [values[name] for name in self.observed[self.impact_contacts :]]
-        return _row([self.normal_force_at(at, active), *([stacked(others)] if others else [])])
+        return row([self.normal_force_at(at, active), *([stacked(others)] if others else [])])
 
     def _element_observables(self, at: EvaluatedState, active: Closed) -> dict[str, Scalar]:
         values: dict[str, Scalar] = {}
-        for element, *part in zip(self.elements, at.elements, self._of_elements(active), strict=True):
+        for element, *part in zip(self.elements, at.elements, self.layout.of_elements(active), strict=True):
             values |= element.observables(*part)
         return values
 
@@ -535,7 +463,7 @@ class Assembled(ContactSystem):
         rate = self._rate(at, active, exerted)
         approaches = [it.approach for it in at.contacts]
         others = self._element_observables(at, active)
-        for element, *part in zip(self.elements, at.elements, self._of_elements(active), strict=True):
+        for element, *part in zip(self.elements, at.elements, self.layout.of_elements(active), strict=True):
             others |= element.recorded(*part)
         # Those recorded come last: where a size is watched, the history has the value with its sign.
         others |= {shown.name: shown.of(self, at, rate) for shown in (*self.shown, *self.recorded)}
@@ -545,9 +473,9 @@ class Assembled(ContactSystem):
         return Snapshot(
             gap=gap[: self.impact_contacts],
             approach_speed=closing[: self.impact_contacts],
-            slip=_row([a.slip for a in approaches]),
-            normal=_row([forces.normal for forces in exerted.contacts]),
-            friction=_row([forces.friction for forces in exerted.contacts]),
+            slip=row([a.slip for a in approaches]),
+            normal=row([forces.normal for forces in exerted.contacts]),
+            friction=row([forces.friction for forces in exerted.contacts]),
             multipliers=exerted.motion.multipliers,
             others={name: jnp.asarray(value) for name, value in others.items()},
         )
@@ -555,13 +483,13 @@ class Assembled(ContactSystem):
     def stored(self, at: EvaluatedState, active: Closed) -> dict[str, Scalar]:
         """Return the energy in motion, in the system's springs, in contacts and in elements, by name [J] (M76)."""
         kinetic = self.system.kinetic_energy(at.kin)
-        for k, inertia in self._spinning.items():
+        for k, inertia in self.layout.spin_inertias.items():
             kinetic = kinetic + 0.5 * inertia * at.contacts[k].spin ** 2
-        balls = zip(self.contacts, at.contacts, self._of_contacts(active), strict=True)
+        balls = zip(self.contacts, at.contacts, self.layout.of_contacts(active), strict=True)
         elastic = sum((contact.stored(ball, closed) for contact, ball, closed in balls), start=jnp.zeros(()))
         potential = jnp.asarray(self.system.stored_energy(at.kin))
         stored = {"kinetic": kinetic, self.stored_in: potential, "contact": elastic}
-        for element, *part in zip(self.elements, at.elements, self._of_elements(active), strict=True):
+        for element, *part in zip(self.elements, at.elements, self.layout.of_elements(active), strict=True):
             stored = _added(stored, element.stored(*part))
         return stored
 
@@ -575,7 +503,7 @@ class Assembled(ContactSystem):
     def relative_energy(self, at: EvaluatedState, active: Closed) -> Float[Array, ""]:
         """Return the energy of relative motion [J]: what is stored and in motion beyond the motion of the whole as one
         rigid body (M177)."""
-        spins = [(inertia, at.contacts[k].spin) for k, inertia in self._spinning.items()]
+        spins = [(inertia, at.contacts[k].spin) for k, inertia in self.layout.spin_inertias.items()]
         return jnp.asarray(sum(self.stored(at, active).values()) - rigid_energy(self.system, at.kin, spins))
 
     def energy_at(self, at: EvaluatedState, active: Closed) -> Energy:
@@ -587,13 +515,13 @@ class Assembled(ContactSystem):
         return Energy({name: jnp.asarray(energy) for name, energy in stored.items()}, lost)
 
     def other_forces_at(self, at: EvaluatedState, active: Closed) -> Scalar:
-        parts = zip(self.elements, at.elements, self._of_elements(active), strict=True)
+        parts = zip(self.elements, at.elements, self.layout.of_elements(active), strict=True)
         return sum((element.stiff_force(*part) for element, *part in parts), start=jnp.zeros(()))
 
     def momentum(self, state: State) -> tuple[Float[Array, " 2"], Float[Array, ""]]:
         kin = self.kinematics(state)
         linear, angular = self.system.linear_momentum(kin), self.system.angular_momentum(kin)
-        for inertia, spin in zip(self._spinning.values(), self.part(state, "spins"), strict=True):
+        for inertia, spin in zip(self.layout.spin_inertias.values(), self.part(state, "spins"), strict=True):
             angular = angular + inertia * spin
         for k, element in enumerate(self.elements):
             impulse = element.impulse(self.part(state, f"element {k}"))
@@ -616,7 +544,7 @@ class Assembled(ContactSystem):
         momentum = 1.0 if self.momentum_size is None else self.momentum_size
         magnitudes = Magnitudes(speed, energy, momentum)
         # A ball that rolls at the typical speed spins at that over its radius.
-        rest: list[Scalar] = [speed / self.contacts[k].pair.radius for k in self._spinning]
+        rest: list[Scalar] = [speed / self.contacts[k].pair.radius for k in self.layout.spin_inertias]
         rest += [energy] * len(self.loss_names) + [energy, 1.0] * self.system.driven
         rest += [energy] * (self.quiet is not None)
         for element in self.elements:
@@ -628,7 +556,7 @@ class Assembled(ContactSystem):
         """Return a fifteenth of the shortest impact of a contact's ball and its body; 1e-6 s without contacts [s]."""
         # A lossless Hertz impact lasts 3.2 of its law's time scales (M58, M80): a fifth of one is about a fifteenth of
         # it.
-        memory, steps = self._of_contacts(self.memory(state)), []
+        memory, steps = self.layout.of_contacts(self.memory(state)), []
         for contact, speeds in zip(self.contacts, memory, strict=True):
             speed = jnp.max(speeds)
             # At its floor, as before the first touchdown of a free start, the memory says nothing of the impact.
@@ -645,65 +573,8 @@ class Assembled(ContactSystem):
         return inverse_masses(self.system, at.kin, jnp.concatenate(normals, axis=1))
 
     def linearisation(self, time: Scalar, state: State, active: Closed) -> Linearisation:
-        at, n, spins = self.posture(state), self.coordinates, self.spins
-        springs = [self._spring_term(spring) for spring in self.system.springs(at.kin)]
-        contacts = self._contact_terms(at, active)
-        for element, *part in zip(self.elements, at.elements, self._of_elements(active), strict=True):
-            springs += [self._spring_term(spring) for spring in element.springs(*part)]
-            term = element.contact_term(self.system, *part)
-            contacts += [] if term is None else [self._with_spins(term, None)]
-        if not springs and not contacts:
-            return Linearisation.none(n, n)
-        if not contacts:
-            # Seven or eight springs alone take XLA gigabytes to compile; nine do not.
-            still = SpringTerm(jnp.zeros(n), 0.0, 0.0)
-            springs += [still] * (9 - len(springs) if len(springs) in (7, 8) else 0)
-            thin, none = jnp.zeros((n, 0)), jnp.zeros(0)
-            contacts = [ContactTerm(thin, thin, *((none, none),) * 3)]
-        joined = jax.tree.map(lambda *parts: jnp.concatenate(parts, axis=-1), *contacts)
-        smooth = self.smooth_memory(at)
-        decay = None if smooth is None else smooth.all_decay(state, 2 * n + spins)
-        inertias = stacked(list(self._spinning.values())) if spins else None
-        stiff = linearised(self.system, at.kin, springs, joined, inertias, decay)
-        return eqx.tree_at(lambda it: it.followers, stiff, self._followers(), is_leaf=lambda it: it is None)
-
-    def _followers(self) -> Any:
-        """Return the oscillators of the element that has some, None where no element has."""
-        velocities = self.places["spins"].stop
-        for k, element in enumerate(self.elements):
-            followers = element.followers(self.places[f"element {k}"].start - velocities)
-            if followers is not None:
-                return followers
-        return None
-
-    def _spring_term(self, spring: SpringDirection) -> SpringTerm:
-        # A spring acts on bodies alone: balls that spin by themselves do not feel it.
-        direction = jnp.pad(self.system.direction(spring.blocks), (0, self.spins))
-        return SpringTerm(direction, spring.stiffness, spring.damping)
-
-    def _contact_terms(self, at: EvaluatedState, active: Closed) -> list[ContactTerm]:
-        """Return the contacts' shares of the stiff part."""
-        memory, closed = self._of_contacts(self.memory(at.state)), self._of_contacts(active)
-        return [
-            self._with_spins(contact.term(self.system, it, memory[k], closed[k]), k if contact.spins else None)
-            for k, (contact, it) in enumerate(zip(self.contacts, at.contacts, strict=True))
-        ]
-
-    def _with_spins(self, term: ContactTerm, contact: int | None) -> ContactTerm:
-        """Return a term with a row for the spin of each ball that spins freely; ``contact``: whose own it has."""
-        spins = self.spins
-        if not spins:
-            return term
-        order, rows = list(self._spinning), self.coordinates
-        before = 0 if contact is None else order.index(contact)
-        after = spins if contact is None else spins - 1 - before
-
-        def widened(columns: Array) -> Array:
-            # A contact turns its own ball and no other one.
-            own = columns[rows:]
-            return jnp.concatenate([columns[:rows], jnp.pad(own, ((before, after), (0, 0)))])
-
-        return term._replace(normals=widened(term.normals), tangents=widened(term.tangents))
+        at = self.posture(state)
+        return stiff_part(self.system, self.layout, at, active, self.smooth_memory(at))
 
 
 def _added(energies: Mapping[str, Scalar], more: Mapping[str, Scalar]) -> dict[str, Scalar]:
@@ -712,7 +583,3 @@ def _added(energies: Mapping[str, Scalar], more: Mapping[str, Scalar]) -> dict[s
     for name, value in more.items():
         sums[name] = sums[name] + value if name in sums else value
     return sums
-
-
-def _row(values: list[Array]) -> Float[Array, " n"]:
-    return jnp.concatenate(values) if values else jnp.zeros(0)

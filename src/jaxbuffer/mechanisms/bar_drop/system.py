@@ -11,7 +11,8 @@ from ..._types import Scalar, stacked
 from ...contact import BallPair, RegularisedCoulomb, Segment, contact_law
 from ...multibody import GROUND, AppliedForce, Body, FlexibleBody, Joint, Point, Revolute, System, Weld
 from ...multibody.flexible import Bar, FlexibleBar, Marker, free_bar, plate_strip
-from ..assembled import Assembled, BallContact, EvaluatedState, Shown
+from ..assembled import Assembled, BallContact, Shown
+from ..layout import EvaluatedState
 from .design import BarDrop, BarDropScenario
 
 BAR, PLATE = range(2)

@@ -40,7 +40,8 @@ from ...multibody import (
 )
 from ...multibody.flexible import FlexibleBar, Marker
 from ...plane import Vector
-from ..assembled import Assembled, EvaluatedState, Shown
+from ..assembled import Assembled, Shown
+from ..layout import EvaluatedState
 from ..system import slowest_touchdown
 from .bending import bending_probe, modal_scales
 from .buffer import Buffer as BufferPart

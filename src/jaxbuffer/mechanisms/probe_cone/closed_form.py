@@ -12,7 +12,8 @@ from jaxtyping import Array, Float
 from ..._types import Scalar
 from ...contact.laws import HystereticLaw
 from ...programs.cache import stored
-from ..assembled import Assembled, EvaluatedState
+from ..assembled import Assembled
+from ..layout import EvaluatedState
 from .assembly import LOWER, assemble
 from .capture import FirstImpact
 from .design import Design, Scenario, check_fit

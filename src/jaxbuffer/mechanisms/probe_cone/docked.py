@@ -12,7 +12,8 @@ from jaxtyping import Array, Bool, Float, Int
 from ..._types import Scalar
 from ...elements import BufferForce
 from ...hybrid import Kind, Log
-from ..assembled import Assembled, EvaluatedState
+from ..assembled import Assembled
+from ..layout import EvaluatedState
 from .assembly import P, T
 from .capture import Docked
 from .outcome import Outcome

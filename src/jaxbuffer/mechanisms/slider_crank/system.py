@@ -24,7 +24,8 @@ from ...multibody import (
     TorsionalSpringDamper,
 )
 from ...multibody.flexible import FlexibleBar, deflection, free_bar, stress
-from ..assembled import Assembled, BallContact, EvaluatedState, Shown
+from ..assembled import Assembled, BallContact, Shown
+from ..layout import EvaluatedState
 from .design import Rod, Slider, SliderCrank, SliderCrankScenario
 from .pins import Pin
 from .shapes import PlanarBody
