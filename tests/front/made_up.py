@@ -190,7 +190,9 @@ def made_up_tuning(problem: Problem, count: int = 5) -> Tuned:
         ended="converged",
         borne_out=True,
         message="converged: in a test",
-        lower_bound=PeakForceBound(0.4 * after.peaks[:, 0], 0.45 * after.peaks[:, 0], after.peaks[:, 0] / 1e5, 90.0, {}),
+        lower_bound=PeakForceBound(
+            0.4 * after.peaks[:, 0], 0.45 * after.peaks[:, 0], after.peaks[:, 0] / 1e5, 90.0, {}
+        ),
         records=tuple(records),
         captures=123,
     )

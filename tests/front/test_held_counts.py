@@ -113,7 +113,7 @@ def interrupted(done, limits, design=None):
 def test_nothing_is_said_to_be_safe_over_runs_that_are_not_there(tmp_path, done, said):
     swept, envelope = interrupted(done, jb.Limits(at_most={"peak_force": 1000.0}))
     between = envelope.between
-    assert (between.runs, between.asked, between.unsafe) == (done, 12, 0) and said in between.words
+    assert (between.runs, between.total, between.unsafe) == (done, 12, 0) and said in between.words
     assert ("safe" in between.words.replace("unsafe", "")) == (done == 12)
     assert (envelope.reasons == UNDONE).sum() == 12 - done and envelope.runs <= done
     record = json.loads(swept_files(swept, envelope=envelope)["sweep.json"]())["envelope"]

@@ -8,11 +8,11 @@ import pytest
 import jaxbuffer as jb
 from front.made_up import made_up_capture
 from jaxbuffer.errors import InputError
-from jaxbuffer.mechanisms.probe_cone.sanity_checks import sanity_checks
 from jaxbuffer.mechanisms.probe_cone.drawing import drawing
 from jaxbuffer.mechanisms.probe_cone.label import scenario_label
 from jaxbuffer.mechanisms.probe_cone.outcome import Outcome
 from jaxbuffer.mechanisms.probe_cone.panels import panels
+from jaxbuffer.mechanisms.probe_cone.sanity_checks import sanity_checks
 from jaxbuffer.mechanisms.probe_cone.summary import summary
 from jaxbuffer.output.animation import frames_of
 from jaxbuffer.output.figures import run_figure
@@ -41,7 +41,12 @@ def latched():
     return eqx.tree_at(
         lambda c: (
             *(c.history.time, c.docking.latch_time, c.docking.settling_time, c.peak_latch_force, c.end_time),
-            *(c.docking.lateral_miss, c.docking.lateral_miss_rate, c.docking.attitude_miss, c.docking.attitude_miss_rate),
+            *(
+                c.docking.lateral_miss,
+                c.docking.lateral_miss_rate,
+                c.docking.attitude_miss,
+                c.docking.attitude_miss_rate,
+            ),
         ),
         run,
         (*changed, *docked),

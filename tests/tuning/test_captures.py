@@ -82,7 +82,7 @@ def test_the_margin_is_continuous_where_time_runs_out():
 
 
 def test_the_floor_without_loss_is_the_closed_form():
-    """Friction and loss taken away, the simulated lower bound is Hertz with T_c⁻; the lowest is that of the lightest tip."""
+    """Without friction and loss the simulated bound is Hertz with T_c⁻; the lowest is that of the lightest tip."""
     problem = stated([Scenario(), Scenario(approach_speed=0.2)], lossless(1.0))
     found = lower_bound(problem, problem.start())
     np.testing.assert_allclose(found.simulated, found.closed_form, rtol=5e-6)

@@ -82,7 +82,9 @@ def test_an_objective_below_zero_and_a_second_one(solve):
     assert "%" not in repr(tuned).splitlines()[5]
 
 
-OWN = {"own": CustomQuantity(lambda peak_force, peak_hinge_force: 0.1 * peak_force**1.5 + peak_hinge_force**2 / 50.0, "N")}
+OWN = {
+    "own": CustomQuantity(lambda peak_force, peak_hinge_force: 0.1 * peak_force**1.5 + peak_hinge_force**2 / 50.0, "N")
+}
 
 
 @pytest.mark.parametrize(("over", "limit"), [("worst", 9.0), ("mean", 100.0), ("mean", 9.3)])
@@ -277,5 +279,9 @@ def test_what_is_not_finite_is_an_error_at_the_start_and_a_failure_elsewhere():
 def test_a_front_of_an_own_quantity():
     asked = drop(Objective(), SUM)
     front = jb.pareto(asked, ["sum", "penetration"], points=2, starts=1, iterations=10)
-    assert front.non_dominated.all() and front.values[0, 0] < front.values[1, 0] and front.values[0, 1] > front.values[1, 1]
+    assert (
+        front.non_dominated.all()
+        and front.values[0, 0] < front.values[1, 0]
+        and front.values[0, 1] > front.values[1, 1]
+    )
     assert "sum [N]" in repr(front)

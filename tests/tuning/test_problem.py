@@ -7,7 +7,19 @@ import sys
 import numpy as np
 import pytest
 
-from jaxbuffer import Case, InputError, Limits, Objective, Problem, Scenario, SecondObjective, Variable, get, replace, table2
+from jaxbuffer import (
+    Case,
+    InputError,
+    Limits,
+    Objective,
+    Problem,
+    Scenario,
+    SecondObjective,
+    Variable,
+    get,
+    replace,
+    table2,
+)
 from jaxbuffer.tuning import Distribution, Scatter, grid
 
 K = Variable("buffer.k_A", 100.0, 2000.0)

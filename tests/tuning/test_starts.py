@@ -101,7 +101,9 @@ def test_what_was_spent_is_counted(solve):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("then", [None, SecondObjective(Objective({"peak_hinge_force": 1.0}), tolerance=0.1)], ids=["", "then"])
+@pytest.mark.parametrize(
+    "then", [None, SecondObjective(Objective({"peak_hinge_force": 1.0}), tolerance=0.1)], ids=["", "then"]
+)
 def test_a_run_killed_in_any_batch_of_any_round_ends_the_same(solve, tmp_path, then):
     """Killed again and again, each time a few batches after it was resumed."""
     fields, folder = {"then": then}, tmp_path / "killed"
@@ -188,7 +190,7 @@ def test_a_floor_that_can_not_be_had_is_said_in_words(monkeypatch):
 
 @pytest.mark.long
 def test_an_answer_survives_bounds_that_do_not_fit(tmp_path):
-    """A half-angle of 0.1 to 1.5 under a misalignment of 0.5: the lower bound's search comes by angles that do not fit."""
+    """A half-angle of 0.1 to 1.5 under a misalignment of 0.5: the bound's search comes by angles that do not fit."""
     variables = [ANGLE, Variable("buffer.k_A", 100.0, 2000.0)]
     tuned = tune(Problem(table2(), [Scenario(misalignment=0.5)], variables), iterations=3, starts=4, folder=tmp_path)
     assert tuned.lower_bound.unknown == 0 and tuned.lower_bound.lowest <= tuned.lower_bound.simulated[0]

@@ -44,8 +44,8 @@ def highest_of_plate(which: tuple[int, ...], support: str) -> float:
 def too_few(part: str, modes: int, highest: Any, time: Any) -> ValidityLimit:
     """Return how the highest mode's period [s], ``highest``, compares with a force's ``time`` [s]: if it is slower, the
     modes are too few."""
-    said = f"the {part}'s {modes} modes are too few for the peak: the highest is slower than the force"
-    return ValidityLimit(said, highest / np.maximum(time, 1e-300))
+    warning = f"the {part}'s {modes} modes are too few for the peak: the highest is slower than the force"
+    return ValidityLimit(warning, highest / np.maximum(time, 1e-300))
 
 
 def modes_line(part: str, modes: str, highest: Any) -> str:

@@ -102,10 +102,10 @@ class TuningRules:
 
     ``always``: limits that hold unless a problem sets lower ones; ``check_problem``: raises `InputError` where a
     problem makes no sense; ``margin``: the quantity that is positive exactly for successful runs; ``ends``: those that
-    a study may ask for besides, each stricter than the one before it; ``lower_bound``: what is known of the first impact
-    without simulating it; ``unfinished``: from a problem and the evaluation of its tuned
-    design, a line for what its runs leave open; ``left_open``: the quantities that say what the runs of a design leave
-    open, from its numbers by their paths.
+    a study may ask for besides, each stricter than the one before it; ``lower_bound``: what is known of the first
+    impact without simulating it; ``unfinished``: from a problem and the evaluation of its tuned design, a line for what
+    its runs leave open; ``left_open``: the quantities that say what the runs of a design leave open, from its numbers
+    by their paths.
     """
 
     always: Mapping[str, float] = dataclasses.field(default_factory=dict)

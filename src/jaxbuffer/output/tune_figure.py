@@ -90,7 +90,14 @@ def _cases(axes: Axes, tuned: Tuned) -> None:
             missed = f"{name}, not {problem.success or 'solved'}"
             axes.plot(forces[~met], row[~met], "x", color=colour, markersize=7, label=missed)
     if lower_bound is not None:
-        axes.plot(lower_bound.simulated[drawn], row, "|", color="black", markersize=9, label="lower bound: first impact, no buffer")
+        axes.plot(
+            lower_bound.simulated[drawn],
+            row,
+            "|",
+            color="black",
+            markersize=9,
+            label="lower bound: first impact, no buffer",
+        )
     limit = problem.limits.at_most.get("peak_force")
     if limit is not None:
         axes.axvline(limit, color=RED, label=f"limit, {limit:.4g} N")

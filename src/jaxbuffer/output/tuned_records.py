@@ -22,7 +22,7 @@ def tuned_record(tuned: Tuned) -> dict[str, Any]:
     tolerance."""
     problem, (start, end) = tuned.problem, tuned.objective
     scenarios = zip(problem.cases, _cases(tuned, tuned.before), _cases(tuned, tuned.after), strict=True)
-    lower_bounds = _floors(tuned)
+    lower_bounds = _lower_bounds(tuned)
     return {
         "kind": problem.mechanism.name,
         "identity": tuned.identity,
@@ -42,7 +42,9 @@ def tuned_record(tuned: Tuned) -> dict[str, Any]:
         "gradient_error [-]": json_number(tuned.gradient_error),
         "rtol_of_check [-]": tuned.tight,
         "above_lower_bound [-]": json_number(tuned.above_lower_bound),
-        "lowest_first_impact_within_bounds [N]": None if tuned.lower_bound is None else json_number(tuned.lower_bound.lowest),
+        "lowest_first_impact_within_bounds [N]": None
+        if tuned.lower_bound is None
+        else json_number(tuned.lower_bound.lowest),
         "captures": tuned.captures,
         "settings": dataclasses.asdict(tuned.settings),
         "variables": [
@@ -107,12 +109,12 @@ def _scattered(tuned: Tuned) -> dict[str, Any]:
     }
 
 
-def _floors(tuned: Tuned) -> list[dict[str, float | None]]:
+def _lower_bounds(tuned: Tuned) -> list[dict[str, float | None]]:
     """Return what is known of each case's first impact."""
     lower_bound = tuned.lower_bound
     if lower_bound is None:
         return [{} for _ in tuned.problem.cases]
-    names = ("lower bound [N]", "closed_form_first_peak [N]", "T_c [J]")
+    names = ("lower_bound [N]", "closed_form_first_peak [N]", "T_c [J]")
     rows = zip(lower_bound.simulated, lower_bound.closed_form, lower_bound.energy, strict=True)
     return [dict(zip(names, map(json_number, row), strict=True)) for row in rows]
 

@@ -6,7 +6,7 @@ from typing import Any
 from ..fields import Part, as_typed, ends_as_typed, get, meaning, paths, unit
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
-from ..output.words import said
+from ..output.words import value_in_words
 from ..value_text import table_text, unit_text
 from .limits import limits_of, required_success, source_of_limits
 from .page import Cell, PageSection, Table
@@ -68,7 +68,7 @@ def _range(met: Sequence[Any], usual: Part, path: str, typed: str) -> list[str]:
         return [field_name(path), ", ".join(dict.fromkeys(map(table_text, values)))]
     # Angles are in degrees on a page, whatever they were typed in.
     ends = (as_typed(float(end), symbol, "" if symbol == "rad" else typed) for end in (min(values), max(values)))
-    low, high = (said(*end) for end in ends)
+    low, high = (value_in_words(*end) for end in ends)
     return [field_name(path), low if low == high else f"{low} to {high}"]
 
 

@@ -39,7 +39,7 @@ def sweep(results: Results) -> PageSection | None:
     if envelope is None:
         return PageSection(title, text, figures, tables)
     between = envelope.get("between")
-    safe = between and not between["unsafe_runs"] and between["runs"] == between.get("asked_runs", between["runs"])
+    safe = between and not between["unsafe_runs"] and between["runs"] == between.get("total_runs", between["runs"])
     warnings = [between["words"]] if between and not safe else []
     text += [between["words"]] if between and safe else []
     return PageSection(title, text, figures, tables, warnings=[*warnings, *not_found(envelope, record["axes"])])
@@ -88,7 +88,7 @@ def swept_fields(results: Results) -> dict[str, int]:
 
 def envelope_in_words(envelope: Record) -> list[str]:
     """Return how many runs are safe, and the ranges of the largest rectangle of them."""
-    texts = [f"Safe means: {envelope['asked']}. {safe_of(envelope)} are."]
+    texts = [f"Safe means: {envelope['criterion']}. {safe_of(envelope)} are."]
     if not envelope["rectangle"]:
         return [*texts, "No run is safe, so there is no safe rectangle."]
     ranges = " by ".join(f"{field_name(part['path'])} from {_ends(part)}" for part in envelope["rectangle"])
@@ -169,7 +169,7 @@ def sample(results: Results) -> PageSection | None:
 def _indices(mechanism: Mechanism, name: str, rows: list[Record]) -> Table:
     """Return the indices of a quantity's numbers, the number that matters most first."""
     source, first = rows[0]["from"], rows[0]
-    of = "of its response surface" if source != "runs" else f"of {first['rows']} of {first['rows_asked']} rows"
+    of = "of its response surface" if source != "runs" else f"of {first['rows']} of {first['requested_rows']} rows"
     caption = f"Whose scatter matters for the {in_figures(mechanism, name)[0]} (Sobol' indices {of}"
     caption += f", {percent_text(first['confidence [-]'], 'g')} intervals)"
     interval = lambda ends: f"{ends[0]:.3f} … {ends[1]:.3f}"  # noqa: E731

@@ -8,7 +8,7 @@ from .._types import Figure
 from ..mechanisms.run import Run
 from ..run.simulate import simulate
 
-YES, PARTLY, NO, OPEN = "borne out", "in part", "not borne out", "cannot be judged"
+YES, PARTLY, NO, OPEN = "confirmed", "in part", "not confirmed", "cannot be judged"
 Row = dict[str, str | float | int]
 NEAR = 0.03  # relative: what still counts as a printed number, or as another one
 NONE = "none"  # in a row, for what its run does not have

@@ -33,7 +33,10 @@ def explained(study: Config, name: str) -> str:
     parts = {
         "mechanism": [f'{mechanism.view.title}, kind = "{mechanism.name}"'],
         "differs from default": _differences(study) or ["nothing"],
-        "worth a look": [*cautions(study.design, study.scenarios, study.varied), *mechanism.view.sanity_checks(study.design)],
+        "worth a look": [
+            *cautions(study.design, study.scenarios, study.varied),
+            *mechanism.view.sanity_checks(study.design),
+        ],
         "scenario": [mechanism.view.label(study.scenario)],
         "scenarios": _scenarios(study) if len(study.scenarios) > 1 else [],
         "options": [", ".join(_shown(study.options, path) for path in paths(study.options))],

@@ -8,7 +8,7 @@ from .._types import Dataset
 from ..block_store import TOKEN
 from ..errors import InputError
 from ..mechanisms.mechanism import Mechanism
-from .columns import sanity_checks, empty_columns
+from .columns import empty_columns, sanity_checks
 from .cut import BlockSweep, RunsSweep
 from .result import Sweep
 from .store import existing, fill, opened

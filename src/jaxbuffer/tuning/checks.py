@@ -1,9 +1,9 @@
 """Checks of a tuned design beside its search: the lower bound of the peak force, and the corners of what scatters.
 
-The lower bound of the peak contact force is the first impact, which no buffer softens: it is over before a spring or damper
-has moved, and sets the peak of a buffer gone soft. Friction and hysteresis lower its closed form (`first_impact`) by
-some per cent; so the floor itself is the first impact *simulated* with the buffer taken away, and the closed form
-stands beside it and says what it is made of.
+The lower bound of the peak contact force is the first impact, which no buffer softens: it is over before a spring or
+damper has moved, and sets the peak of a buffer gone soft. Friction and hysteresis lower its closed form
+(`first_impact`) by some per cent; so the bound itself is the first impact *simulated* with the buffer taken away, and
+the closed form stands beside it and says what it is made of.
 
 A design tuned for samples is run in the corners of the ranges they come from, because samples alone are no bound.
 """
@@ -105,7 +105,7 @@ def _lowest(
         peaks, slopes = _without_buffer(problem, where, flights)
         weights = problem.objective.case_weights(peaks)
         value, slope = float(weights @ peaks), weights @ slopes
-        # L-BFGS-B takes numbers only: one far above the lower bound at the start stands for designs that cannot be simulated.
+        # L-BFGS-B takes numbers only: one far above the bound at the start stands for designs that cannot be simulated.
         if not (np.isfinite(value) and np.all(np.isfinite(slope))):
             return FAR * here, np.zeros_like(where)
         # The line search's last point need not be its best, and it may have left the designs that fit.
@@ -135,7 +135,7 @@ def _without_buffer(
         if run is None:
             continue
         factors = dict(case.factors)
-        # The compliant_parts are taken away whatever their variables say, so the floor has no slope by these.
+        # The compliant parts are taken away whatever their variables say, so the bound has no slope by these.
         scale = [
             v.slope(float(x)) * factors.get(v.path, 1.0) * (v.path not in gone)
             for v, x in zip(problem.variables, values, strict=True)
@@ -195,8 +195,8 @@ def _without_softeners(problem: Problem, built: Part) -> Part:
 
 
 def _gone(design: Part, compliant_parts: Sequence[str]) -> dict[str, float]:
-    """Return what is left of a design's compliant_parts by path: of measured curves their values; parts that are not there
-    are left out."""
+    """Return what is left of a design's compliant parts by path: of measured curves their values; parts that are not
+    there are left out."""
     numbers = dict[str, Any]()
     for path in compliant_parts:
         value = get(design, path)
@@ -255,7 +255,7 @@ class Corners:
         """Return a summary, the corner farthest beyond a limit and the middle, a line each."""
         count, scenarios = len(self.cases), len(problem.scenarios)
 
-        def said(value: float) -> str:
+        def shown(value: float) -> str:
             return with_unit(*problem.objective.shown(value, problem.catalogue), 5)
 
         at = f" at {scenarios} scenarios" if scenarios > 1 else ""
@@ -267,11 +267,11 @@ class Corners:
         parts += [f"{lost} can not be built or simulated"] if lost else []
         if lost < count:
             where = label(int(np.nanargmax(self.values)))
-            parts.append(f"the largest objective there is {said(self.largest)}, at {where}")
+            parts.append(f"the largest objective there is {shown(self.largest)}, at {where}")
         lines = [f"{which} of the {self.ranges} sampled ranges{at}: {'; '.join(parts)}"]
         if broken := self.broken[self.worst]:
             lines.append(f"the corner farthest beyond a limit, {label(self.worst)}: {'; '.join(broken)}")
-        middle = said(self.middle) if np.isfinite(self.middle) else "can not be simulated"
+        middle = shown(self.middle) if np.isfinite(self.middle) else "can not be simulated"
         if self.middle == 0.0 and not self.middle_touches:
             middle = "nothing touches there"
         return [*lines, f"the middle of the ranges: {middle}{'' if self.middle_holds else ', does not hold'}"]

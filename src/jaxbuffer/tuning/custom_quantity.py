@@ -21,7 +21,18 @@ from ..programs.identity import digest
 EXAMPLE = "CustomQuantity(lambda peak_force, stroke: peak_force * stroke, 'N m')"
 RESERVED = frozenset(  # words of a study's tables and keys of a tuning's records
     [
-        *("require_success", "impacts", "over", "level", "tolerance", "evaluation", "stage", "search", "step", "accepted"),
+        *(
+            "require_success",
+            "impacts",
+            "over",
+            "level",
+            "tolerance",
+            "evaluation",
+            "stage",
+            "search",
+            "step",
+            "accepted",
+        ),
         *("objective", "feasible", "excess", "radius", "residual", "status", "captures", "values", "outcome"),
         *("succeeded", "margin", "first_peak", "unit", "obstacle"),
     ]
@@ -136,33 +147,33 @@ class CustomQuantity:
         return digest(self.function)
 
 
-def check_traced(derived: CustomQuantity) -> None:
+def check_traced(custom: CustomQuantity) -> None:
     """Raise `InputError` for a function that JAX can't trace or differentiate, or that is another one at each call."""
-    jaxpr = _traced(derived)
+    jaxpr = _traced(custom)
     # A function that depends on chance, time or a state is traced to other equations, or to other constants.
-    again = _traced(derived)
+    again = _traced(custom)
     consts = zip(jaxpr.consts, again.consts, strict=False)
     if str(jaxpr) != str(again) or not all(np.array_equal(a, b, equal_nan=True) for a, b in consts):
-        raise InputError(f"{derived.label} is another one at each call; it must not depend on chance, time or a state")
-    count = len(derived.parameters)
+        raise InputError(f"{custom.label} is another one at each call; it must not depend on chance, time or a state")
+    count = len(custom.parameters)
     # Which parameters each value of the traced derivative depends on, followed from equation to equation.
     reached: dict[int, frozenset[int]] = {id(v): frozenset([k]) for k, v in enumerate(jaxpr.jaxpr.invars[count:])}
     for equation in jaxpr.jaxpr.eqns:
         through = frozenset().union(*(reached.get(id(v), frozenset()) for v in equation.invars))
         reached |= {id(v): through for v in equation.outvars}
     by = reached.get(id(jaxpr.jaxpr.outvars[1]), frozenset())
-    lost = [name for k, name in enumerate(derived.parameters) if k not in by]
+    lost = [name for k, name in enumerate(custom.parameters) if k not in by]
     if lost:
         cause = "it is not used, or only rounded, compared or behind stop_gradient"
-        raise InputError(f"{derived.label}: its derivative by {lost[0]} is zero everywhere: {cause}")
+        raise InputError(f"{custom.label}: its derivative by {lost[0]} is zero everywhere: {cause}")
 
 
-def _traced(derived: CustomQuantity) -> Any:
+def _traced(custom: CustomQuantity) -> Any:
     """Return the function and its derivative as JAX sees them."""
-    numbers = [jax.ShapeDtypeStruct((), jnp.result_type(float))] * len(derived.parameters)
+    numbers = [jax.ShapeDtypeStruct((), jnp.result_type(float))] * len(custom.parameters)
 
     def both(values: list[Array], changes: list[Array]) -> tuple[Array, Array]:
-        pair: tuple[Array, Array] = jax.jvp(lambda *args: derived.value(args), values, changes)
+        pair: tuple[Array, Array] = jax.jvp(lambda *args: custom.value(args), values, changes)
         return pair
 
     try:
@@ -171,9 +182,9 @@ def _traced(derived: CustomQuantity) -> Any:
         raise
     except (jax.errors.ConcretizationTypeError, jax.errors.TracerArrayConversionError) as error:
         remedy = "float(), int(), if, math and numpy do; write jax.numpy and jax.numpy.where"
-        raise InputError(f"{derived.label} takes a number out of JAX{_line(derived, error)}: {remedy}") from None
+        raise InputError(f"{custom.label} takes a number out of JAX{_line(custom, error)}: {remedy}") from None
     except Exception as error:  # the user's own code
-        raise InputError(f"{derived.label} {raised(error)}{_line(derived, error)}") from None
+        raise InputError(f"{custom.label} {raised(error)}{_line(custom, error)}") from None
 
 
 def raised(error: BaseException) -> str:
@@ -182,9 +193,9 @@ def raised(error: BaseException) -> str:
     return f"raises {type(error).__name__}{f': {first}' if first else ''}"[:200]
 
 
-def _line(derived: CustomQuantity, error: BaseException) -> str:
+def _line(custom: CustomQuantity, error: BaseException) -> str:
     """Return where in the function's file an error came about, as text."""
-    code = getattr(inspect.unwrap(derived.function), "__code__", None)
+    code = getattr(inspect.unwrap(custom.function), "__code__", None)
     line = None if code is None else line_in(code.co_filename, error)
     return "" if line is None else f" in line {line}"
 
@@ -199,14 +210,14 @@ def check_custom_quantities(quantities: Any, catalogue: Catalogue) -> dict[str, 
     """Check the own quantities of a problem. **Raises:** `InputError` for names and parameters that can't be."""
     if not isinstance(quantities, Mapping):
         raise InputError(f"quantities = {shown(quantities)} is not a mapping; write quantities={{'effort': {EXAMPLE}}}")
-    for name, derived in quantities.items():
+    for name, custom in quantities.items():
         check_name(name, catalogue)
-        if not isinstance(derived, CustomQuantity):
-            raise InputError(f"quantities.{name} = {shown(derived)} is not a CustomQuantity; write {EXAMPLE}")
-        for parameter in derived.parameters:
+        if not isinstance(custom, CustomQuantity):
+            raise InputError(f"quantities.{name} = {shown(custom)} is not a CustomQuantity; write {EXAMPLE}")
+        for parameter in custom.parameters:
             if parameter not in catalogue:
                 hint = suggest(parameter, catalogue)
-                raise InputError(f"quantities.{name}: {derived.label} asks for {parameter}, which is unknown{hint}")
+                raise InputError(f"quantities.{name}: {custom.label} asks for {parameter}, which is unknown{hint}")
     return dict(quantities)
 
 

@@ -190,7 +190,11 @@ def check_starts(problem: Problem, points: list[Evaluation]) -> None:
             f"every {problem.mechanism.view.run_name} of the start fails ({reasons}): there is no slope to climb"
         )
     margin = problem.mechanism.tuning.margin
-    if margin and problem.limits.require_success and not any(np.any(p.succeeded) or np.any(p.margin_slope) for p in points):
+    if (
+        margin
+        and problem.limits.require_success
+        and not any(np.any(p.succeeded) or np.any(p.margin_slope) for p in points)
+    ):
         raise InputError(
             f"no {problem.mechanism.view.run_name} of the start succeeds ({reasons}), and no variable changes that to"
             " first order: start from another design or tune other variables"
@@ -218,8 +222,8 @@ class Agreement(NamedTuple):
 
     ``families``: the best objective [N] of each independent search that ended feasible, rising; searches that began
     around another's design belong to its family. ``difference`` [-]: of the best two, relative, infinite where there
-    are none; ``discontinuities``: whether a search met a discontinuity; ``gain`` [-]: by how much the last round lowered the
-    best objective, infinite where nothing feasible was known before.
+    are none; ``discontinuities``: whether a search met a discontinuity; ``gain`` [-]: by how much the last round
+    lowered the best objective, infinite where nothing feasible was known before.
     """
 
     families: tuple[float, ...]

@@ -37,10 +37,10 @@ RUNNING, CONVERGED, STALLED, BEHIND = 0, 1, 2, 3
 class Branch(NamedTuple):
     """One local search: its best design so far, its trust region and its model. All arrays, so that it can be stored.
 
-    ``point``: its present design; ``best``: the best one so far, feasible before infeasible; ``discontinuities``: the scaled
-    variables of designs beyond a discontinuity, NaN where none; ``merits``: of the last steps, latest last; ``round``
-    it began in; ``family``: the number of the search around whose design it began, or its own; ``restarted``: its
-    merit when its curvature was last set to zero.
+    ``point``: its present design; ``best``: the best one so far, feasible before infeasible; ``discontinuities``: the
+    scaled variables of designs beyond a discontinuity, NaN where none; ``merits``: of the last steps, latest last;
+    ``round`` it began in; ``family``: the number of the search around whose design it began, or its own; ``restarted``:
+    its merit when its curvature was last set to zero.
     """
 
     point: Evaluation

@@ -127,12 +127,14 @@ class Tuned(Saved):
 
     @property
     def above_lower_bound(self) -> float:
-        """Return how far the worst peak is above the floor of its own first impacts, relative [-].
+        """Return how far the worst peak is above the lower bound of its own first impacts, relative [-].
 
         It is NaN without a lower bound, and where nothing touches.
         """
         above = (
-            None if self.lower_bound is None else relative_change(self.lower_bound.highest, float(np.max(self.after.peak_force)))
+            None
+            if self.lower_bound is None
+            else relative_change(self.lower_bound.highest, float(np.max(self.after.peak_force)))
         )
         return float("nan") if above is None else above
 
@@ -322,7 +324,8 @@ def _floor_facts(tuned: Tuned) -> list[str]:
         heading,
         first,
         f"  elastic and frictionless, in closed form {closed:.6g} N,"
-        f" from an energy of {energy_text(np.max(floor.energy))} that the contact takes up (effective energy T_c⁻)",
+        f" from an energy of {energy_text(np.max(lower_bound.energy))} that the contact takes up"
+        " (effective energy T_c⁻)",
         lowest,
     ]
 

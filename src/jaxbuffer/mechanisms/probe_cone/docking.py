@@ -60,7 +60,9 @@ def crossing(mechanism: Assembled, log: Log, code: Int[Array, ""]) -> PlaneCross
     return PlaneCrossing(mechanism.evaluate(state), log.time[last] - since, listed | (since > 0.0))
 
 
-def docking(mechanism: Assembled, start: EvaluatedState, log: Log, code: Int[Array, ""], latch_force: Scalar) -> Docking:
+def docking(
+    mechanism: Assembled, start: EvaluatedState, log: Log, code: Int[Array, ""], latch_force: Scalar
+) -> Docking:
     """Read off what a run says of docking. ``latch_force``: the largest one [N]."""
     last = _last(log)
     end, active = mechanism.evaluate(log.rows[last, 0]), log.active[last]

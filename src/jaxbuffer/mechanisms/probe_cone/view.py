@@ -5,11 +5,11 @@ from .assembly import CONTACTS
 from .contradictions import contradictions
 from .design import Design
 from .diagnosis import diagnosis
-from .sanity_checks import sanity_checks
 from .drawing import drawing
 from .label import scenario_label
 from .law_validity import limits, warnings
 from .panels import panels
+from .sanity_checks import sanity_checks
 from .summary import first_impact_line, first_impact_record, summary
 from .vehicle_forces import larger_than_contact
 

@@ -80,7 +80,9 @@ def _aligned(rows: Rows) -> ClaimVerdict:
         f"offset of the tip from {1e3 * offset[0]:.3g} to at most {1e3 * offset[1]:.2g} mm; angle between the vehicles "
         f"{', '.join(turned)}°; probe and cone within {math.degrees(max(probe)):.2g}° at capture"
     )
-    return ClaimVerdict(finding, _verdict([offset[1] < offset[0], all(b <= a for a, b in zip(first, last, strict=True))]))
+    return ClaimVerdict(
+        finding, _verdict([offset[1] < offset[0], all(b <= a for a, b in zip(first, last, strict=True))])
+    )
 
 
 def _rebound(rows: Rows) -> ClaimVerdict:
@@ -159,7 +161,9 @@ def _faster(rows: Rows) -> ClaimVerdict:
     both = [pair for pair in pairs if all(row["outcome"] == "captured" for row in pair)]
     quicker = [float(free["capture_time"]) < LESS * float(welded["capture_time"]) for welded, free in both]
     welded, free = (float(row["capture_time"]) for row in rows["tip"])
-    finding = f"Table 2: {free:.3g} s against {welded:.3g} s; faster in {sum(quicker)} of {len(quicker)} pairs of captures"
+    finding = (
+        f"Table 2: {free:.3g} s against {welded:.3g} s; faster in {sum(quicker)} of {len(quicker)} pairs of captures"
+    )
     return ClaimVerdict(finding, _verdict(quicker))
 
 

@@ -134,8 +134,8 @@ def _seen(rows: Rows) -> ClaimVerdict:
     finding = "; ".join("F₁ {:.3g} of {:.4g} N, F₂ {:.3g} of {:.4g} N".format(*numbers) for numbers in pairs)
     forces = [number for numbers in pairs for number in numbers[::2]]
     finding = (
-        f"c = 1 and 6: {finding}. It is given the motion, so that its force stops nothing, and its instants pass over a "
-        "damper that acts for some 10 µs"
+        f"c = 1 and 6: {finding}. It is given the motion, so that its force stops nothing, and its instants pass over a"
+        " damper that acts for some 10 µs"
     )
     return ClaimVerdict(finding, verdict([near(a, b) for a, b in zip(forces, (250, 3e3, 450, 5e4), strict=True)]))
 

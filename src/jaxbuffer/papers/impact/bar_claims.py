@@ -70,7 +70,9 @@ def _stays(rows: Rows) -> ClaimVerdict:
 def _harmonics(rows: Rows) -> ClaimVerdict:
     pairs = [[int(row["harmonics"]) for row in rows[name][1:]] for name in ("drop", "plate", "bodies")]
     finding = "rigid {0[0]}, {0[1]}; bending plate {1[0]}, {1[1]}; both bend {2[0]}, {2[1]}".format(*pairs)
-    return ClaimVerdict(f"maxima in the first 3.8 ms, c = 1 and 6: {finding}", verdict([six > one for one, six in pairs]))
+    return ClaimVerdict(
+        f"maxima in the first 3.8 ms, c = 1 and 6: {finding}", verdict([six > one for one, six in pairs])
+    )
 
 
 def _displacement(rows: Rows) -> ClaimVerdict:

@@ -172,9 +172,8 @@ def _forces(rows: Rows) -> ClaimVerdict:
 
 def _same(rows: Rows) -> ClaimVerdict:
     (elements, modal, rigid), finding = _list(rows, "first_peak", FREE, MODAL, RIGID)
-    finding = (
-        f"first peak {finding} N by elements, 8 modes, rigid; rough {_list(rows, 'first_peak', STUCK, MODAL_ROUGH)[1]} N"
-    )
+    rough = _list(rows, "first_peak", STUCK, MODAL_ROUGH)[1]
+    finding = f"first peak {finding} N by elements, 8 modes, rigid; rough {rough} N"
     return ClaimVerdict(f"{finding} by elements, modes", verdict([near(modal, elements), near(rigid, elements)]))
 
 
@@ -192,10 +191,9 @@ def _bounce(rows: Rows) -> ClaimVerdict:
 
 def _stressed(rows: Rows) -> ClaimVerdict:
     squeezed, finding = _list(rows, "contact_pressure", FREE, STUCK, factor=1e-9)
-    finding = (
-        f"Hertz's pressure under the ball {finding} GPa, where hard steel yields from {1e-9 * YIELDS:g} GPa on; von Mises "
-    )
-    finding += f"in the plate's elements {_list(rows, 'plate_stress', FREE, STUCK, factor=1e-6)[1]} MPa: μ = 0, rough"
+    finding = f"Hertz's pressure under the ball {finding} GPa, where hard steel yields from {1e-9 * YIELDS:g} GPa on; "
+    stress = _list(rows, "plate_stress", FREE, STUCK, factor=1e-6)[1]
+    finding += f"von Mises in the plate's elements {stress} MPa: μ = 0, rough"
     return ClaimVerdict(finding, verdict([max(squeezed) < 1e-9 * YIELDS]))
 
 

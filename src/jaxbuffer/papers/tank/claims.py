@@ -67,7 +67,9 @@ def _spring(rows: Rows) -> ClaimVerdict:
     at = number(first, "peak_time") / number(first, "contact_time")
     near = abs(float(next(iter(shares.values()))) - 1.0) < 0.05
     finding += f"; at {first['case']} it comes after {at:.2f} of the contact, a spring's after half"
-    return ClaimVerdict(f"largest force over that of the cushion alone: {finding}", verdict([near, abs(at - 0.5) < 0.05]))
+    return ClaimVerdict(
+        f"largest force over that of the cushion alone: {finding}", verdict([near, abs(at - 0.5) < 0.05])
+    )
 
 
 def _half(rows: Rows) -> ClaimVerdict:
