@@ -188,7 +188,7 @@ def made_up_tuning(problem: Problem, count: int = 5) -> Tuned:
         residual=1.5e-5,
         gradient_error=2e-6,
         ended="converged",
-        borne_out=True,
+        confirmed=True,
         message="converged: in a test",
         lower_bound=PeakForceBound(
             0.4 * after.peaks[:, 0], 0.45 * after.peaks[:, 0], after.peaks[:, 0] / 1e5, 90.0, {}

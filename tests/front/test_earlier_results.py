@@ -53,6 +53,12 @@ def test_what_an_earlier_run_left_is_refused_as_its_own_files_are(tmp_path):
     assert names(tmp_path) == {"motion.json", "force.json"}
 
 
+def test_a_record_with_names_of_an_earlier_version_is_refused(tmp_path):
+    (tmp_path / "tuned.json").write_text('{"kind": "probe_cone", "variables": [{"shown_in": "mm"}]}')
+    with pytest.raises(jb.InputError, match="tuned.json was written by an earlier version of jaxbuffer; run its command"):
+        jb.load(tmp_path)
+
+
 def test_a_run_of_another_mechanism_takes_the_place_of_the_earlier_one(tmp_path):
     put(tmp_path, "drop.json", "drop.nc", "drop.txt", "drop.png")
     dataclasses.replace(made_up_capture(), history=None).save(tmp_path, force=True)

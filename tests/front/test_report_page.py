@@ -679,7 +679,7 @@ def test_what_is_kept_but_not_for_certain_is_amber(tmp_path):
     assert badges["all limits kept, 1 at the limit"] == "unsure"
     assert badges["peak force: 250 → 100 N (-60 %)"] == "good"
     record = several((0.02, 0.01), ("captured",) * 2, True)
-    _, badges, rows = told_of(tmp_path, record | {"borne_out": False})
+    _, badges, rows = told_of(tmp_path, record | {"confirmed": False})
     assert badges["all limits kept"] == "good" and rows[0][-1].text == "kept"
     assert badges["no other search found the same: a better design may exist"] == "unsure"
 

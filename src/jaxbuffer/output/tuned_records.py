@@ -29,7 +29,7 @@ def tuned_record(tuned: Tuned) -> dict[str, Any]:
         "message": tuned.message,
         "converged": tuned.converged,
         "ended": tuned.ended,
-        "borne_out": tuned.borne_out,
+        "confirmed": tuned.confirmed,
         "feasible": tuned.feasible,
         "broken_limits": tuned.broken_limits,
         "broken": tuned.goal.broken(tuned.after),

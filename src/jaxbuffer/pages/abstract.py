@@ -100,12 +100,12 @@ def _nearly(counts: LimitCounts) -> list[str]:
 
 
 def _of_search(tuned: Record) -> list[Cell]:
-    """Return badges for a search that did not converge, and for one whose result no other search found (``borne_out``,
+    """Return badges for a search that did not converge, and for one whose result no other search found (``confirmed``,
     where it is recorded)."""
     if not tuned["feasible"]:
         return []
     texts = [] if tuned.get("converged", True) else [STOPPED.get(tuned.get("ended", ""), "the search did not converge")]
-    texts += [] if tuned.get("borne_out", True) else [UNCONFIRMED]
+    texts += [] if tuned.get("confirmed", True) else [UNCONFIRMED]
     return [Cell(text, "unsure") for text in texts]
 
 

@@ -149,7 +149,7 @@ def descend(
         lambda after: well if goal.feasible(after) else infeasible(goal, after, effort),
         store.records,
         ended=ending(best, settings),
-        borne_out=False,
+        confirmed=False,
     )
 
 

@@ -156,7 +156,7 @@ class Rounds:
             lambda after: message(search.goal, branch, after, progress, self.settings),
             self.store.records,
             ended=ending(branch, self.settings),
-            borne_out=progress.searches > 1 and progress.apart <= AGREE,
+            confirmed=progress.searches > 1 and progress.apart <= AGREE,
         )
 
 

@@ -41,7 +41,7 @@ class Tuned(Saved):
       the objective [-].
     - ``gradient_error``: difference between the objective's slopes at the search's tolerance and there, relative to the
       largest [-].
-    - ``ended``: how the search ended, a name of `message.Ended`; ``borne_out``: whether an independent search agrees;
+    - ``ended``: how the search ended, a name of `message.Ended`; ``confirmed``: whether an independent search agrees;
       ``message``: both in words.
     - ``lower_bound``: first impacts, which no buffer softens; None where the mechanism has no such lower bound.
     - ``records``: every evaluation, as in the log.
@@ -66,7 +66,7 @@ class Tuned(Saved):
     residual: float
     gradient_error: float
     ended: str
-    borne_out: bool
+    confirmed: bool
     message: str
     lower_bound: PeakForceBound | None
     records: tuple[Record, ...]
@@ -175,7 +175,7 @@ def assess(
     records: Sequence[Record],
     *,
     ended: Ended,
-    borne_out: bool,
+    confirmed: bool,
 ) -> Tuned:
     """Evaluate the best design of a search at tight tolerance, with the evidence for it.
 
@@ -201,7 +201,7 @@ def assess(
         residual=residual(goal, Tangent.of(after), scaled, scale, penalty).predicted_reduction,
         gradient_error=error / largest if largest > 0.0 else 0.0 if error == 0.0 else float("nan"),
         ended=ended,
-        borne_out=borne_out,
+        confirmed=confirmed,
         message=with_corners(message(after), in_corners, goal.feasible(after)),
         lower_bound=lower_bound(problem, scaled),
         records=tuple(records),
