@@ -156,7 +156,7 @@ STUDIES = [
     toml("[problem.objective]\nlevel = 1", "objective.level = 1 is out of range; allowed: [0, 1)"),
     toml(
         "[problem.constraints]\nfizz = 1",
-        "problem.constraints.fizz is unknown; known: captured, latched, held, impacts",
+        "problem.constraints.fizz is unknown; known: require_success, latched, held, impacts",
     ),
     toml("[problem.constraints]\nstroke = 0", "problem.constraints.stroke = 0 m is out of range; allowed: (0, inf) m"),
     line(

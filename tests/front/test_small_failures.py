@@ -105,7 +105,7 @@ NAMES = {
     "[sample]\ncout = 4": "did you mean count?",
     "[problem]\nvarables = 1": "did you mean variables?",
     "[problem.variables]\nbuffer.k_B = [1, 2]": "did you mean buffer.k_A?",
-    "[problem.constraints]\ncaptred = true": "did you mean captured?",
+    "[problem.constraints]\nrequire_succes = true": "did you mean require_success?",
     "[problem.constraints]\nstroke = {mn = 1}": "did you mean min?",
     "[problem.grid]\naproach_speed = [0.1]": "did you mean approach_speed?",
     '[problem.quantities]\neffort = {functon = "a.py:b", unit = "N"}': "did you mean function?",
