@@ -68,7 +68,7 @@ types: $(READY)  ## of all source, and what two checkers say of calls as users w
 smoke: $(READY)  ## wheel and sdist build, install into an environment of their own, and run there
 	.ci/smoke $(BIN)/python
 
-bench: $(PEERS)  ## speed against SciPy, SUNDIALS and Octave at equal accuracy, into benchmarks/results
+bench: $(PEERS)  ## speed against SciPy and SUNDIALS at equal accuracy, into benchmarks/results
 	$(BIN)/python -m benchmarks
 
 bench-check: $(PEERS)  ## the quick benchmarks; fails where a ratio to a peer is under its baseline by over 30 %

@@ -20,10 +20,9 @@ def parsed(arguments: Sequence[str] | None) -> argparse.Namespace:
         prog="python -m benchmarks",
         description="Speed of jaxbuffer and its peers on the same model, machine and accuracy, in one run.",
     )
-    parser.add_argument("--quick", action="store_true", help="two minutes: two peers, small sweeps, no Octave")
+    parser.add_argument("--quick", action="store_true", help="two minutes: two peers, small sweeps")
     parser.add_argument("--only", type=lambda text: text.split(","), metavar="PART,…", help=", ".join(PARTS))
     parser.add_argument("--output", type=Path, default=Path("benchmarks/results"), metavar="FOLDER")
-    parser.add_argument("--octave", action=argparse.BooleanOptionalAction, help="default: in a full run")
     parser.add_argument("--check-baseline", action="store_true", help="status 1 where a ratio fell by over 30 %%")
     parser.add_argument("--store-baseline", action="store_true", help="make this run's ratios the baseline")
     options = parser.parse_args(arguments)
@@ -44,7 +43,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     from .plan import Plan
 
     mode = "quick" if options.quick else "full"
-    plan = Plan(options.quick, not options.quick if options.octave is None else options.octave)
+    plan = Plan(options.quick)
     run, begin = report.about(mode), time.perf_counter()
     parts, failed = [], []
     for name in (name for name in PARTS if name in options.only):

@@ -25,7 +25,6 @@ class Plan:
     """The choices of a run; parts ask it rather than count for themselves."""
 
     quick: bool = False
-    octave: bool = True
     console: Console = field(default_factory=lambda: Console(stderr=True))
 
     @property

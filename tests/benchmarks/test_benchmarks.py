@@ -7,11 +7,11 @@ import sys
 import time
 
 import pytest
-from benchmarks.accuracy import Result, Setting, cheapest, errors, race, reliable
-from benchmarks.figures import Check, Curve, Figure, Part, Plot, Ratio
 
 from benchmarks import __main__ as command
 from benchmarks import baseline, docs, fresh, report
+from benchmarks.accuracy import Result, Setting, cheapest, errors, race, reliable
+from benchmarks.figures import Check, Curve, Figure, Part, Plot, Ratio
 
 RUN = {
     "mode": "quick",

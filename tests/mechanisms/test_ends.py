@@ -6,9 +6,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from benchmarks.missed_events import FAMILIES, WALLS, campaign
 
 import jaxbuffer as jb
+from benchmarks.missed_events import FAMILIES, WALLS, campaign
 from jaxbuffer.fields import POSITIVE, Part, number
 from jaxbuffer.mechanisms.assembled import Assembled
 from jaxbuffer.mechanisms.mechanism import Mechanism

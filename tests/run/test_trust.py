@@ -4,9 +4,9 @@ import dataclasses
 
 import numpy as np
 import pytest
-from benchmarks.trust import drawn
 
 import jaxbuffer as jb
+from benchmarks.trust import drawn
 from jaxbuffer.run.request import TOLERANCES, tenth
 from jaxbuffer.run.trust import DOUBTFUL, HOPELESS, SAFETY, Trust, changes, trust
 from made_up import made_up_capture

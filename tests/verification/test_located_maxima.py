@@ -6,9 +6,9 @@ Several quantities peak within a fraction of a microsecond of each other where a
 import jax
 import numpy as np
 import pytest
-from benchmarks.campaign import BELOW_HISTORY, STUDIES, below, measured, sizes
 
 import jaxbuffer as jb
+from benchmarks.campaign import BELOW_HISTORY, STUDIES, below, measured, sizes
 from jaxbuffer import simulate
 from verification.designs import random_case
 

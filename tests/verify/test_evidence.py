@@ -3,10 +3,10 @@
 import json
 
 import pytest
-from verify.breakages import BREAKAGES
-from verify.report import STATE, markdown, note_state, page, uncaught
 
 from evidence import Evidence
+from verify.breakages import BREAKAGES
+from verify.report import STATE, markdown, note_state, page, uncaught
 
 
 def record(measured, tolerance=1e-3, claim="claim"):
