@@ -79,7 +79,7 @@ faults: $(READY)  ## kills of commands; kills, full disks, damage and strangers 
 	$(BIN)/python -m verify.faults
 
 bench-docs: $(READY)  ## the tables of the latest `make bench`, for docs/benchmarks.md
-	$(BIN)/python -m benchmarks.docs
+	$(BIN)/python -m benchmarks docs
 
 verify: $(READY)  ## every check, deliberate breakages and the paper's claims: docs/generated/verified.md
 	$(BIN)/python -m verify

@@ -107,7 +107,7 @@ def test_a_tenth_of_the_tolerance_is_one_or_not_there():
 
 @pytest.mark.long
 def test_no_wide_design_is_silently_off():
-    """Of the first designs of `python -m benchmarks.trust`, welded and free, and one of 120 impacts."""
+    """Of the first designs of `python -m benchmarks trust`, welded and free, and one of 120 impacts."""
     silent, marked = [], []
     for design, scenario in [*drawn(100), (jb.replace(jb.table2(), BOUNCING), MET)]:
         run, closer, tight = (jb.simulate(design, scenario, rtol=rtol) for rtol in (1e-6, 1e-7, 1e-10))

@@ -65,7 +65,7 @@ CASES = {
 
 
 def drawn(title, numbers):
-    """The study, and designs with scenarios by their numbers in `python -m benchmarks.campaign`."""
+    """The study, and designs with scenarios by their numbers in `python -m benchmarks campaign`."""
     study = STUDIES[title]()
     # The numbers count the designs within range, of which there are fewer than are drawn.
     cases = {number: case for number, case in enumerate(study.drawn(2 * max(numbers) + 2, 0)) if number in numbers}
