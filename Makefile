@@ -68,7 +68,7 @@ types: $(READY)  ## of all source, and what two checkers say of calls as users w
 smoke: $(READY)  ## wheel and sdist build, install into an environment of their own, and run there
 	.ci/smoke $(BIN)/python
 
-bench: $(PEERS)  ## speed against SciPy, SUNDIALS and Octave at equal accuracy, into benchmarks/results
+bench: $(PEERS)  ## speed against SciPy and SUNDIALS at equal accuracy, into benchmarks/results
 	$(BIN)/python -m benchmarks
 
 bench-check: $(PEERS)  ## the quick benchmarks; fails where a ratio to a peer is under its baseline by over 30 %
@@ -79,7 +79,7 @@ faults: $(READY)  ## kills of commands; kills, full disks, damage and strangers 
 	$(BIN)/python -m verify.faults
 
 bench-docs: $(READY)  ## the tables of the latest `make bench`, for docs/benchmarks.md
-	$(BIN)/python -m benchmarks.docs
+	$(BIN)/python -m benchmarks docs
 
 verify: $(READY)  ## every check, deliberate breakages and the paper's claims: docs/generated/verified.md
 	$(BIN)/python -m verify

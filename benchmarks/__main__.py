@@ -1,77 +1,58 @@
-"""One command for all benchmarks; see docs/benchmarks.md."""
+"""The one command of all benchmarks: ``python -m benchmarks [NAME] [options]``; without a name, `speed`."""
 
-from __future__ import annotations
-
-import argparse
 import importlib
-import os
+import inspect
 import sys
-import time
 from collections.abc import Sequence
-from pathlib import Path
+from difflib import get_close_matches
 
-PARTS = ("capture", "gradient", "sweep", "scaling", "stiff", "slider_crank", "cold")
-LONG = ("slider_crank",)  # takes part in a quick run only where it is named
+import typer
 
-
-def parsed(arguments: Sequence[str] | None) -> argparse.Namespace:
-    """The command line."""
-    parser = argparse.ArgumentParser(
-        prog="python -m benchmarks",
-        description="Speed of jaxbuffer and its peers on the same model, machine and accuracy, in one run.",
-    )
-    parser.add_argument("--quick", action="store_true", help="two minutes: two peers, small sweeps, no Octave")
-    parser.add_argument("--only", type=lambda text: text.split(","), metavar="PART,…", help=", ".join(PARTS))
-    parser.add_argument("--output", type=Path, default=Path("benchmarks/results"), metavar="FOLDER")
-    parser.add_argument("--octave", action=argparse.BooleanOptionalAction, help="default: in a full run")
-    parser.add_argument("--check-baseline", action="store_true", help="status 1 where a ratio fell by over 30 %%")
-    parser.add_argument("--store-baseline", action="store_true", help="make this run's ratios the baseline")
-    options = parser.parse_args(arguments)
-    if options.only is None:
-        options.only = [part for part in PARTS if not (options.quick and part in LONG)]
-    if unknown := set(options.only) - set(PARTS):
-        parser.error(f"no such part: {', '.join(sorted(unknown))}")
-    return options
+DEFAULT = "speed"
+NAMES = {  # modules of this package, each with a `main`, and what they are for
+    "speed": "jaxbuffer and its peers at equal accuracy: the headline",
+    "docs": "the tables of the latest run of speed, for docs/benchmarks.md",
+    "accelerator": "captures and gradients in one jax.vmap, on any device",
+    "campaign": "reported maxima of random runs against their histories and tight solves",
+    "certificates": "how good gradients are, and how often their certificates are right",
+    "diffrax_route": "a capture through diffrax.diffeqsolve beside our own",
+    "docking": "runs until the latches hold, and free starts",
+    "elements": "finite elements a second beside a loop in numba",
+    "evaluation": "one evaluation of the right-hand side, alone and with derivatives",
+    "gradients": "time and memory of a design problem's gradient by scenarios",
+    "missed_events": "events of motions in closed form: is one missed?",
+    "optimisers": "jb.tune and its peers on four design problems",
+    "problems": "how far jb.tune ends from the best design known",
+    "scaling_model": "how far a sweep over a scheduler scales",
+    "trust": "whether jb.trust tells which numbers are wrong",
+    "variables": "what a gradient costs by how many variables",
+    "wide": "random designs far wider than an engineer would search",
+    "peers.check": "whether every peer is right",
+    "peers.slider_crank.reference": "what tests of the slider-crank compare with",
+    "peers.slider_crank.statistics": "many turns of the slider-crank's reference design",
+    "fresh": "one measurement in a process of its own, for others",
+}
+LIST = "NAMES\n\n\b\n" + "\n".join(f"  {name:<30} {what}" for name, what in NAMES.items())
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the parts, write and print what they found; the exit status."""
-    options = parsed(arguments)
-    from rich.console import Console
-
-    from . import baseline, report
-    from .figures import Part
-    from .plan import Plan
-
-    mode = "quick" if options.quick else "full"
-    plan = Plan(options.quick, not options.quick if options.octave is None else options.octave)
-    run, begin = report.about(mode), time.perf_counter()
-    parts, failed = [], []
-    for name in (name for name in PARTS if name in options.only):
-        plan.console.rule(name)
-        try:
-            parts.append(importlib.import_module(f"benchmarks.{name}").measure(plan))
-        except RuntimeError as error:  # no accurate setting, or a process that failed: the other parts still count
-            failed.append(name)
-            parts.append(Part(name, name, notes=(f"failed: {error}",)))
-    run["seconds"] = time.perf_counter() - begin
-    out = Console(width=None if sys.stdout.isatty() else 160)
-    report.show(parts, out)
-    for file in report.write(parts, run, options.output):
-        out.print(f"wrote {os.path.relpath(file)}", highlight=False)
-    now = baseline.ratios(parts)
-    if options.store_baseline:
-        baseline.store(mode, now)
-        out.print(f"stored {len(now)} ratios in {os.path.relpath(baseline.FILE)}", highlight=False)
-    slower = False
-    if options.check_baseline:
-        before = baseline.due(baseline.load(mode), options.only)
-        lines = baseline.fallen(now, before)
-        for line in lines:
-            out.print(f"SLOWER {line}", highlight=False)
-        out.print(f"{len(before) - len(lines)} of {len(before)} ratios are at their {mode} baseline", highlight=False)
-        slower = bool(lines) or not before
-    return 1 if slower or failed else 0
+    """Run one benchmark; the exit status."""
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    name = words.pop(0) if words and not words[0].startswith("-") else DEFAULT
+    if name not in NAMES:
+        meant = "".join(f"; did you mean {close}?" for close in get_close_matches(name, NAMES, 1))
+        print(f"no benchmark is called {name}{meant}\n`python -m benchmarks --help` lists them", file=sys.stderr)
+        return 2
+    module = importlib.import_module(f"benchmarks.{name}")
+    app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
+    app.command(help=inspect.cleandoc(module.__doc__ or ""), epilog=LIST if name == DEFAULT else None)(module.main)
+    try:
+        return app(words, prog_name=f"python -m benchmarks {name}", standalone_mode=False) or 0
+    except Exception as error:
+        if not hasattr(error, "format_message"):  # what typer's usage errors have in common, in all its versions
+            raise
+        print(f"{name}: {error.format_message()}", file=sys.stderr)
+        return 2
 
 
 if __name__ == "__main__":

@@ -1,23 +1,24 @@
-"""Captures and gradients in one `jax.vmap`, all stepped together: `python -m benchmarks.accelerator COUNT …`.
+"""Captures and gradients in one `jax.vmap`, all stepped together: `python -m benchmarks accelerator COUNT …`.
 
 On an accelerator `jax.vmap(jb.simulate)` steps all runs of a batch together; on a CPU one after the other, which is
 faster there and what ``--together`` turns off.
 """
 
-import argparse
 import importlib
-import sys
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
+import typer
 
 import jaxbuffer as jb
+
+from .names import chosen
 
 LOW = {"buffer.k_A": 200.0, "buffer.c_A": 5.0, "probe.tip_mass": 0.03}
 HIGH = {"buffer.k_A": 1500.0, "buffer.c_A": 50.0, "probe.tip_mass": 0.15}
@@ -64,22 +65,21 @@ def compiled(kind: str, count: int) -> tuple[Any, float]:
     return timed(lambda: batch.lower(jnp.asarray(inputs(count))).compile())
 
 
-def main() -> int:
+def main(
+    counts: list[int],
+    kinds: Annotated[list[str] | None, typer.Option(help="default: both")] = None,
+    together: Annotated[bool, typer.Option(help="step all runs together on a CPU too")] = False,
+    output: Path = Path("results/accelerator"),
+    against: Annotated[Path | None, typer.Option(help="folder of another device's results, to compare with")] = None,
+) -> int:
     """Compile everything side by side; run each program as soon as it is there, and print a line."""
-    parser = argparse.ArgumentParser(description="captures and gradients a second in one jax.vmap")
-    parser.add_argument("counts", nargs="+", type=int, metavar="COUNT")
-    parser.add_argument("--kinds", nargs="+", choices=list(KINDS), default=list(KINDS))
-    parser.add_argument("--together", action="store_true", help="step all runs together on a CPU too")
-    parser.add_argument("--output", type=Path, default=Path("results/accelerator"), metavar="FOLDER")
-    parser.add_argument("--against", type=Path, metavar="FOLDER", help="results of another device, to compare with")
-    options = parser.parse_args()
     jb.configure()
-    if options.together:
+    if together:
         importlib.import_module("jaxbuffer.hybrid.lanes").in_turn = lambda: False  # type: ignore[attr-defined]
     print(jax.devices()[0].device_kind, "JAX", jax.__version__, flush=True)
-    options.output.mkdir(parents=True, exist_ok=True)
+    output.mkdir(parents=True, exist_ok=True)
     with ThreadPoolExecutor() as pool:
-        pairs = [(kind, count) for count in options.counts for kind in options.kinds]
+        pairs = [(kind, count) for count in counts for kind in chosen(kinds, KINDS, "kind")]
         programs = [(kind, count, pool.submit(compiled, kind, count)) for kind, count in pairs]
         for kind, count, program in programs:
             (call, compiling), numbers = program.result(), jnp.asarray(inputs(count))
@@ -89,14 +89,10 @@ def main() -> int:
             print(f"{kind}, {count}: {rate}, {none} without a force", flush=True)
             columns = np.column_stack([np.asarray(forces), np.asarray(codes), np.asarray(slopes)])
             name = f"{kind}-{count}.csv"
-            np.savetxt(options.output / name, columns[:1000], delimiter=",", fmt="%.17g")
-            if options.against is not None:
-                other = np.loadtxt(options.against / name, delimiter=",", ndmin=2)
+            np.savetxt(output / name, columns[:1000], delimiter=",", fmt="%.17g")
+            if against is not None:
+                other = np.loadtxt(against / name, delimiter=",", ndmin=2)
                 off = np.max(np.abs(columns[: len(other), 0] / other[:, 0] - 1.0))
                 ends = np.sum(columns[: len(other), 1] != other[:, 1])
                 print(f"the other device's: forces within {off:.1e}, {ends} outcomes differ")
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

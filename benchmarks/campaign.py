@@ -1,6 +1,6 @@
 """Random runs of each mechanism: reported maxima against the runs' own histories and against tight solves.
 
-`python -m benchmarks.campaign [--mechanism NAME] [--runs N] [--seed K]`; 10 000 runs of each study by default. For each
+`python -m benchmarks campaign [--mechanism NAME] [--runs N] [--seed K]`; 10 000 runs of each study by default. For each
 study it prints how the runs ended and in how many a reported maximum is
 
 - below the largest value at the run's own accepted steps by more than 1e-4 of it ("below its history");
@@ -11,15 +11,15 @@ study it prints how the runs ended and in how many a reported maximum is
 The runs concerned are listed by their numbers; ``--only NUMBER`` prints everything about one of them.
 """
 
-import argparse
 import collections
 import dataclasses
 from collections.abc import Iterator
-from typing import Any
+from typing import Annotated, Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
+import typer
 
 import jaxbuffer as jb
 from jaxbuffer.fields import Part
@@ -29,6 +29,8 @@ from jaxbuffer.progress import counted
 from jaxbuffer.run.request import options_of, request
 from jaxbuffer.run.stepper import run_of, stepped
 from jaxbuffer.run.trust import trust
+
+from .names import chosen
 
 RUNS = 10_000
 STEPS = 6000  # accepted steps looked at
@@ -244,22 +246,16 @@ def show(study: Study, number: int, seed: int) -> None:
     print(design, scenario, sep="\n")
 
 
-def main() -> None:
-    """Run what the command line asks for."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--mechanism", choices=STUDIES, action="append", help="study (default: all)")
-    parser.add_argument("--runs", type=int, default=RUNS)
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--only", type=int, help="print everything about one run of the study")
-    arguments = parser.parse_args()
-    chosen = arguments.mechanism or list(STUDIES)
-    if arguments.only is not None:
-        show(STUDIES[chosen[0]](), arguments.only, arguments.seed)
-        return
-    failures = sum(campaign(title, STUDIES[title](), arguments.runs, arguments.seed) for title in chosen)
-    raise SystemExit(1 if failures else 0)
-
-
-if __name__ == "__main__":
+def main(
+    mechanism: Annotated[list[str] | None, typer.Option(help=f"study (default: all): {', '.join(STUDIES)}")] = None,
+    runs: int = RUNS,
+    seed: int = 0,
+    only: Annotated[int | None, typer.Option(help="print everything about one run of the study")] = None,
+) -> int:
+    """Run what the command line asks for; the exit status."""
+    titles = chosen(mechanism, STUDIES, "study")
     jb.configure()
-    main()
+    if only is not None:
+        show(STUDIES[titles[0]](), only, seed)
+        return 0
+    return int(sum(campaign(title, STUDIES[title](), runs, seed) for title in titles) > 0)

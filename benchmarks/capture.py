@@ -3,32 +3,14 @@
 from __future__ import annotations
 
 from . import ours
-from .accuracy import TARGET, Setting, cheapest, errors, race
-from .figures import Figure, Part, Plot, Ratio, milliseconds, precision_plot
-from .peers import compiled, octave
+from .accuracy import TARGET, Setting, cheapest, race
+from .figures import Part, Plot, Ratio, milliseconds, precision_plot
+from .peers import compiled
 from .peers.timing import curves
 from .plan import Plan
 
 BEST_PEER = 4.0  # [-] targets: times as fast as the quickest of all peers, the compiled loops among them,
-OCTAVE = 1000.0  # as Octave's ode15s,
 EXPLICIT = 0.5  # and not half as slow as the explicit method
-OCTAVE_SETTINGS = ((1e-7, 1e-9), (1e-6, 1e-11))  # looser ones chatter for minutes
-
-
-def octave_figure(plan: Plan) -> Figure | str:
-    """Octave's quickest accurate solve [ms], or why there is none."""
-    figures = []
-    for rtol, atol in plan.track(OCTAVE_SETTINGS, "Octave ode15s"):
-        try:
-            run = octave.capture(plan.table2.parameters, rtol, atol)
-        except octave.OctaveError as error:
-            return f"Octave ode15s failed: {error}"
-        if isinstance(run, str):
-            return f"Octave ode15s {run}"
-        off = errors(run.capture, plan.table2)
-        if max(off.values()) <= TARGET:
-            figures.append(Figure("Octave ode15s", 1e3 * run.seconds, "ms", off, f"rtol {rtol:.0e}, atol {atol:.0e}"))
-    return min(figures, key=lambda figure: figure.value, default="Octave ode15s: no setting was accurate enough")
 
 
 def own_curves(plan: Plan) -> dict[str, list[Setting]]:
@@ -80,12 +62,6 @@ def measure(plan: Plan) -> Part:
                 target = EXPLICIT if solver == "explicit" else None
                 figure = milliseconds(timed[solver])
                 ratios.append(Ratio(f"capture/{solver}", f"default against {solver}", own, figure, target))
-        if plan.octave:
-            figure = octave_figure(plan)
-            if isinstance(figure, str):
-                notes.append(figure)
-            else:
-                ratios.append(Ratio("capture/octave", "against Octave ode15s, the paper's form", own, figure, OCTAVE))
     drawn = [*mine.values(), *(curve for of_peer in theirs.values() for curve in of_peer)]
     title = f"One Table-2 capture, peak force and end time within {TARGET:g}"
     return Part("capture", title, tuple(ratios), plots=plots(drawn), notes=tuple(notes))

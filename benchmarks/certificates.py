@@ -1,6 +1,6 @@
 """How good are the gradients, and how often is their certificate right?
 
-    python -m benchmarks.certificates --designs 200
+    python -m benchmarks certificates --designs 200
 
 Every reference capture and N random designs: elasticities with their quick certificate, against differences of tight
 solves by another solver (explicit, rtol 1e-11) for each parameter, whose own uncertainty is kept. Each case is written
@@ -9,31 +9,26 @@ to FOLDER/certificates.jsonl as soon as it is done, and cases found there are no
 
 from __future__ import annotations
 
-import argparse
 import json
 import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Annotated
 
-import jaxbuffer.programs.process
+import numpy as np
+import typer
+from rich.console import Console
+from rich.table import Table
 
-jaxbuffer.programs.process.configure(cache=None)
+import jaxbuffer as jb
+from jaxbuffer.hybrid import ExplicitRungeKutta
+from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
+from jaxbuffer.programs.threads import Pool
+from jaxbuffer.sensitivities.certificate import KINK, TRUSTED
+from jaxbuffer.sensitivities.evidence import FLOOR, TightSolve, TightSolves, course_of, each
 
-import numpy as np  # noqa: E402
-from rich.console import Console  # noqa: E402
-from rich.table import Table  # noqa: E402
-
-import jaxbuffer as jb  # noqa: E402
-from jaxbuffer.hybrid import ExplicitRungeKutta  # noqa: E402
-from jaxbuffer.mechanisms.probe_cone import PROBE_CONE  # noqa: E402
-from jaxbuffer.programs.threads import Pool  # noqa: E402
-from jaxbuffer.sensitivities.certificate import KINK, TRUSTED  # noqa: E402
-from jaxbuffer.sensitivities.evidence import FLOOR, TightSolve, TightSolves, course_of, each  # noqa: E402
-
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
-from verification.cases import CASES  # noqa: E402
-from verification.designs import random_case  # noqa: E402
+from .plan import of_tests
 
 PARAMETERS, QUANTITIES = PROBE_CONE.defaults.parameters, PROBE_CONE.defaults.differentiated
 POOL = Pool()
@@ -44,7 +39,8 @@ EVERY = 5  # so many random designs hold one with a free tip
 
 def cases(designs: int) -> Iterator[tuple[str, jb.Design, jb.Scenario]]:
     """Name, design, scenario; free tips, another program to compile, come last."""
-    drawn = [(name, case.design, case.scenario) for name, case in CASES.items()]
+    random_case = of_tests("verification.designs").random_case
+    drawn = [(name, case.design, case.scenario) for name, case in of_tests("verification.cases").CASES.items()]
     for seed in range(designs):
         drawn.append((f"design {seed}", *random_case(seed, free_tip=seed % EVERY == EVERY - 1)))
     yield from sorted(drawn, key=lambda case: case[1].probe.free_tip)
@@ -75,8 +71,9 @@ def examined(name: str, design: jb.Design, scenario: jb.Scenario) -> dict:
             tight, sensitivity.elasticities, np.abs(sensitivity.results), np.zeros_like(sensitivity.elasticities)
         )
         record |= {"off": evidence.by_differences.tolist(), "uncertainty": evidence.uncertainty.tolist()}
-    if name in CASES:
-        reference = CASES[name].values["elasticity"]
+    known = of_tests("verification.cases").CASES
+    if name in known:
+        reference = known[name].values["elasticity"]
         record["reference"] = [reference[path.rsplit(".", 1)[1]] for path in PARAMETERS]
     return record
 
@@ -167,18 +164,16 @@ def shown(records: list[dict], out: Console) -> None:
             out.print(f"  {r['name']}: {verdict}: {r['reason']}", highlight=False)
 
 
-def main() -> int:
+def main(
+    designs: Annotated[int, typer.Option(help="random designs")] = 200, output: Path = Path("benchmarks/results")
+) -> int:
     """Run what is missing, then show everything asked for."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.certificates", description=__doc__)
-    parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    parser.add_argument("--designs", type=int, default=200, metavar="N", help="random designs (default 200)")
-    parser.add_argument("--output", type=Path, default=Path("benchmarks/results"), metavar="FOLDER")
-    options = parser.parse_args()
-    file = options.output / "certificates.jsonl"
+    jb.configure(cache=None)
+    file = output / "certificates.jsonl"
     file.parent.mkdir(parents=True, exist_ok=True)
     known = {r["name"]: r for r in map(json.loads, file.read_text().splitlines())} if file.exists() else {}
     out, note = Console(width=None if sys.stdout.isatty() else 180), Console(stderr=True)
-    selection = list(cases(options.designs))
+    selection = list(cases(designs))
     todo = [case for case in selection if case[0] not in known]
     note.print(f"{len(selection) - len(todo)} of {len(selection)} captures known from {file}")
     with file.open("a") as stream:
@@ -189,7 +184,3 @@ def main() -> int:
             note.print(f"{number} of {len(todo)}: {case[0]}, {record['outcome']}, {record['reason']}", highlight=False)
     shown([known[name] for name, *_ in selection], out)
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,4 +1,4 @@
-"""Table 2's capture through `diffrax.diffeqsolve` beside our own: ``python -m benchmarks.diffrax_route``.
+"""Table 2's capture through `diffrax.diffeqsolve` beside our own: ``python -m benchmarks diffrax_route``.
 
 Prints the table of docs/diffrax.md: steps, warm time, error of the peak force, and time and worst error of its five
 elasticities, against the reference capture.
@@ -6,7 +6,6 @@ elasticities, against the reference capture.
 
 from __future__ import annotations
 
-import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
@@ -96,7 +95,3 @@ def main() -> int:
         for row in rows(name, solver, tolerances):
             print(printed(row), flush=True)
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,16 +1,17 @@
 """How long docking until held takes beside a capture alone: runs, five derivatives, and a sweep of free starts.
 
-python -m benchmarks.docking [--starts 10000]
+python -m benchmarks docking [--starts 10000]
 """
 
 from __future__ import annotations
 
-import argparse
 import time
 from collections.abc import Callable
+from typing import Annotated
 
 import jax
 import numpy as np
+import typer
 
 import jaxbuffer as jb
 from jaxbuffer.mechanisms.registry import mechanism_of
@@ -72,11 +73,8 @@ def free_starts(count: int) -> str:
     return f"{side * side} free starts: {passed:.1f} s, {side * side / passed:.0f} 1/s; {successes} held or latched"
 
 
-def main() -> None:
+def main(starts: Annotated[int, typer.Option(help="free starts of the sweep")] = 10_000) -> None:
     """Print the table."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--starts", type=int, default=10_000, help="free starts of the sweep (default: 10000)")
-    starts = parser.parse_args().starts
     jb.configure()
     times = table("Quickest warm times [ms]")
     for heading in ("", "capture alone", "with five derivatives", "until held, or 20 s", "with five derivatives"):
@@ -86,7 +84,3 @@ def main() -> None:
     times.add_row(*row("350 and 800 kg", jb.replace(jb.table2(), LARGE), LARGE_LATCH, large))
     print(text(times))
     print(free_starts(starts))
-
-
-if __name__ == "__main__":
-    main()

@@ -1,10 +1,9 @@
-"""The tables of a run, which docs/benchmarks.md includes: ``python -m benchmarks.docs [results.json]``."""
+"""The tables of a run, which docs/benchmarks.md includes: ``python -m benchmarks docs``."""
 
 from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Sequence
 from pathlib import Path
 
 from . import report
@@ -22,16 +21,11 @@ def tables(results: str) -> str:
     return "\n".join(f"#{line}" if line.startswith("#") else line for line in lines) + "\n"
 
 
-def main(arguments: Sequence[str]) -> int:
+def main(file: Path = RESULTS) -> int:
     """Write the tables; the exit status."""
-    file = Path(arguments[0]) if arguments else RESULTS
     if not file.is_file():
         print(f"{file}: no such file; `make bench` writes it", file=sys.stderr)
         return 2
     TABLES.write_text(tables(file.read_text(encoding="utf-8")), encoding="utf-8")
     print(f"wrote {TABLES}")
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))

@@ -1,4 +1,4 @@
-"""Elements a second: our explicit dynamics beside a loop in numba of the same: ``python -m benchmarks.elements``.
+"""Elements a second: our explicit dynamics beside a loop in numba of the same: ``python -m benchmarks elements``.
 
 A cantilever of square elements, plastic after von Mises, swings under its weight. Ours and numba's on one thread take
 turns and are timed by processor time, several threads by the clock; the shortest counts. Memory is what XLA reports of
@@ -7,15 +7,14 @@ the compiled run; the gradient is that of the tip's displacement by Young's modu
 
 from __future__ import annotations
 
-import argparse
 import os
-import sys
 import time
 from collections.abc import Callable
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
+import typer
 
 from .ours import jax  # configures, before any computation of JAX's
 from .peers.elements import Peer
@@ -133,16 +132,14 @@ def by_the_clock(call: Callable[[], Any], rounds: int) -> float:
     return min(times)
 
 
-def main(arguments: list[str] | None = None) -> int:
+def main(
+    rounds: int = 9, sizes: Annotated[int, typer.Option(help="only so many of the smallest meshes")] = len(SIZES)
+) -> int:
     """Measure and print."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.elements", description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("--rounds", type=int, default=9, metavar="N")
-    parser.add_argument("--sizes", type=int, default=len(SIZES), metavar="N", help="only the N smallest meshes")
-    options = parser.parse_args(arguments)
     cores = len(os.sched_getaffinity(0))
     print(f"element updates a second, in millions; numba on 1 and on {cores} threads")
     print("elements      ours   numba 1   numba " + f"{cores}   ours/numba 1   memory [MB]   apart [-]")
-    for size in SIZES[: options.sizes]:
+    for size in SIZES[:sizes]:
         given = problem(*size)
         run, memory = ours(given)
         calls = {"ours": run, "one": theirs(given, 1), "all": theirs(given, cores)}
@@ -151,27 +148,23 @@ def main(arguments: list[str] | None = None) -> int:
         if not apart < SAME:
             print(f"{len(given.corners)} elements: not the same: displacements {apart:.1e} of the largest apart")
             return 1
-        best = in_turns({name: calls[name] for name in ("ours", "one")}, options.rounds)
-        best["all"] = by_the_clock(calls["all"], options.rounds)
+        best = in_turns({name: calls[name] for name in ("ours", "one")}, rounds)
+        best["all"] = by_the_clock(calls["all"], rounds)
         rate = {name: 50e-6 * given.blocks * len(given.corners) / seconds for name, seconds in best.items()}
         print(
             f"{len(given.corners):>8}{rate['ours']:>10.2f}{rate['one']:>10.2f}{rate['all']:>10.2f}"
             f"{rate['ours'] / rate['one']:>15.2f}{1e-6 * memory:>14.2f}{apart:>12.1e}"
         )
     print("elements   steps   run [ms]   gradient [runs]   memory [MB]")
-    for size in GRADIENT[: options.sizes]:
+    for size in GRADIENT[:sizes]:
         given = problem(*size)._replace(blocks=40)
         run, pulled, memory = gradient(given)
-        best = in_turns({"run": run, "gradient": pulled}, options.rounds)
+        best = in_turns({"run": run, "gradient": pulled}, rounds)
         print(
             f"{len(given.corners):>8}{50 * given.blocks:>8}{1e3 * best['run']:>11.1f}"
             f"{best['gradient'] / best['run']:>18.2f}{1e-6 * memory:>14.2f}"
         )
     run, pulled = tank_gradient()
-    best = in_turns({"run": run, "gradient": pulled}, options.rounds)
+    best = in_turns({"run": run, "gradient": pulled}, rounds)
     print(f"a drop onto a tank: run {1e3 * best['run']:.1f} ms, gradient {best['gradient'] / best['run']:.2f} runs")
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

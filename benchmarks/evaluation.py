@@ -1,4 +1,4 @@
-"""One evaluation of Table 2's right-hand side: alone, with rows, with a covector: ``python -m benchmarks.evaluation``.
+"""One evaluation of Table 2's right-hand side: alone, with rows, with a covector: ``python -m benchmarks evaluation``.
 
 Rows by n variables push n tangents through the linearised right-hand side; an adjoint pulls one covector a quantity
 back through it. Each is a loop of its own, timed in turns with the others; the shortest time counts. A probe in
@@ -7,8 +7,6 @@ contact.
 
 from __future__ import annotations
 
-import argparse
-import sys
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -59,11 +57,8 @@ def looped(count: int, kind: str) -> Callable[[int], Any]:
     return lambda evaluations: jax.block_until_ready(compiled(values, evaluations))
 
 
-def main(arguments: list[str] | None = None) -> int:
+def main(rounds: int = 60) -> int:
     """Measure and print."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.evaluation", description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("--rounds", type=int, default=60, metavar="N")
-    rounds = parser.parse_args(arguments).rounds
     options = {"value alone": (1, "value"), "and one covector": (COUNTS[1], "covector")}
     options |= {f"and rows by {count} variables": (count, "rows") for count in COUNTS}
     calls = {name: partial(looped(*kind), EVALUATIONS) for name, kind in options.items()}
@@ -71,7 +66,3 @@ def main(arguments: list[str] | None = None) -> int:
     for name, seconds in best.items():
         print(f"{name:<26}{1e6 * seconds / EVALUATIONS:>8.3f} µs{seconds / best['value alone']:>8.2f}")
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

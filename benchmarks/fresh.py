@@ -1,6 +1,6 @@
 """Measurements that need a process of their own: peak memory, and compilation with nothing compiled before.
 
-``python -m benchmarks.fresh TASK JSON`` prints one line of JSON; `measured` runs it and reads that line.
+``python -m benchmarks fresh TASK JSON`` prints one line of JSON; `measured` runs it and reads that line.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ PATIENCE = 60.0  # [s] a sweep that took longer is not run again
 def measured(task: str, **arguments: Any) -> dict[str, float]:
     """Figures of a task run by a fresh interpreter with an empty compilation cache."""
     with tempfile.TemporaryDirectory() as cache:
-        command = [sys.executable, "-m", "benchmarks.fresh", task, json.dumps(arguments)]
+        command = [sys.executable, "-m", "benchmarks", "fresh", task, json.dumps(arguments)]
         done = subprocess.run(command, cwd=ROOT, env=environment(cache), capture_output=True, text=True, check=False)
     if done.returncode:
         raise RuntimeError(f"{task} failed:\n{done.stderr}")
@@ -97,5 +97,7 @@ def _first_and_warm(call: Callable[[], object]) -> dict[str, float]:
 
 TASKS = {"sweep": sweep, "pool": pool, "compile-capture": compile_capture, "compile-gradient": compile_gradient}
 
-if __name__ == "__main__":
-    print(json.dumps(TASKS[sys.argv[1]](**json.loads(sys.argv[2]))))
+
+def main(task: str, arguments: str) -> None:
+    """Print the figures of a task."""
+    print(json.dumps(TASKS[task](**json.loads(arguments))))

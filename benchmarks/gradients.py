@@ -1,4 +1,4 @@
-"""Time per gradient and memory for 1 to 1000 scenarios in one design problem: ``python -m benchmarks.gradients``.
+"""Time per gradient and memory for 1 to 1000 scenarios in one design problem: ``python -m benchmarks gradients``.
 
 A gradient here is every quantity of every scenario with its derivatives by five variables (one `Evaluator` call), and
 then the step the search makes of it. Memory is the process's peak so far, of which most is the compiled program.
@@ -6,7 +6,6 @@ then the step the search makes of it. Memory is the process's peak so far, of wh
 
 from __future__ import annotations
 
-import argparse
 import json
 import resource
 import sys
@@ -16,12 +15,8 @@ from pathlib import Path
 import jaxbuffer.programs.process
 
 
-def main(arguments: list[str] | None = None) -> int:
+def main(counts: str = "1,10,100,1000", output: Path = Path("benchmarks/results/gradients.json")) -> int:
     """Measure, print, write."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.gradients", description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("--counts", default="1,10,100,1000", metavar="N,…")
-    parser.add_argument("--output", type=Path, default=Path("benchmarks/results/gradients.json"))
-    options = parser.parse_args(arguments)
     jaxbuffer.programs.process.configure(cache=None)
     from rich.console import Console
     from rich.table import Table
@@ -40,7 +35,7 @@ def main(arguments: list[str] | None = None) -> int:
     headings = ("scenarios", "gradient [s]", "a scenario [ms]", "step [s]", "captured", "memory [MiB]")
     for heading in headings:
         table.add_column(heading, justify="right")
-    for count in map(int, options.counts.split(",")):
+    for count in map(int, counts.split(",")):
         cases = Scatter(count, spread, seed=1).cases([Case(PROBE_CONE.scenario())], table2())
         problem = Problem(table2(), cases, variables, Objective(), Limits(at_most={"stroke": 0.025}))
         goal = Goal(problem, problem.objective)
@@ -60,11 +55,7 @@ def main(arguments: list[str] | None = None) -> int:
         rows.append(dict(zip(headings, numbers, strict=True)))
         table.add_row(*(f"{x:.4g}" for x in numbers))
     Console(width=None if sys.stdout.isatty() else 120).print(table)
-    options.output.parent.mkdir(parents=True, exist_ok=True)
-    options.output.write_text(json.dumps(rows, indent=1) + "\n")
-    print(f"wrote {options.output}")
+    output.parent.mkdir(parents=True, exist_ok=True)
+    output.write_text(json.dumps(rows, indent=1) + "\n")
+    print(f"wrote {output}")
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

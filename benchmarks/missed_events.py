@@ -1,13 +1,12 @@
 """Random mechanisms whose motion is known in closed form: is an end or a touchdown ever missed?
 
-`python -m benchmarks.missed_events [--runs N] [--seed K]`; 10 000 runs by default. Thrown balls, pendulums, carriages
+`python -m benchmarks missed_events [--runs N] [--seed K]`; 10 000 runs by default. Thrown balls, pendulums, carriages
 on a spring, rotors and pairs of carriages, each with a mark that ends the run or with a wall that a ball touches. The
 mark lies a random share of the motion's extent, from a hundred-thousandth to a third, below or above the highest place
 that is reached. For each mechanism it prints in how many runs an event was missed, was found where there is none, or
 was found at another place than the mark, each by more than the run's tolerance explains.
 """
 
-import argparse
 import dataclasses
 from collections.abc import Callable
 from typing import Any
@@ -211,17 +210,13 @@ def campaign(name: str, touches: bool, runs: int, seed: int) -> tuple[Count, lis
     return count, bad
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--runs", type=int, default=RUNS)
-    parser.add_argument("--seed", type=int, default=0)
-    given = parser.parse_args()
+def main(runs: int = RUNS, seed: int = 0) -> int:
     jb.configure()
     cases = [(name, touches) for name in FAMILIES for touches in (False, True) if not touches or name in WALLS]
     print(f"{'':18} {'event':10} {'runs':>6} {'events':>7} {'failed':>7} {'missed':>7} {'untrue':>7} {'misplaced':>10}")
     total = 0
     for k, (name, touches) in enumerate(cases):
-        count, bad = campaign(name, touches, given.runs // len(cases), given.seed + k)
+        count, bad = campaign(name, touches, runs // len(cases), seed + k)
         total += count.failed + count.missed + count.untrue + count.misplaced
         print(
             f"{name:18} {'touchdown' if touches else 'end':10} {count.runs:6} {count.events:7} {count.failed:7} "
@@ -229,8 +224,4 @@ def main() -> None:
         )
         for one in bad[:3]:
             print("   ", *one)
-    raise SystemExit(int(total > 0))
-
-
-if __name__ == "__main__":
-    main()
+    return int(total > 0)

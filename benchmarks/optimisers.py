@@ -1,6 +1,6 @@
 """`jb.tune` and its peers on four design problems: objective reached, captures spent, time.
 
-``python -m benchmarks.optimisers`` prints a table and writes JSON; ``--only`` picks problems. All minimise the same
+``python -m benchmarks optimisers`` prints a table and writes JSON; ``--only`` picks problems. All minimise the same
 true objective under the same constraints. SLSQP and trust-constr get our gradients of objective and constraints and
 start where `tune` starts; differential evolution and CMA-ES see values only, of the objective plus ten times what is
 above the limits, and no gradient is computed for them. A capture with its derivatives counts as one, like one without.
@@ -8,7 +8,6 @@ above the limits, and no gradient is computed for them. A capture with its deriv
 
 from __future__ import annotations
 
-import argparse
 import dataclasses
 import json
 import sys
@@ -18,6 +17,8 @@ from pathlib import Path
 from typing import Any
 
 import jaxbuffer.programs.process
+
+from .names import chosen
 
 PENALTY = 10.0
 TIGHT = 1e-9
@@ -239,21 +240,20 @@ def compared(problem: Any, methods: list[str]) -> list[dict[str, Any]]:
     return rows
 
 
-def main(arguments: list[str] | None = None) -> int:
+def main(
+    only: str = "peak,hinge,slow,askew",
+    methods: str = ",".join(METHODS),
+    output: Path = Path("benchmarks/results/optimisers.json"),
+) -> int:
     """Run, print, write."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.optimisers", description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("--only", default="peak,hinge,slow,askew", metavar="PROBLEM,…")
-    parser.add_argument("--methods", default=",".join(METHODS), metavar="METHOD,…")
-    parser.add_argument("--output", type=Path, default=Path("benchmarks/results/optimisers.json"))
-    options = parser.parse_args(arguments)
     jaxbuffer.programs.process.configure(cache=None)
     from rich.console import Console
     from rich.table import Table
 
     by_name, record, out = problems(), {}, Console(width=None if sys.stdout.isatty() else 150)
-    for name in options.only.split(","):
+    for name in chosen(only.split(","), by_name, "problem"):
         print(name, file=sys.stderr)
-        rows = compared(by_name[name], options.methods.split(","))
+        rows = compared(by_name[name], chosen(methods.split(","), METHODS, "method"))
         record[name] = {"objective": str(by_name[name].objective), "cases": len(by_name[name].cases), "methods": rows}
         table = Table(title=f"{name}: {by_name[name].objective}, {len(by_name[name].cases)} cases")
         for heading in ("method", "objective [N]", "above best", "feasible", "captures", "until 0.1 %", "s", "message"):
@@ -278,11 +278,7 @@ def main(arguments: list[str] | None = None) -> int:
             verdict = "met" if met else "MISSED"
             out.print(f"captures of the thriftier derivative-free method over ours: {ratio:.1f}; target {verdict}")
             record[name] |= {"captures_ratio": ratio, "target_met": met}
-        options.output.parent.mkdir(parents=True, exist_ok=True)
-        options.output.write_text(json.dumps(record, indent=1, default=dataclasses.asdict) + "\n")
-    out.print(f"wrote {options.output}", highlight=False)
+        output.parent.mkdir(parents=True, exist_ok=True)
+        output.write_text(json.dumps(record, indent=1, default=dataclasses.asdict) + "\n")
+    out.print(f"wrote {output}", highlight=False)
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

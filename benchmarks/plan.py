@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import importlib
+import sys
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
+from types import ModuleType
 from typing import TypeVar
 
 from rich.console import Console
@@ -20,12 +23,20 @@ REFERENCES = ROOT / "tests" / "verification" / "captures.json"
 QUICK_PEERS = ("compiled DOP853", "compiled RODAS", "SciPy LSODA", "CVODE Adams")  # the quickest of either kind
 
 
+def of_tests(name: str) -> ModuleType:
+    """Return a module of the tests, which are no package."""
+    sys.path.append(str(ROOT / "tests"))
+    try:
+        return importlib.import_module(name)
+    finally:
+        sys.path.pop()
+
+
 @dataclass(frozen=True)
 class Plan:
     """The choices of a run; parts ask it rather than count for themselves."""
 
     quick: bool = False
-    octave: bool = True
     console: Console = field(default_factory=lambda: Console(stderr=True))
 
     @property

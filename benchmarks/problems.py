@@ -1,18 +1,20 @@
 """How far `jb.tune` ends from the best design known, on six design problems with discontinuities in them.
 
-``python -m benchmarks.problems`` prints a row for each problem and seed and writes JSON; it exits with status 1 where a
+``python -m benchmarks problems`` prints a row for each problem and seed and writes JSON; it exits with status 1 where a
 run ends more than one per cent above the best known. ``--only`` picks problems, ``--seeds`` how many seeds from 0 on.
 """
 
 from __future__ import annotations
 
-import argparse
 import json
-import sys
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+import typer
 
 import jaxbuffer.programs.process
+
+from .names import chosen
 
 FOLDER = Path(__file__).with_suffix("")
 WORST = 0.01  # above the best known
@@ -50,21 +52,18 @@ def ran(name: str, seed: int, **settings: int) -> dict[str, Any]:
     }
 
 
-def main(arguments: list[str] | None = None) -> int:
+def main(
+    only: str = ",".join(BEST),
+    seeds: Annotated[int, typer.Option(help="seeds from 0 on")] = 1,
+    output: Path = Path("benchmarks/results/problems.json"),
+) -> int:
     """Run, print, write."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.problems", description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("--only", default=",".join(BEST), metavar="PROBLEM,…")
-    parser.add_argument("--seeds", type=int, default=1, metavar="N", help="seeds 0 to N-1; default 1")
-    parser.add_argument("--output", type=Path, default=Path("benchmarks/results/problems.json"))
-    options = parser.parse_args(arguments)
-    names = options.only.split(",")
-    if unknown := set(names) - set(BEST):
-        parser.error(f"no such problem: {', '.join(sorted(unknown))}")
+    names = chosen(only.split(","), BEST, "problem")
     jaxbuffer.programs.process.configure(cache=None)
-    options.output.parent.mkdir(parents=True, exist_ok=True)
+    output.parent.mkdir(parents=True, exist_ok=True)
     print("problem    scenarios  seed  captures  without derivatives  objective [N]  above best  message")
     rows = []
-    for name, seed in ((name, seed) for name in names for seed in range(options.seeds)):
+    for name, seed in ((name, seed) for name in names for seed in range(seeds)):
         row = ran(name, seed)
         rows.append(row)
         print(
@@ -72,11 +71,7 @@ def main(arguments: list[str] | None = None) -> int:
             f" {row['objective [N]']:>14.2f} {100.0 * row['above_best [-]']:>9.2f} %  {row['message'][:60]}",
             flush=True,
         )
-        options.output.write_text(json.dumps(rows, indent=1) + "\n")
+        output.write_text(json.dumps(rows, indent=1) + "\n")
     worst = max(row["above_best [-]"] for row in rows)
     print(f"worst: {100.0 * worst:.2f} % above the best known; target below {100.0 * WORST:g} %")
     return 0 if worst < WORST else 1
-
-
-if __name__ == "__main__":
-    sys.exit(main())

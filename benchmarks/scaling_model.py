@@ -1,6 +1,6 @@
 """How far a sweep over a scheduler scales: what a task costs here, and a model of it for up to thousands of cores.
 
-    python -m benchmarks.scaling_model [--captures 3000] [--tasks 2000]
+    python -m benchmarks scaling_model [--captures 3000] [--tasks 2000]
 
 A model, not a measurement: beyond this machine's cores it assumes that workers are like these, that their store takes
 files as this one does, and that the scheduler is as busy with a task of one worker as with a task of another.
@@ -8,15 +8,16 @@ files as this one does, and that the scheduler is as busy with a task of one wor
 
 from __future__ import annotations
 
-import argparse
 import dataclasses
 import os
 import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
+import typer
 
 import jaxbuffer as jb
 from jaxbuffer.block_store import Head
@@ -174,28 +175,23 @@ def predicted(costs: Costs) -> list[str]:
     return lines
 
 
-def main() -> None:
+def main(
+    captures: int = 3000,
+    tasks: int = 2000,
+    cache: Annotated[Path | None, typer.Option(help="folder of compiled programs; default: a new one")] = None,
+) -> None:
     """Measure, and print the model."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--captures", type=int, default=3000)
-    parser.add_argument("--tasks", type=int, default=2000)
-    parser.add_argument("--cache", type=Path, default=None, help="folder of compiled programs; default: a new one")
-    options = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        os.environ["JAXBUFFER_CACHE"] = str(options.cache or folder / "cache")
+        os.environ["JAXBUFFER_CACHE"] = str(cache or folder / "cache")
         jb.configure(cache=os.environ["JAXBUFFER_CACHE"])
-        costs = {processes: solving(options.captures, processes, folder) for processes in (1, 2)}
+        costs = {processes: solving(captures, processes, folder) for processes in (1, 2)}
         block, number, files = storing(folder)
-        scheduler, memory = scheduling(options.tasks)
+        scheduler, memory = scheduling(tasks)
     for processes, (capture, rate) in costs.items():
         print(f"processes: {processes}; {rate:.0f} captures/s, {1e3 * capture:.2f} ms of a core each")
     print(f"scaling from 1 to 2 processes: {costs[2][1] / costs[1][1]:.2f}")
     print(f"storing a block: {1e3 * block:.1f} ms in {files} files, and {1e6 * number:.2f} µs a capture")
     print(f"a task: {1e3 * scheduler:.2f} ms of scheduler and driver together")
-    print(f"driver's memory along {options.tasks} tasks: " + ", ".join(f"{it:.0f}" for it in memory) + " MiB")
+    print(f"driver's memory along {tasks} tasks: " + ", ".join(f"{it:.0f}" for it in memory) + " MiB")
     print("\n".join(predicted(Costs(costs[1][0], block, number, scheduler, files))))
-
-
-if __name__ == "__main__":
-    main()

@@ -12,7 +12,7 @@ import numpy as np
 from . import ours
 from .accuracy import Setting, best_of, cheapest, measured, race
 from .figures import Figure, Part, Ratio, milliseconds, precision_plot
-from .plan import ROOT, Plan
+from .plan import ROOT, Plan, of_tests
 
 import jaxbuffer as jb  # isort: skip # after `ours`, which configures JAX
 
@@ -81,13 +81,7 @@ def by_plain_scipy(rtol: float) -> np.ndarray:
 
 def by_exudyn(step: float) -> np.ndarray:
     """Peaks [N] by Exudyn at a fixed step."""
-    import sys
-
-    sys.path.append(str(ROOT / "tests"))
-    try:
-        from verification.second_opinion.slider_crank import simulate
-    finally:
-        sys.path.pop()
+    simulate = of_tests("verification.second_opinion.slider_crank").simulate
     numbers = json.loads(FILE.read_text())["designs"][0]["numbers"]
     return simulate(numbers, step, WINDOW).peak_force
 

@@ -1,9 +1,8 @@
 """Whether `jb.trust` tells which numbers are wrong: wide random designs against runs at tight tolerance.
 
-`python -m benchmarks.trust [designs]`; 1000 of them by default, a third with a free tip. A few minutes.
+`python -m benchmarks trust [--count N]`; 1000 of them by default, a third with a free tip. A few minutes.
 """
 
-import sys
 from collections import Counter
 from collections.abc import Iterator
 
@@ -43,7 +42,8 @@ def drawn(count: int) -> Iterator[tuple[jb.Design, jb.Scenario]]:
         yield jax.tree.map(lambda x, k=number: float(x[k]), pairs[number % 3])
 
 
-def main(count: int) -> None:
+def main(count: int = DESIGNS) -> int:
+    jb.configure()
     verdicts, wrong, silent, unknown = Counter(), Counter(), Counter(), Counter()
     progress = counted(True, "run")
     for number, (design, scenario) in enumerate(drawn(count)):
@@ -61,9 +61,4 @@ def main(count: int) -> None:
     print(f"{'quantity':20} off by > {DOUBTFUL:g}  of these silently  not known to {KNOWN:g} by tight runs")
     for name in wrong:
         print(f"{name:20} {wrong[name]:12} {silent[name]:18} {unknown[name]:16}")
-    sys.exit(1 if any(silent.values()) else 0)
-
-
-if __name__ == "__main__":
-    jb.configure()
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else DESIGNS)
+    return int(any(silent.values()))

@@ -1,4 +1,4 @@
-"""What a gradient costs by how many variables: ``python -m benchmarks.variables``.
+"""What a gradient costs by how many variables: ``python -m benchmarks variables``.
 
 Captures and gradients are timed in turns in one process, and the shortest of each is taken; a gradient's time is given
 in captures at the same tolerance. It is processor time: wall time, on a machine that others use, lengthens long calls
@@ -9,13 +9,13 @@ quantities, so that asking for more of them costs what reading them takes.
 
 from __future__ import annotations
 
-import argparse
 import json
-import sys
 import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+import typer
 
 from .ours import jax, jb  # configures, before any computation of JAX's
 
@@ -97,53 +97,46 @@ def cases() -> list[Any]:
 
     from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 
-    from .plan import ROOT
+    from .plan import of_tests
 
-    sys.path.insert(0, str(ROOT / "tests"))
-    from verification.cases import CASES
-
+    known = of_tests("verification.cases").CASES
     return [
         SimpleNamespace(
-            name=name, design=CASES[name].design, scenario=CASES[name].scenario, catalogue=PROBE_CONE.quantities
+            name=name, design=known[name].design, scenario=known[name].scenario, catalogue=PROBE_CONE.quantities
         )
         for name in DESIGNS
     ]
 
 
-def main(arguments: list[str] | None = None) -> int:
+def main(
+    counts: Annotated[str, typer.Option(help="numbers of variables")] = ",".join(map(str, COUNTS)),
+    rounds: int = 20,
+    output: Path = Path("benchmarks/results/variables.json"),
+) -> int:
     """Measure, print, write."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.variables", description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("--counts", default=",".join(map(str, COUNTS)), metavar="N,…", help="numbers of variables")
-    parser.add_argument("--rounds", type=int, default=20, metavar="N")
-    parser.add_argument("--output", type=Path, default=Path("benchmarks/results/variables.json"))
-    options = parser.parse_args(arguments)
-    counts = [int(text) for text in options.counts.split(",")]
-    if not all(0 < count <= len(VARIABLES) for count in counts):
-        parser.error(f"--counts: 1 to {len(VARIABLES)} variables, not {options.counts}")
+    numbers = [int(text) for text in counts.split(",")]
+    if not all(0 < count <= len(VARIABLES) for count in numbers):
+        raise typer.BadParameter(f"--counts: 1 to {len(VARIABLES)} variables, not {counts}")
     designs = cases()
-    first = compiled(designs[0], counts)
+    first = compiled(designs[0], numbers)
     print("first calls [s]: " + ", ".join(f"{count} variables {seconds:.1f}" for count, seconds in first.items()))
     print(f"{'design':<14}{'rtol':>8}{'variables':>11}{'captures':>10}{'[ms]':>9}{'attempts':>10}{'accepted':>10}")
     rows = []
     for case in designs:
         for rtol in RTOLS:
-            for row in by_variables(case, counts, rtol, options.rounds):
+            for row in by_variables(case, numbers, rtol, rounds):
                 rows.append(row)
                 print(
                     f"{row['design']:<14}{rtol:>8.0e}{row['variables']:>11}{row['captures']:>10.2f}{row['ms']:>9.2f}"
                     f"{row['attempts']:>10}{row['accepted']:>10}",
                     flush=True,
                 )
-    choice = by_quantities(designs[0], counts[-1], options.rounds)
+    choice = by_quantities(designs[0], numbers[-1], rounds)
     print(
-        f"by {counts[-1]} variables, over one quantity: "
+        f"by {numbers[-1]} variables, over one quantity: "
         + ", ".join(f"{row['quantities']} quantities {row['ratio']:.3f}" for row in choice)
     )
-    options.output.parent.mkdir(parents=True, exist_ok=True)
-    options.output.write_text(json.dumps({"first": first, "variables": rows, "quantities": choice}, indent=1) + "\n")
-    print(f"wrote {options.output}")
+    output.parent.mkdir(parents=True, exist_ok=True)
+    output.write_text(json.dumps({"first": first, "variables": rows, "quantities": choice}, indent=1) + "\n")
+    print(f"wrote {output}")
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,10 +1,9 @@
 """Random designs far wider than an engineer would search: how many captures end how, and how well they keep energy.
 
-`python -m benchmarks.wide [captures]`; 2000 of them by default, half with a free tip, each of 8 s at default settings.
+`python -m benchmarks wide [--count N]`; 2000 of them by default, half with a free tip, each of 8 s at default settings.
 """
 
 import collections
-import sys
 
 import jax
 import numpy as np
@@ -70,8 +69,9 @@ def measured(designs, scenarios):
     return jax.vmap(one)(designs, scenarios)
 
 
-def run(count=CAPTURES):
+def main(count: int = CAPTURES) -> None:
     """Print how the captures ended."""
+    jb.configure()
     for free_tip in (False, True):
         values = draw(count // 2, seed=int(free_tip))
         parts = []
@@ -97,8 +97,3 @@ def run(count=CAPTURES):
 def q(values, share):
     """A quantile of magnitudes."""
     return float(np.quantile(np.abs(values), share))
-
-
-if __name__ == "__main__":
-    jb.configure()
-    run(int(sys.argv[1]) if len(sys.argv) > 1 else CAPTURES)

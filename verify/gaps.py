@@ -3,7 +3,7 @@
 GAPS = (
     ("absolute forces of the paper", "its figures are lost and its text prints no force"),
     ("any measurement", "no experiment on this mechanism is at hand; every check is of the model's solution"),
-    ("the paper's own solver", "Octave's ode15s on D(y) y' = F(y) is run where octave-cli is on the path"),
+    ("the paper's own solver", "its form D(y) y' = F(y) is solved by IDA, by backward differences like ode15s"),
     (
         "the assumed numbers",
         "restitution 0.9, slip speed 1e-3 m/s, probe and tip masses, flank length: the paper's text gives none of them",

@@ -1,15 +1,17 @@
-"""Are the peers right?  ``python -m benchmarks.peers.check`` runs every reference capture at tight tolerances.
+"""Are the peers right?  ``python -m benchmarks peers.check`` runs every reference capture at tight tolerances.
 
 Ends with status 1 where a peer is wrong.
 """
 
 from __future__ import annotations
 
-import argparse
-import sys
 from collections.abc import Sequence
+from typing import Annotated
+
+import typer
 
 from ..accuracy import best_of, errors
+from ..names import chosen
 from ..plan import REFERENCES
 from .reference import Reference, load
 from .solvers import PEERS, solve
@@ -38,15 +40,10 @@ def check_accuracy(cases: Sequence[Reference], peers: Sequence[str], rtol: float
     return right
 
 
-def main() -> int:
+def main(
+    peer: Annotated[list[str] | None, typer.Option(help=f"only this one (may be repeated): {', '.join(PEERS)}")] = None,
+    rtol: float = 1e-9,
+    atol: float = 1e-12,
+) -> int:
     """Run the check; the exit status."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.peers.check", description=__doc__.splitlines()[0])
-    parser.add_argument("--peer", action="append", choices=list(PEERS), help="only this one (may be repeated)")
-    parser.add_argument("--rtol", type=float, default=1e-9, help="relative tolerance")
-    parser.add_argument("--atol", type=float, default=1e-12, help="absolute tolerance")
-    options = parser.parse_args()
-    return 0 if check_accuracy(load(REFERENCES), options.peer or list(PEERS), options.rtol, options.atol) else 1
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+    return 0 if check_accuracy(load(REFERENCES), chosen(peer, PEERS, "peer"), rtol, atol) else 1

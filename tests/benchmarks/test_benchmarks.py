@@ -5,13 +5,14 @@ import math
 import re
 import sys
 import time
+from pathlib import Path
 
 import pytest
-from benchmarks.accuracy import Result, Setting, cheapest, errors, race, reliable
-from benchmarks.figures import Check, Curve, Figure, Part, Plot, Ratio
 
 from benchmarks import __main__ as command
-from benchmarks import baseline, docs, fresh, report
+from benchmarks import baseline, docs, fresh, report, speed
+from benchmarks.accuracy import Result, Setting, cheapest, errors, race, reliable
+from benchmarks.figures import Check, Curve, Figure, Part, Plot, Ratio
 
 RUN = {
     "mode": "quick",
@@ -159,9 +160,8 @@ def test_a_part_that_fails_is_told_and_leaves_the_others(measured, tmp_path, cap
 
 
 def test_unknown_parts_are_refused(capsys):
-    with pytest.raises(SystemExit) as stop:
-        command.main(["--only", "capture,warp"])
-    assert stop.value.code == 2 and "no such part: warp" in capsys.readouterr().err
+    assert command.main(["--only", "capture,warp"]) == 2
+    assert "no such part: warp; there are capture, gradient" in capsys.readouterr().err
 
 
 def test_the_report_says_everything():
@@ -188,9 +188,9 @@ def test_our_page_includes_the_tables():
 
 def test_the_command_writes_the_tables(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(docs, "TABLES", tmp_path / "measured.md")
-    assert docs.main([str(tmp_path / "none.json")]) == 2 and "no such file" in capsys.readouterr().err
+    assert docs.main(tmp_path / "none.json") == 2 and "no such file" in capsys.readouterr().err
     (tmp_path / "results.json").write_text(json.dumps(report.record([part()], RUN)))
-    assert docs.main([str(tmp_path / "results.json")]) == 0
+    assert docs.main(tmp_path / "results.json") == 0
     assert "### One capture" in docs.TABLES.read_text(encoding="utf-8")
 
 
@@ -201,5 +201,32 @@ def test_fresh_processes_do_not_find_a_cache_of_ours(monkeypatch, tmp_path):
 
 
 def test_a_long_part_takes_part_in_a_quick_run_only_where_it_is_named():
-    assert "slider_crank" in command.parsed([]).only and "slider_crank" not in command.parsed(["--quick"]).only
-    assert command.parsed(["--quick", "--only", "slider_crank"]).only == ["slider_crank"]
+    assert "slider_crank" in speed.parts_of(None, quick=False)
+    assert "slider_crank" not in speed.parts_of(None, quick=True)
+    assert speed.parts_of("slider_crank", quick=True) == ["slider_crank"]
+
+
+@pytest.mark.parametrize("name", command.NAMES)
+def test_every_benchmark_says_what_it_takes(name, capsys):
+    pytest.importorskip("numba", reason="numba is not installed: pip install 'jaxbuffer[bench]'")
+    pytest.importorskip("sksundae", reason="scikit-sundae is not installed: pip install 'jaxbuffer[bench]'")
+    assert command.main([name, "--help"]) == 0
+    shown = capsys.readouterr().out
+    assert f"python -m benchmarks {name}" in shown
+    assert name != command.DEFAULT or all(other in shown for other in command.NAMES)
+
+
+def test_one_module_alone_is_a_program():
+    """All others with a main are told by `python -m benchmarks --help`."""
+    folder = Path(command.__file__).parent
+    files = {".".join(file.relative_to(folder).with_suffix("").parts): file for file in folder.rglob("*.py")}
+    texts = {name: file.read_text(encoding="utf-8") for name, file in files.items()}
+    assert [name for name, text in texts.items() if "if __name__" in text] == ["__main__"]
+    assert {name for name, text in texts.items() if "\ndef main(" in text} == {*command.NAMES, "__main__"}
+
+
+def test_a_benchmark_that_there_is_not_is_refused(capsys):
+    assert command.main(["speeed"]) == 2
+    assert "no benchmark is called speeed; did you mean speed?" in capsys.readouterr().err
+    assert command.main(["gradients", "--cuonts", "1"]) == 2
+    assert "--counts" in capsys.readouterr().err

@@ -4,14 +4,14 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from optimise import __main__ as command
-from optimise import bending
-from optimise.study import Sweeps
 
 import jaxbuffer as jb
 from jaxbuffer.cluster.connect import connected
 from jaxbuffer.mechanisms.bar_drop import BAR_DROP
 from jaxbuffer.sweeps.columns import column_names, column_types
+from optimise import __main__ as command
+from optimise import bending
+from optimise.study import Sweeps
 
 HEIGHTS = np.linspace(0.1, 0.2, 37)
 

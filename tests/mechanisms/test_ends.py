@@ -6,9 +6,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from benchmarks.missed_events import FAMILIES, WALLS, campaign
 
 import jaxbuffer as jb
+from benchmarks.missed_events import FAMILIES, WALLS, campaign
 from jaxbuffer.fields import POSITIVE, Part, number
 from jaxbuffer.mechanisms.assembled import Assembled
 from jaxbuffer.mechanisms.mechanism import Mechanism
@@ -109,7 +109,7 @@ def test_ends_have_the_names_that_the_mechanism_gives_them():
     [(name, touches) for name in FAMILIES for touches in (False, True) if not touches or name in WALLS],
 )
 def test_no_event_of_a_motion_in_closed_form_is_missed(name, touches):
-    """`python -m benchmarks.missed_events` has 10 000 of them; at one look a step a tenth would be missed."""
+    """`python -m benchmarks missed_events` has 10 000 of them; at one look a step a tenth would be missed."""
     count, wrong = campaign(name, touches, 150, seed=1)
     assert count.events > 20
     assert count.runs - count.events > 20

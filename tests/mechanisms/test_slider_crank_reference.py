@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from benchmarks.peers.slider_crank import SliderCrank, plain
 
 RECORD = json.loads(Path(__file__).with_name("slider_crank_reference.json").read_text())

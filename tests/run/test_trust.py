@@ -4,9 +4,9 @@ import dataclasses
 
 import numpy as np
 import pytest
-from benchmarks.trust import drawn
 
 import jaxbuffer as jb
+from benchmarks.trust import drawn
 from jaxbuffer.run.request import TOLERANCES, tenth
 from jaxbuffer.run.trust import DOUBTFUL, HOPELESS, SAFETY, Trust, changes, trust
 from made_up import made_up_capture
@@ -107,7 +107,7 @@ def test_a_tenth_of_the_tolerance_is_one_or_not_there():
 
 @pytest.mark.long
 def test_no_wide_design_is_silently_off():
-    """Of the first designs of `python -m benchmarks.trust`, welded and free, and one of 120 impacts."""
+    """Of the first designs of `python -m benchmarks trust`, welded and free, and one of 120 impacts."""
     silent, marked = [], []
     for design, scenario in [*drawn(100), (jb.replace(jb.table2(), BOUNCING), MET)]:
         run, closer, tight = (jb.simulate(design, scenario, rtol=rtol) for rtol in (1e-6, 1e-7, 1e-10))

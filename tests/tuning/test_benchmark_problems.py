@@ -1,4 +1,4 @@
-"""The six problems of ``python -m benchmarks.problems`` are what docs/tuning.md says, and a small one is solved."""
+"""The six problems of ``python -m benchmarks problems`` are what docs/tuning.md says, and a small one is solved."""
 
 import numpy as np
 import pytest
@@ -25,10 +25,10 @@ def test_a_run_above_the_best_known_fails_the_benchmark(monkeypatch, tmp_path, c
                 "above_best [-]": above, "message": "made up"}  # fmt: skip
 
     monkeypatch.setattr(problems, "ran", made_up)
-    words = ["--only", "small", "--output", str(tmp_path / "out" / "problems.json")]
-    assert problems.main(words) == 0
+    file = tmp_path / "out" / "problems.json"
+    assert problems.main(only="small", output=file) == 0
     assert "worst: 0.50 % above the best known" in capsys.readouterr().out
-    assert problems.main([*words, "--seeds", "2"]) == 1
+    assert problems.main(only="small", seeds=2, output=file) == 1
     assert "worst: 2.00 % above" in capsys.readouterr().out
 
 

@@ -6,11 +6,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+
+from jaxbuffer import Outcome, simulate, tune
 from optimise import card, slider_crank, tip
 from optimise.__main__ import STUDIES
 from optimise.study import config
-
-from jaxbuffer import Outcome, simulate, tune
 
 
 @pytest.mark.parametrize("name", STUDIES)

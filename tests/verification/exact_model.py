@@ -2,6 +2,7 @@
 
 Whole augmented matrix solved by LAPACK, no stabilisation, an eighth-order integrator restarted at every touchdown and
 release, maxima found on its dense output: slow, and sharing nothing with what it verifies but the design's numbers.
+`exact_bending` gives it a probe that bends and play in the hinge.
 """
 
 from typing import NamedTuple
@@ -47,7 +48,8 @@ class ExactModel:
         rod, tip, length, radius = d.probe.rod_mass, d.probe.tip_mass, d.probe.length, d.probe.tip_radius
         mass = rod + tip
         centre = (rod * length / 2 + tip * length) / mass  # from the probe's rear end
-        self.rear, self.front = centre, length - centre
+        self.rear, self.front = centre, length - centre  # of the probe's frame, to either end
+        self.size = 12  # coordinates
         own = 0.4 * tip * radius**2
         inertia = rod * length**2 / 12 + rod * (centre - length / 2) ** 2 + tip * self.front**2
         self.tip_inertia = own
@@ -71,18 +73,21 @@ class ExactModel:
         turn = np.stack([e(s.misalignment), n(s.misalignment)], axis=1)
         x, y = turn @ local
         hinge = x - d.probe.length - d.buffer.free_length + d.buffer.cylinder_length
-        q = [hinge - d.active.hinge_offset, y, 0, hinge - d.buffer.cylinder_length / 2, y, 0]
-        q += [x - self.front, y, 0, 0, 0, s.misalignment]
-        v = [s.approach_speed, 0, 0] * 3 + [0, 0, s.passive_rate] + [0] * self.free
-        q, v = np.array(q, float), np.array(v, float)
+        q, v = np.zeros(self.size), np.zeros(self.size + self.free)
+        q[:6] = [hinge - d.active.hinge_offset, y, 0, hinge - d.buffer.cylinder_length / 2, y, 0]
+        q[6:12] = [x - self.front, y, 0, 0, 0, s.misalignment]
+        v[:12] = [s.approach_speed, 0, 0] * 3 + [0, 0, s.passive_rate]
         return q, v, self.touches(q, v, np.ones(2))[0].rate
+
+    def tip(self, q, v):
+        """Place, velocity and spin of the tip."""
+        place = q[P][:2] + self.front * e(q[8])
+        return place, v[P][:2] + self.front * v[8] * n(q[8]), v[12] if self.free else v[8]
 
     def touches(self, q, v, memory):
         """Both flanks by M29 to M36, M41 and M59 of docs/model.md, F_n > 0 wherever δ > 0."""
         d, radius = self.design, self.design.probe.tip_radius
-        spin = v[12] if self.free else v[8]
-        tip = q[P][:2] + self.front * e(q[8])
-        tip_velocity = v[P][:2] + self.front * v[8] * n(q[8])
+        tip, tip_velocity, spin = self.tip(q, v)
         turn = np.stack([e(q[11]), n(q[11])], axis=1)
         found = []
         for side, approach in zip((1.0, -1.0), memory, strict=True):
@@ -119,7 +124,7 @@ class ExactModel:
         apart, parting = q[P][:2] - q[B][:2], v[P][:2] - v[B][:2]
         across, along = n(q[5]), e(q[5])
         phi = np.array([*(q[S][:2] + a * e(q[2]) - q[B][:2] - half * along), q[5] - q[8], across @ apart])
-        jacobian = np.zeros((4, 12))
+        jacobian = np.zeros((4, self.size))
         jacobian[:2, S] = np.column_stack([np.eye(2), a * n(q[2])])
         jacobian[:2, B] = np.column_stack([-np.eye(2), -half * across])
         jacobian[2, 5], jacobian[2, 8] = 1.0, -1.0
@@ -128,9 +133,17 @@ class ExactModel:
         gamma = np.array([*hinge, 0.0, 2 * v[5] * along @ parting + v[5] ** 2 * across @ apart])
         return phi, jacobian, gamma
 
+    def own(self, q, v):
+        """Mass matrix, and the forces that belong to no buffer, spring or flank."""
+        return np.diag(self.masses), np.zeros(12)
+
+    def carry(self, force, q, push, moment):
+        """Add the forces of a push on the tip and of a moment on the probe's end."""
+        force[P] += [*push, cross(self.front * e(q[8]), push) + moment]
+
     def motion(self, q, v, memory):
         """Accelerations (the tip's spin last if free), multipliers and both flanks."""
-        d, force = self.design.buffer, np.zeros(12)
+        d, (matrix, force) = self.design.buffer, self.own(q, v)
         on_b, on_p, along, length, rate = self.buffer(q, v)
         pull = (d.k_A * (length - d.free_length) + d.c_A * rate) * along
         force[B] += [*pull, cross(on_b - q[B][:2], pull)]
@@ -138,22 +151,22 @@ class ExactModel:
         torque = -d.k_T * (q[5] - q[2]) - d.c_T * (v[5] - v[2])
         force[5] += torque
         force[2] -= torque
-        tip, turning, touches = q[P][:2] + self.front * e(q[8]), 0.0, self.touches(q, v, memory)
+        tip, turning, touches = self.tip(q, v)[0], 0.0, self.touches(q, v, memory)
         for touch in touches:
             push = touch.normal_force * touch.normal + touch.friction_force * touch.tangent
-            force[P] += [*push, cross(tip - q[P][:2], push)]
+            moment = cross(touch.foot - tip, push)
+            self.carry(force, q, push, 0.0 if self.free else moment)
             force[T] -= [*push, cross(touch.foot - q[T][:2], push)]
-            turning += cross(touch.foot - tip, push)
+            turning += moment
         spin = [turning / self.tip_inertia] if self.free else []
-        force[8] += 0.0 if self.free else turning
         _, jacobian, gamma = self.constraints(q, v)
-        matrix = np.block([[np.diag(self.masses), jacobian.T], [jacobian, np.zeros((4, 4))]])
+        matrix = np.block([[matrix, jacobian.T], [jacobian, np.zeros((len(gamma), len(gamma)))]])
         solution = np.linalg.solve(matrix, np.concatenate([force, gamma]))
-        return np.concatenate([solution[:12], spin]), solution[12:], touches
+        return np.concatenate([solution[: self.size], spin]), solution[self.size :], touches
 
     def quantities(self, y, memory):
         """Contact forces of both flanks [N], hinge force [N], |buffer force| [N], stroke [m], |hinge angle| [rad]."""
-        q, v = y[:12], y[12:]
+        q, v = y[: self.size], y[self.size :]
         acceleration, _, touches = self.motion(q, v, memory)
         *_, length, rate = self.buffer(q, v)
         hinge = self.design.active.mass * np.hypot(*acceleration[:2])
@@ -162,39 +175,48 @@ class ExactModel:
         forces = [touch.normal_force for touch in touches]
         return np.array([*forces, hinge, tension, d.free_length - length, abs(q[5] - q[2])])
 
+    def depths(self, y):
+        """Of all contacts [m], the flanks first."""
+        return [touch.depth for touch in self.touches(y[: self.size], y[self.size :], np.ones(2))]
+
     def maxima(self, until, rtol=1e-11, max_step=2e-4):
-        """Largest value of each of the `quantities` up to a time [s], and the number of touchdowns."""
+        """Largest value of each of the `quantities` up to a time [s], and the number of touchdowns on the flanks."""
         q, v, speed = self.start()
-        y, time, memory, closed = np.concatenate([q, v]), 0.0, np.array([speed, 1.0]), [True, False]
-        scale = np.concatenate([np.full(12, 1e-3), np.full(12 + self.free, 0.1)])
+        y, time, memory = np.concatenate([q, v]), 0.0, np.array([speed, 1.0])
+        closed = [True] + [False] * (len(self.depths(y)) - 1)
+        scale = np.concatenate([np.full(12, 1e-3), np.full(self.size - 12, 1e-5), np.full(len(v), 0.1)])
         best, touchdowns = np.zeros(6), 1
         while time < until:
-            events = [self._crossing(flank, closed[flank]) for flank in (0, 1)]
             piece = solve_ivp(
-                lambda _, y, memory=memory: np.concatenate([y[12:24], self.motion(y[:12], y[12:], memory)[0]]),
+                self._rate,
                 (time, until),
                 y,
                 "DOP853",
+                args=(memory,),
                 dense_output=True,
-                events=events,
+                events=[self._crossing(contact, shut) for contact, shut in enumerate(closed)],
                 rtol=rtol,
                 atol=rtol * scale,
                 max_step=max_step,
             )
             best = np.maximum(best, self._largest(piece, memory))
             y, time = piece.y[:, -1], piece.t[-1]
-            for flank in (0, 1):
-                if len(piece.t_events[flank]):
-                    closed[flank] = not closed[flank]
-                    if closed[flank]:
+            for contact, times in enumerate(piece.t_events):
+                if len(times):
+                    closed[contact] = not closed[contact]
+                    if contact < 2 and closed[contact]:
                         touchdowns += 1
-                        speed = self.touches(y[:12], y[12:], memory)[flank].rate
-                        memory = np.where(np.arange(2) == flank, max(speed, 1e-5), memory)
+                        rate = self.touches(y[: self.size], y[self.size :], memory)[contact].rate
+                        memory = np.where(np.arange(2) == contact, max(rate, 1e-5), memory)
         return best, touchdowns
 
-    def _crossing(self, flank, closed):
-        def depth(_, y):
-            return self.touches(y[:12], y[12:], np.ones(2))[flank].depth
+    def _rate(self, _, y, memory):
+        q, v = y[: self.size], y[self.size :]
+        return np.concatenate([v[: self.size], self.motion(q, v, memory)[0]])
+
+    def _crossing(self, contact, closed):
+        def depth(_, y, memory):
+            return self.depths(y)[contact]
 
         depth.terminal, depth.direction = True, -1.0 if closed else 1.0
         return depth

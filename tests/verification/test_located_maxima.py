@@ -6,9 +6,9 @@ Several quantities peak within a fraction of a microsecond of each other where a
 import jax
 import numpy as np
 import pytest
-from benchmarks.campaign import BELOW_HISTORY, STUDIES, below, measured, sizes
 
 import jaxbuffer as jb
+from benchmarks.campaign import BELOW_HISTORY, STUDIES, below, measured, sizes
 from jaxbuffer import simulate
 from verification.designs import random_case
 
@@ -65,7 +65,7 @@ CASES = {
 
 
 def drawn(title, numbers):
-    """The study, and designs with scenarios by their numbers in `python -m benchmarks.campaign`."""
+    """The study, and designs with scenarios by their numbers in `python -m benchmarks campaign`."""
     study = STUDIES[title]()
     # The numbers count the designs within range, of which there are fewer than are drawn.
     cases = {number: case for number, case in enumerate(study.drawn(2 * max(numbers) + 2, 0)) if number in numbers}

@@ -13,7 +13,6 @@ import pytest
 pytest.importorskip("exudyn", reason="exudyn is not installed: pip install 'jaxbuffer[verify]'")
 
 from benchmarks.peers.slider_crank import SliderCrank, plain
-
 from verification.second_opinion.slider_crank import extrapolate
 
 FILE = Path(__file__).parent.parent / "mechanisms" / "slider_crank_reference.json"

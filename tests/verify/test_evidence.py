@@ -3,10 +3,11 @@
 import json
 
 import pytest
-from verify.breakages import BREAKAGES
-from verify.report import STATE, markdown, note_state, page, uncaught
 
 from evidence import Evidence
+from verify.breakages import BREAKAGES
+from verify.report import STATE, markdown, note_state, page, uncaught
+from verify.run import ROOT
 
 
 def record(measured, tolerance=1e-3, claim="claim"):
@@ -88,3 +89,12 @@ def test_results_of_other_sources_do_not_count(tmp_path):
 
 def test_at_least_ten_breakages_each_with_a_name_of_its_own():
     assert len({breakage.name for breakage in BREAKAGES}) == len(BREAKAGES) >= 10
+
+
+def test_every_check_of_a_breakage_is_there():
+    """A test that was moved or renamed would notice nothing any more."""
+    for check in {check for breakage in BREAKAGES for check in breakage.checks}:
+        file, _, test = check.partition("::")
+        path = ROOT / file
+        assert path.is_file() or (not test and path.is_dir()), check
+        assert not test or f"def {test.partition('[')[0]}(" in path.read_text(encoding="utf-8"), check

@@ -1,6 +1,6 @@
-"""What tests of the slider-crank compare with: ``python -m benchmarks.peers.slider_crank.reference [FILE]``.
+"""What tests of the slider-crank compare with: ``python -m benchmarks peers.slider_crank.reference``.
 
-Run in the repository's root; FILE is tests/mechanisms/slider_crank_reference.json unless told otherwise.
+Run in the repository's root; ``--file`` is tests/mechanisms/slider_crank_reference.json unless told otherwise.
 
 Each number is the median of runs at several tolerances and longest steps; its ``error`` is the largest deviation of any
 of them. Where rounding sets the limit (digits are lost at every impact) that is what it shows.
@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import json
 import math
-import sys
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 from pathlib import Path
@@ -124,10 +123,9 @@ def growth(crank: SliderCrank, shift: float = 1e-9) -> dict:
     }
 
 
-def main() -> None:
+def main(file: Path = FILE) -> None:
     """Write the file."""
-    file = Path(sys.argv[1]) if len(sys.argv) > 1 else FILE
-    record: dict = {"command": "python -m benchmarks.peers.slider_crank.reference", "designs": []}
+    record: dict = {"command": "python -m benchmarks peers.slider_crank.reference", "designs": []}
     for name, inputs in DESIGNS.items():
         crank = crank_of(name)
         numbers = completed(crank)._asdict()
@@ -139,7 +137,3 @@ def main() -> None:
     record["elasticities"] = elasticities(SliderCrank())
     record["growth"] = growth(SliderCrank())
     file.write_text(json.dumps(record, indent=1) + "\n")
-
-
-if __name__ == "__main__":
-    main()

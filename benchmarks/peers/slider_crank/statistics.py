@@ -1,4 +1,4 @@
-"""Many turns of the reference design: ``python -m benchmarks.peers.slider_crank.statistics [TURNS]``.
+"""Many turns of the reference design: ``python -m benchmarks peers.slider_crank.statistics``.
 
 The motion is chaotic: single peaks mean nothing after some dozens of impacts, averages do. Their standard errors are by
 means of batches of whole turns, the first ten turns left out. Printed too: how many impacts it takes until the peaks of
@@ -8,7 +8,6 @@ two runs whose clearances differ by 1e-12 of it differ by 1e-3.
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Mapping
 
 import numpy as np
@@ -90,9 +89,8 @@ def parting(crank: SliderCrank, shift: float = 1e-12, apart: float = 1e-3, rtol:
     return int(np.argmax(far)) + 1 if np.any(far) else 0
 
 
-def main() -> None:
+def main(turns: int = 200) -> None:
     """Print both."""
-    turns = int(sys.argv[1]) if len(sys.argv) > 1 else 200
     designs = {"reference": SliderCrank(), "friction 0.03": SliderCrank(friction=0.03)}
     for name, crank in designs.items():
         print(f"{name}, {turns} turns")
@@ -100,7 +98,3 @@ def main() -> None:
             print(f"  {quantity}: {mean:.6g} ± {error:.2g}")
         firsts = [parting(crank, 1e-12 * k) for k in (1.0, -1.0, 2.0, -2.0, 3.0)]
         print(f"  runs 1e-12, -1e-12, 2e-12, -2e-12, 3e-12 of the clearance apart differ by 1e-3 at impact {firsts}")
-
-
-if __name__ == "__main__":
-    main()
