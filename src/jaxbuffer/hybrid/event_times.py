@@ -37,7 +37,7 @@ def moving(log: Log, parameters: Any, build: Build) -> Log:
 def _moving_jvp(primals: tuple, tangents: tuple) -> tuple[Log, Log]:
     (log, parameters, build), (log_moves, parameters_move, _) = primals, tangents
     rows_move = jnp.zeros_like(log.rows) if log_moves.rows is None else log_moves.rows
-    moves = _moves(log, rows_move, parameters, parameters_move, build, made_from(parameters, build))
+    moves = _moves(log, rows_move, parameters, parameters_move, build, made_from(parameters))
     return log, dataclasses.replace(jax.tree.map(lambda _: None, log), **moves)
 
 

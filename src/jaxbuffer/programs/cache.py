@@ -31,7 +31,7 @@ from jax import export
 from jax.stages import Compiled, Lowered
 
 from . import store, structure
-from .identity import UserCode, fingerprint, label
+from .identity import UserCode, label
 from .process import check_ready, kind
 
 R = TypeVar("R")
@@ -61,10 +61,10 @@ class Static(eqx.Module):
     value: Any = eqx.field(static=True)
 
 
-def made_from(tree: Any, *code: Any) -> Static:
+def made_from(tree: Any) -> Static:
     """Return what may change between two calls although the structure of the arguments is the same, for functions under
-    `jax.jit`: the laws that names in a tree stand for, classes of the user's, and ``code`` called."""
-    return Static((structure.changeable(jax.tree.structure(tree)), fingerprint(*code)))
+    `jax.jit`: the laws that names in a tree stand for."""
+    return Static(structure.laws(jax.tree.structure(tree)))
 
 
 class _Program(NamedTuple):
@@ -93,8 +93,8 @@ class stored(Generic[R]):  # a decorator
     - Under a transformation (`grad`, `vmap`) it is `jax.jit`. Inside another program that is being traced it is a plain
       call, because a nested `jit` would be traced twice where derivatives are asked for.
     - A program that cannot be read or written, or is made from code of the user's, is compiled in memory.
-    - Every call checks classes and contact laws that are not the package's own. Where one has changed, or its name
-      means another one by now, a new program is compiled.
+    - A class that is defined again, or a name of a law that means another one by now, is a new program. Globals that
+      its code reads are read once, as under `jax.jit`.
     """
 
     def __init__(
@@ -122,13 +122,11 @@ class stored(Generic[R]):  # a decorator
         if any(kind is jax.core.Tracer for kind in kinds):
             # While a larger program is being traced, even a constant is part of it.
             larger = isinstance(jnp.zeros(()), jax.core.Tracer)
-            return (
-                self.function(*arguments) if larger else self.jitted(*arguments, made_from=structure.changeable(tree))
-            )
+            return self.function(*arguments) if larger else self.jitted(*arguments, made_from=structure.laws(tree))
         numbers = np.array([leaf for leaf, kind in zip(leaves, kinds, strict=True) if kind is float])
         given = [numbers, *(leaf for leaf, kind in zip(leaves, kinds, strict=True) if kind is not float)]
         # The folder too, so that programs are kept in one that is given later.
-        key = (store.folder(), tree, kinds, structure.changeable(tree))
+        key = (store.folder(), tree, kinds, structure.laws(tree))
         if key not in self.programs:
             with _compiling:  # of many threads that come at once, one compiles
                 if key not in self.programs:

@@ -2,7 +2,7 @@
 
 import functools
 import importlib
-from collections.abc import Hashable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import equinox as eqx
@@ -40,22 +40,15 @@ def nodes(structure: PyTreeDef) -> Iterable[tuple[type, Any]]:
             yield from nodes(child)
 
 
-def changeable(tree: Any) -> Hashable:
-    """Return what may change between two calls with arguments of one structure: contact laws, and code that is not
-    known by the version of its package."""
-    contact_laws = laws(tree)
-    things = [*_own(tree), *(law for law in contact_laws if not identity.lasts(law))]
-    return (contact_laws, identity.fingerprint(*things)) if things else contact_laws
-
-
 def user_code(*things: Any, words: Iterable[Any] = ()) -> str:
     """Return a hash of the user's code that numbers of these designs, mechanisms and laws depend on, the same in every
     process; "" where the packages have all of it. ``words``: values of choices that may name laws."""
     trees = [jax.tree.structure(thing) for thing in things]
-    used = [part for tree in trees for part in (*_own(tree), *laws(tree))]
+    used = [part for tree in trees for kind, static in nodes(tree) for part in (kind, *_flat(static))]
+    used += [law for tree in trees for law in laws(tree)]
     used += [LAWS[word] for word in words if isinstance(word, str) and word in LAWS]
-    own = [thing for thing in used if not identity.lasts(thing)]
-    return identity.digest(*own) if own else ""
+    own = [part for part in used if not identity.lasts(part)]
+    return identity.source_hash(*own) if own else ""
 
 
 def laws(tree: Any) -> tuple[type, ...]:
@@ -66,13 +59,6 @@ def laws(tree: Any) -> tuple[type, ...]:
 @functools.lru_cache(maxsize=1024)
 def _words(tree: Any) -> tuple[str, ...]:
     return tuple(value for _, static in nodes(tree) for value in _flat(static) if isinstance(value, str))
-
-
-@functools.lru_cache(maxsize=1024)
-def _own(tree: Any) -> tuple[Any, ...]:
-    """Return the types and static values of the arguments that are, or hold, code that may change."""
-    parts = [part for kind, static in nodes(tree) for part in (kind, *_flat(static))]
-    return tuple(part for part in parts if not identity.lasts(part))
 
 
 def _flat(static: Any) -> Iterator[Any]:

@@ -22,6 +22,7 @@ from ..files import Lock, naming, remove_all_drafts, whole_folder, write_all
 from ..hybrid import Automatic, name_of
 from ..mechanisms.dataset import attributes
 from ..mechanisms.mechanism import Mechanism
+from ..programs.identity import unrecognised
 from ..programs.structure import user_code
 from ..run.trust import VERDICTS
 from ..version import version
@@ -102,7 +103,8 @@ class SweepStore(BlockStore[Block]):
 
     def _refusal(self, identity: Identity, parts: list[str]) -> str:
         remedy = "repeat the study, the options and the same --over of the first, or choose another --output"
-        return f"{self.path} holds another sweep, differing in {in_words(parts)}; {remedy}; it is left as it is"
+        cause = unrecognised(self.head.identity.get(CODE), identity.get(CODE)) if CODE in parts else ""
+        return f"{self.path} holds another sweep, differing in {in_words(parts)}{cause}; {remedy}; it is left as it is"
 
 
 def fill(store: SweepStore, sweep: BlockSweep, columns: Mapping[str, np.ndarray]) -> None:
