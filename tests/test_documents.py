@@ -7,7 +7,7 @@ import re
 import pytest
 
 import jaxbuffer
-from jaxbuffer.contact.laws import _all as laws
+from jaxbuffer.contact.laws.registry import _all as laws
 from pages import DOCS, ROOT, blocks
 
 HEADING = "**Example:**"

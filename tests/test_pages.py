@@ -9,7 +9,7 @@ from types import ModuleType
 
 import pytest
 
-from jaxbuffer.contact.laws import _all as laws
+from jaxbuffer.contact.laws.registry import _all as laws
 from jaxbuffer.mechanisms import all_mechanisms, registry
 from pages import PAGES, ROOT, blocks
 

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
-from jaxbuffer.contact.laws import Hertz, _all
+from jaxbuffer.contact.laws import Hertz
+from jaxbuffer.contact.laws.registry import _all
 from jaxbuffer.mechanisms import registry
 from jaxbuffer.tuning.problem import Settings
 from jaxbuffer.tuning.store import TuningStore

@@ -1,6 +1,5 @@
 """The structure of a program's arguments and result: which classes, which static values, and where the arrays are."""
 
-import functools
 import importlib
 from collections.abc import Iterable, Iterator
 from typing import Any
@@ -9,7 +8,6 @@ import equinox as eqx
 import jax
 from jax.tree_util import PyTreeDef, default_registry
 
-from ..contact.laws import LAWS
 from . import identity
 
 _JSON = (type(None), bool, int, float, str)
@@ -40,25 +38,14 @@ def nodes(structure: PyTreeDef) -> Iterable[tuple[type, Any]]:
             yield from nodes(child)
 
 
-def user_code(*things: Any, words: Iterable[Any] = ()) -> str:
-    """Return a hash of the user's code that numbers of these designs, mechanisms and laws depend on, the same in every
-    process; "" where the packages have all of it. ``words``: values of choices that may name laws."""
-    trees = [jax.tree.structure(thing) for thing in things]
-    used = [part for tree in trees for kind, static in nodes(tree) for part in (kind, *_flat(static))]
-    used += [law for tree in trees for law in laws(tree)]
-    used += [LAWS[word] for word in words if isinstance(word, str) and word in LAWS]
+def user_code(*things: Any) -> str:
+    """Return a hash of the user's code that numbers of these designs, mechanisms and classes depend on, the same in
+    every process; "" where the packages have all of it."""
+    used = [thing for thing in things if isinstance(thing, type)]
+    for kind, static in (node for thing in things for node in nodes(jax.tree.structure(thing))):
+        used += [kind, *_flat(static)]
     own = [part for part in used if not identity.lasts(part)]
     return identity.source_hash(*own) if own else ""
-
-
-def laws(tree: Any) -> tuple[type, ...]:
-    """Return the laws whose names are in the arguments: looked up anew, since a name can be registered again."""
-    return tuple(LAWS[word] for word in _words(tree) if word in LAWS)
-
-
-@functools.lru_cache(maxsize=1024)
-def _words(tree: Any) -> tuple[str, ...]:
-    return tuple(value for _, static in nodes(tree) for value in _flat(static) if isinstance(value, str))
 
 
 def _flat(static: Any) -> Iterator[Any]:
@@ -112,7 +99,7 @@ def _our_class(name: str) -> type:
     target: Any = importlib.import_module(module) if module.split(".")[0] in identity.OURS else None
     for part in path.split("."):
         target = getattr(target, part, None)
-    if not (isinstance(target, type) and issubclass(target, (eqx.Module, tuple))):
+    if not (isinstance(target, type) and issubclass(target, (eqx.Module, tuple, str))):
         raise CannotSay(f"{name} is not a class of this package")
     return target
 
@@ -126,10 +113,15 @@ def _plain(value: Any) -> Any:
         return {"tuple": [_plain(part) for part in value]}
     if type(value) is list:
         return [_plain(part) for part in value]
+    if isinstance(value, str):  # a law, which is read by its name
+        return {"word": [f"{type(value).__module__}:{type(value).__qualname__}", str(value)]}
     raise CannotSay(f"{value!r} is not a plain value")
 
 
 def _static(value: Any) -> Any:
+    if isinstance(value, dict) and "word" in value:
+        kind, word = value["word"]
+        return _our_class(kind)(word)
     if isinstance(value, dict):
         return tuple(_static(part) for part in value["tuple"])
     return [_static(part) for part in value] if isinstance(value, list) else value

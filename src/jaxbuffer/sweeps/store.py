@@ -17,6 +17,7 @@ import numpy as np
 from .._types import Dataset
 from ..block_store import TOKEN, Arrays, BlockError, BlockStore, Head, Identity, MissingBlock
 from ..cluster.extra import require
+from ..contact import laws_named
 from ..errors import InputError
 from ..files import Lock, naming, remove_all_drafts, whole_folder, write_all
 from ..hybrid import Automatic, name_of
@@ -222,7 +223,7 @@ def identity(settings: SweepSettings, sweep: BlockSweep) -> dict[str, str]:
     # No solver is the automatic one, which the command line names and a call in Python leaves out.
     settings = settings._replace(solver=settings.solver or Automatic())
     parts = {"options": (sweep.duration, *settings), "quantities": column_names(sweep.mechanism)}
-    if code := user_code(sweep.mechanism, settings.solver, sweep.template, words=sweep.choices()):
+    if code := user_code(sweep.mechanism, settings.solver, sweep.template, *laws_named(sweep.choices())):
         hashes[CODE] = code
     for name, part in {**sweep.identity(), **parts}.items():
         leaves, structure = jax.tree.flatten(part)
