@@ -17,7 +17,7 @@ import pytest
 import jaxbuffer as jb
 from jaxbuffer.contact.laws import LAWS
 from jaxbuffer.hybrid import DiagonallyImplicit, Options
-from jaxbuffer.programs.identity import NO_SOURCE, UserCode, known, label, lasts, source_hash
+from jaxbuffer.programs.identity import NO_SOURCE, Description, known, source_hash
 
 SOURCE = """
     import functools, math
@@ -211,13 +211,12 @@ def test_the_packages_own_code_is_known_by_name_and_anything_else_is_not():
     assert not known(test_values_are_told_apart)
 
 
-def test_the_default_and_other_published_methods_last():
+def test_the_default_and_other_published_methods_are_the_packages():
     for options in (Options(), DiagonallyImplicit(diffrax.Kvaerno5()), jb.table2()):
-        assert lasts(options) and label(options) == label(options) != label(None)
+        described = Description(options)
+        assert not described.of_user and described.parts == Description(options).parts != Description(None).parts
 
 
 @pytest.mark.parametrize("thing", [lambda: None, object(), type("Mine", (), {}), (1, [print, lambda: None])])
-def test_code_of_the_users_has_no_label(thing):
-    assert not lasts(thing)
-    with pytest.raises(UserCode):
-        label(thing)
+def test_code_of_the_users_is_told_from_that_of_packages(thing):
+    assert Description(thing).of_user and not Description(object, print).of_user

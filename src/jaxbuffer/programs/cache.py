@@ -31,7 +31,7 @@ from jax import export
 from jax.stages import Compiled, Lowered
 
 from . import store, structure
-from .identity import UserCode, label
+from .identity import Description
 from .process import check_ready, kind
 
 R = TypeVar("R")
@@ -122,14 +122,10 @@ class stored(Generic[R]):  # a decorator
         return self.programs[key](leaves, given)
 
     def _program(self, tree: Any, kinds: tuple[Any, ...], given: list[Any]) -> _Program:
-        folder = store.folder()
-        try:
-            described = (structure.outline(tree), *map(label, structure.nodes(tree)))
-        except UserCode:
-            folder = None
-        if folder is None:
+        folder, described = store.folder(), Description(structure.nested(tree))
+        if folder is None or described.of_user:
             return self._compiled(tree, kinds, given)
-        parts = (repr(described), str(kinds))
+        parts = (repr(described.parts), str(kinds))
         file = folder / self._file_name(_made_from(), *parts)
         shipped = self._file_name(_traced_from(), *parts)
         if (program := self._read(file, given)) is not None:

@@ -1,6 +1,6 @@
 """Whose code a program is made from: that of packages, which their versions pin down, or the user's, which may change.
 
-A program of packages' code is kept on disk under the code's `label`. One of the user's code stays in memory, where a
+A program of packages' code is kept on disk by the code's `Description`. One of the user's code stays in memory, where a
 class is its own key, because a class that is defined again is another object. A sweep or a tuning that is resumed, in
 whatever process, knows the user's code by its `source_hash`.
 """
@@ -36,34 +36,12 @@ _PROCESS = uuid.uuid4().hex[:8]
 _without_source: dict[int, types.CodeType] = {}
 
 
-class UserCode(ValueError):
-    """Code that no package's version pins down."""
-
-
-def label(thing: Any) -> Hashable:
-    """Describe a class, function or value that is the same in every process with the same packages.
-
-    **Raises:** `UserCode` where the thing is or holds code that the packages do not pin down.
-    """
-    return _Description(of_user=False).of(thing)
-
-
-def lasts(thing: Any) -> bool:
-    """Return whether a class, function or value stays what it is as long as the packages do."""
-    try:
-        label(thing)
-    except UserCode:
-        return False
-    return True
-
-
 def source_hash(*things: Any) -> str:
     """Return a hash of the source of classes and functions, with the user's code and the values that they use: the same
     in every process. Code without source, typed at a prompt say, is known in this process alone, and its hash begins
     with `NO_SOURCE`."""
-    description = _Description(of_user=True)
-    text = repr([description.of(thing) for thing in things])
-    content = hashlib.sha256(text.encode(errors="backslashreplace")).hexdigest()[:16]
+    description = Description(*things)
+    content = hashlib.sha256(repr(description.parts).encode(errors="backslashreplace")).hexdigest()[:16]
     return content if description.complete else f"{NO_SOURCE} {content}"
 
 
@@ -88,28 +66,28 @@ def known(thing: Any) -> bool:
     return target is thing
 
 
-class _Description:
-    """Describes code and values by nested tuples of text.
+class Description:
+    """Classes, functions and values, described by nested tuples of text that are the same in every process.
 
-    ``of_user``: whether code of the user's is described too, by its source, or raises `UserCode`; ``complete``: whether
-    the source of all was found; ``seen``: code that was described already, and where it came.
+    ``parts``: those tuples; ``of_user``: whether some of it is code that no package's version pins down; ``complete``:
+    whether the source of all was found.
     """
 
-    def __init__(self, of_user: bool) -> None:
-        self.of_user, self.complete = of_user, True
-        self.seen: dict[int, tuple[int, Any]] = {}  # by identity, with the thing itself, which so stays alive
+    def __init__(self, *things: Any) -> None:
+        self.of_user, self.complete = False, True
+        self._seen: dict[int, tuple[int, Any]] = {}  # by identity, with the thing itself, which so stays alive
+        self.parts = tuple(map(self._of, things))
 
-    def of(self, thing: Any) -> Hashable:  # noqa: PLR0911 # a table of kinds
-        """Describe a class, a function or a value."""
+    def _of(self, thing: Any) -> Hashable:  # noqa: PLR0911 # a table of kinds
         kind = type(thing)
         if kind in _PLAIN or isinstance(thing, np.dtype):
             return (kind.__name__, repr(thing))
         if isinstance(thing, (tuple, list)):
-            return (self.of(kind), *map(self.of, thing))
+            return (self._of(kind), *map(self._of, thing))
         if isinstance(thing, (set, frozenset)):  # in an order that differs between processes
-            return (kind.__name__, *sorted(repr(self.of(part)) for part in thing))
+            return (kind.__name__, *sorted(repr(self._of(part)) for part in thing))
         if isinstance(thing, (dict, types.MappingProxyType)):
-            return ("dict", *map(self.of, thing.items()))
+            return ("dict", *map(self._of, thing.items()))
         if isinstance(thing, (np.ndarray, np.generic, jax.Array)) and not isinstance(thing, jax.core.Tracer):
             numbers = np.asarray(thing)
             return (str(numbers.dtype), numbers.shape, hashlib.sha256(numbers.tobytes()).hexdigest())
@@ -117,53 +95,54 @@ class _Description:
             return ("known", *_address(thing))
         if isinstance(thing, types.FunctionType) and _written_in_package(thing):
             return self._made(thing)
-        if id(thing) in self.seen:  # code refers to its own class, and classes to each other
-            return ("again", self.seen[id(thing)][0])
-        self.seen[id(thing)] = (len(self.seen), thing)
-        if not isinstance(thing, (type, types.FunctionType, types.ModuleType)):
+        if not isinstance(thing, (type, types.FunctionType, types.ModuleType)) and known(kind):
             return self._object(thing)
-        if not self.of_user:
-            raise UserCode(f"{thing!r} is no package's code")
+        self.of_user = True
+        if id(thing) in self._seen:  # code refers to its own class, and classes to each other
+            return ("again", self._seen[id(thing)][0])
+        self._seen[id(thing)] = (len(self._seen), thing)
         if isinstance(thing, types.ModuleType):
             return ("module", thing.__name__)
-        described = self._class if isinstance(thing, type) else self._function
-        return _installed(thing) or described(thing)
+        if isinstance(thing, type):
+            return _installed(thing) or self._class(thing)
+        if isinstance(thing, types.FunctionType):
+            return _installed(thing) or self._function(thing)
+        return self._object(thing)
 
     def _made(self, function: types.FunctionType) -> Hashable:
-        """Describe a lambda of a package, or a function that another one has made: by where it stands, and what it is
-        closed over. Its instructions tell apart two in one line."""
+        """Describe a lambda of a package, or a function that another one has made, by where it stands and what it is
+        closed over; its instructions tell apart two in one line."""
         code = function.__code__
         place = (function.__module__, function.__qualname__, code.co_firstlineno, code.co_names, code.co_code)
         constants = [it for it in code.co_consts if type(it) in _PLAIN]
-        return (*place, self.of(constants), self.of(function.__defaults__), *map(self.of, _around(function)))
+        return (*place, self._of(constants), self._of(function.__defaults__), *map(self._of, _around(function)))
 
     def _object(self, thing: Any) -> Hashable:
         """Describe an object by what it holds that makes it equal to another."""
         kind = type(thing)
         if isinstance(thing, enum.Enum):
-            return (self.of(kind), thing.name)
+            return (self._of(kind), thing.name)
         if kind.__bases__ == (object,) and getattr(thing, "__dict__", None) == {}:  # an empty mark
-            return self.of(kind)
-        inside = {name: getattr(thing, name) for name in _INSIDE if hasattr(thing, name)} if self.of_user else {}
+            return self._of(kind)
         if dataclasses.is_dataclass(thing):
             compared = [field.name for field in dataclasses.fields(thing) if field.compare]
-            return (self.of(kind), self.of({name: getattr(thing, name, None) for name in compared} | inside))
-        if not self.of_user:
-            raise UserCode(f"{thing!r} is no package's code")
+            return (self._of(kind), self._of({name: getattr(thing, name, None) for name in compared}))
+        self.of_user = True  # it may hold anything
+        inside = {name: getattr(thing, name) for name in _INSIDE if hasattr(thing, name)}
         if isinstance(thing, (jax.custom_jvp, jax.custom_vjp)) or not (known(kind) or _installed(kind) or inside):
             # Whether a cached property was asked for yet says nothing of the thing.
             cached = {name for name, value in vars(kind).items() if isinstance(value, functools.cached_property)}
             inside |= {name: value for name, value in getattr(thing, "__dict__", {}).items() if name not in cached}
-        try:
-            pickled = "" if inside else hashlib.sha256(pickle.dumps(thing, protocol=4)).hexdigest()
-        except Exception:  # a lock, a stream: its type says what can be said
-            pickled = ""
-        return (self.of(kind), self.of(inside), pickled)
+        pickled = ""
+        if not inside:
+            with contextlib.suppress(Exception):  # a lock, a stream: its type says what can be said
+                pickled = hashlib.sha256(pickle.dumps(thing, protocol=4)).hexdigest()
+        return (self._of(kind), self._of(inside), pickled)
 
     def _class(self, cls: type) -> Hashable:
         """Describe a class of the user's: bases, fields, attributes and methods, but not what dataclasses add to it."""
         fields = [
-            (field.name, bool(field.metadata.get("static")), self.of(field.default_factory))
+            (field.name, bool(field.metadata.get("static")), self._of(field.default_factory))
             for field in getattr(cls, "__dataclass_fields__", {}).values()
         ]
         own = {
@@ -171,7 +150,7 @@ class _Description:
             for name, value in vars(cls).items()
             if not name.startswith("__") or (isinstance(value, types.FunctionType) and _source(value))
         }
-        return (f"{cls.__module__}.{cls.__qualname__}", *map(self.of, cls.__bases__), *fields, self.of(own))
+        return (f"{cls.__module__}.{cls.__qualname__}", *map(self._of, cls.__bases__), *fields, self._of(own))
 
     def _function(self, function: types.FunctionType) -> Hashable:
         """Describe a function of the user's by its source and all that it uses: defaults, variables around it, and the
@@ -184,13 +163,13 @@ class _Description:
             source = f"{_PROCESS} {id(function.__code__)}"
         used = {name: function.__globals__.get(name, sys.modules.get(name)) for name in names}
         parts = (function.__defaults__, function.__kwdefaults__, vars(function), *_around(function))
-        return (source, *map(self.of, parts), *((name, self._global(it, names)) for name, it in used.items()))
+        return (source, *map(self._of, parts), *((name, self._global(it, names)) for name, it in used.items()))
 
     def _global(self, value: Any, names: list[str]) -> Hashable:
         """Describe what a global stands for; of a module of the user's, the attributes that the code ``names``."""
         if not isinstance(value, types.ModuleType) or known(value):
-            return self.of(value)
-        return (value.__name__, self.of({name: vars(value)[name] for name in names if name in vars(value)}))
+            return self._of(value)
+        return (value.__name__, self._of({name: vars(value)[name] for name in names if name in vars(value)}))
 
 
 def _of_package(module: str | None) -> bool:

@@ -1,7 +1,7 @@
 """The structure of a program's arguments and result: which classes, which static values, and where the arrays are."""
 
 import importlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 import equinox as eqx
@@ -11,8 +11,7 @@ from jax.tree_util import PyTreeDef, default_registry
 from . import identity
 
 _JSON = (type(None), bool, int, float, str)
-_BUILT_IN: dict[str, type] = {"none": type(None), "tuple": tuple, "list": list, "dict": dict}
-_NAMES = {kind: name for name, kind in _BUILT_IN.items()}
+_BUILT_IN: dict[str, type] = {kind.__name__: kind for kind in (type(None), tuple, list, dict)}
 _LEAF = jax.tree.structure(0)
 
 
@@ -27,38 +26,31 @@ class _Empty(eqx.Module):
 _UNWRAPPED = next(iter(jax.tree.structure(_Empty()).node_data()[1]))  # type: ignore[attr-defined]
 
 
-def nodes(structure: PyTreeDef) -> Iterable[tuple[type, Any]]:
-    """Yield type and static values of each node, from the root on."""
+def nested(structure: PyTreeDef) -> Any:
+    """Return 0 for a leaf, else type and static values of the node, and a list of its children in the same way."""
     data = structure.node_data()
-    if data is not None:
-        kind, static = data
-        whole = issubclass(kind, eqx.Module) and static[0] is _UNWRAPPED
-        yield kind, static[1:] if whole else static
-        for child in structure.children():
-            yield from nodes(child)
+    if data is None:
+        return 0
+    kind, static = data
+    if issubclass(kind, eqx.Module) and static[0] is _UNWRAPPED:
+        static = static[1:]
+    return kind, static, [nested(child) for child in structure.children()]
 
 
 def user_code(*things: Any) -> str:
     """Return a hash of the user's code that numbers of these designs, mechanisms and classes depend on, the same in
     every process; "" where the packages have all of it."""
-    used = [thing for thing in things if isinstance(thing, type)]
-    for kind, static in (node for thing in things for node in nodes(jax.tree.structure(thing))):
-        used += [kind, *_flat(static)]
-    own = [part for part in used if not identity.lasts(part)]
+    trees = [thing if isinstance(thing, type) else nested(jax.tree.structure(thing)) for thing in things]
+    own = [part for part in _flat(trees) if identity.Description(part).of_user]
     return identity.source_hash(*own) if own else ""
 
 
-def _flat(static: Any) -> Iterator[Any]:
-    if isinstance(static, (tuple, list)):
-        for part in static:
+def _flat(parts: Any) -> Iterator[Any]:
+    if isinstance(parts, (tuple, list)):
+        for part in parts:
             yield from _flat(part)
     else:
-        yield static
-
-
-def outline(structure: PyTreeDef) -> Any:
-    """Return where leaves are among the nodes: 0 for a leaf, else a tuple with an outline for each child."""
-    return 0 if structure.node_data() is None else tuple(map(outline, structure.children()))
+        yield parts
 
 
 def written(structure: PyTreeDef) -> Any:
@@ -66,29 +58,50 @@ def written(structure: PyTreeDef) -> Any:
 
     **Raises:** `CannotSay` for classes of others and other values.
     """
-    data = structure.node_data()
-    if data is None:
-        return 0
-    kind, static = data
-    name = _NAMES.get(kind, f"{kind.__module__}:{kind.__qualname__}")
-    if _our_class(name) is not kind:
-        raise CannotSay(f"{name} is not a class of this package")
-    if issubclass(kind, eqx.Module):
-        if static[0] is not _UNWRAPPED:
-            raise CannotSay(f"{name} wraps a function")
-        static = static[1:]
-    return [name, _plain(static), [written(child) for child in structure.children()]]
+    return _plain(nested(structure))
 
 
 def read(text: Any) -> PyTreeDef:
     """Read the structure that `written` wrote."""
-    if text == 0:
+    return _tree(_read(text))
+
+
+def _tree(parts: Any) -> PyTreeDef:
+    if parts == 0:
         return _LEAF
-    name, values, children = text
-    kind, static = _our_class(name), _static(values)
+    kind, static, children = parts
     if issubclass(kind, eqx.Module):
         static = (_UNWRAPPED, *static)
-    return PyTreeDef.from_node_data_and_children(default_registry, (kind, static), [read(child) for child in children])
+    return PyTreeDef.from_node_data_and_children(default_registry, (kind, static), list(map(_tree, children)))
+
+
+def _plain(value: Any) -> Any:
+    """Write classes and static values for JSON; a list is as it is, and anything else that JSON lacks an object."""
+    # By type, not by `isinstance`: a subclass would not be read back as itself.
+    kind = type(value)
+    if kind in _JSON:
+        return value
+    if kind is list:
+        return list(map(_plain, value))
+    if kind is tuple:
+        return {"tuple": list(map(_plain, value))}
+    if isinstance(value, type):
+        name = value.__name__ if value in _BUILT_IN.values() else f"{value.__module__}:{value.__qualname__}"
+        if _our_class(name) is value:
+            return {"class": name}
+    elif isinstance(value, str):  # a law, which is read by its name
+        return {"word": str(value), "of": _plain(kind)}
+    raise CannotSay(f"{value!r} is no class of this package and not a plain value")
+
+
+def _read(text: Any) -> Any:
+    if isinstance(text, list):
+        return list(map(_read, text))
+    if not isinstance(text, dict):
+        return text
+    if "word" in text:
+        return _read(text["of"])(text["word"])
+    return _our_class(text["class"]) if "class" in text else tuple(map(_read, text["tuple"]))
 
 
 def _our_class(name: str) -> type:
@@ -102,26 +115,3 @@ def _our_class(name: str) -> type:
     if not (isinstance(target, type) and issubclass(target, (eqx.Module, tuple, str))):
         raise CannotSay(f"{name} is not a class of this package")
     return target
-
-
-def _plain(value: Any) -> Any:
-    """Write static values for JSON; a tuple becomes an object, to tell it from a list."""
-    if type(value) in _JSON:
-        return value
-    # By type, not by `isinstance`: a subclass would not be read back as itself.
-    if type(value) is tuple:
-        return {"tuple": [_plain(part) for part in value]}
-    if type(value) is list:
-        return [_plain(part) for part in value]
-    if isinstance(value, str):  # a law, which is read by its name
-        return {"word": [f"{type(value).__module__}:{type(value).__qualname__}", str(value)]}
-    raise CannotSay(f"{value!r} is not a plain value")
-
-
-def _static(value: Any) -> Any:
-    if isinstance(value, dict) and "word" in value:
-        kind, word = value["word"]
-        return _our_class(kind)(word)
-    if isinstance(value, dict):
-        return tuple(_static(part) for part in value["tuple"])
-    return [_static(part) for part in value] if isinstance(value, list) else value
