@@ -105,7 +105,8 @@ def chosen_law(law: Any) -> Any:
     if isinstance(law, str) and law in LAWS:
         return ChosenLaw(law)
     if isinstance(law, type) and issubclass(law, ContactLaw):
-        return ChosenLaw(next((name for name, kind in LAWS.items() if kind is law), law.__name__), law)
+        own = law.__name__ if law.__name__ not in LAWS else f"{law.__module__}.{law.__qualname__}"
+        return ChosenLaw(next((name for name, kind in LAWS.items() if kind is law), own), law)
     return law
 
 
