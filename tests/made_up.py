@@ -88,6 +88,7 @@ def made_up_capture(scenario=None, peak=250.0, at=0.02, outcome=Outcome.captured
         energy=jax.tree.map(lambda share: share[-1], energy),
         balance=Balance(*(jnp.asarray(1e-9) for _ in range(4))),
         _located=Log.empty(2, jnp.zeros((1, 30)), 2, 6),
+        _observed=(),
         stabilisation=jnp.asarray(20.0),
         history=history,
     )  # fmt: skip

@@ -8,7 +8,7 @@ import pytest
 
 import jaxbuffer
 from documents.examples import DOCS, ROOT, blocks
-from jaxbuffer.contact.laws import _all as laws
+from jaxbuffer.contact.laws.registry import _all as laws
 
 HEADING = "**Example:**"
 COMPILES = re.compile(r"\.(simulate|sensitivity|sweep|sample|tune|pareto|diffeqsolve)\(")

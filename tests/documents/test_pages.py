@@ -10,7 +10,7 @@ from types import ModuleType
 import pytest
 
 from documents.examples import PAGES, ROOT, blocks
-from jaxbuffer.contact.laws import _all as laws
+from jaxbuffer.contact.laws.registry import _all as laws
 from jaxbuffer.mechanisms import all_mechanisms, registry
 
 README = ROOT / "README.md"

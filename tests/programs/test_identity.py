@@ -1,10 +1,11 @@
-"""What a program is made from: descriptions that differ where code differs, and say so where they can't tell."""
+"""Whose code a program is made from, and the hash of the user's source."""
 
+import importlib
+import itertools
 import os
 import subprocess
 import sys
 import textwrap
-import types
 
 import diffrax
 import equinox as eqx
@@ -16,7 +17,7 @@ import pytest
 import jaxbuffer as jb
 from jaxbuffer.contact.laws import LAWS
 from jaxbuffer.hybrid import DiagonallyImplicit, Options
-from jaxbuffer.programs.identity import UserCode, digest, fingerprint, known, label, lasts
+from jaxbuffer.programs.identity import NO_SOURCE, Description, known, source_hash
 
 SOURCE = """
     import functools, math
@@ -78,20 +79,24 @@ HELPERS = "CONSTANT = 12.0\nOTHER = 13.0\nUNUSED = 14.0"
 
 
 @pytest.fixture
-def description(monkeypatch):
-    """The description of the class Mine in a source, run anew, with a module of helpers; both with replacements."""
+def description(tmp_path, monkeypatch):
+    """The hash of the class Mine in a file, imported anew, with a module of helpers; both with replacements."""
+    number = itertools.count()
 
-    def described(*replacements, thing="Mine", by=fingerprint):
+    def described(*replacements):
         texts = [textwrap.dedent(SOURCE), HELPERS]
         for old, new in replacements:
             assert sum(text.count(old) for text in texts) == 1
             texts = [text.replace(old, new) for text in texts]
-        helpers, module = types.ModuleType("helpers_of_mine"), types.ModuleType("law_of_mine")
-        monkeypatch.setitem(sys.modules, helpers.__name__, helpers)
-        monkeypatch.setitem(sys.modules, module.__name__, module)
-        exec(texts[1], vars(helpers))
-        exec(texts[0], vars(module))
-        return by(vars(module)[thing])
+        folder = tmp_path / str(next(number))
+        folder.mkdir()
+        names = ("law_of_mine", "helpers_of_mine")
+        for name, text in zip(names, texts, strict=True):
+            (folder / f"{name}.py").write_text(text)
+            monkeypatch.delitem(sys.modules, name, raising=False)
+        with monkeypatch.context() as patched:
+            patched.syspath_prepend(folder)
+            return source_hash(importlib.import_module(names[0]).Mine)
 
     return described
 
@@ -126,24 +131,29 @@ def test_a_change_that_can_be_seen_is_seen(description, change):
     assert description(change) != description()
 
 
-@pytest.mark.parametrize("change", CHANGES, ids=lambda change: change[1][:24])
-def test_a_change_is_seen_by_another_process_too(description, change):
-    assert description(change, by=digest) != description(by=digest)
-
-
-def test_what_changes_nothing_changes_no_description(description):
+def test_what_changes_nothing_changes_no_hash(description):
     first = description()
-    assert description() == first and hash(description()) == hash(first)
+    assert description() == first
     for change in (("UNUSED = 14.0", "UNUSED = 15.0"), ("import functools, math", "import functools, math\n\n# moved")):
         assert description(change) == first
-        assert description(change, by=digest) == description(by=digest)
+
+
+def test_code_without_source_is_known_in_this_process_alone():
+    def typed():
+        names = {}
+        exec("class Mine:\n    def force(self, depth):\n        return 2.0 * depth", names)
+        return names["Mine"]
+
+    one, other = typed(), typed()
+    assert source_hash(one) == source_hash(one) != source_hash(other)
+    assert source_hash(one).startswith(NO_SOURCE) and not source_hash(test_values_are_told_apart).startswith(NO_SOURCE)
 
 
 OF_A_PROCESS = """
 import logging, threading, types
 import numpy as np
 from scipy.interpolate import PchipInterpolator
-from jaxbuffer.programs.identity import digest
+from jaxbuffer.programs.identity import source_hash
 
 class Table:
     def __init__(self, factor):
@@ -154,15 +164,18 @@ class Table:
 
 for last, factor in ((3.0, 2.0), (4.0, 2.0), (3.0, 2.5)):
     spline = PchipInterpolator([0.0, 1.0, 2.0], [0.0, 1.0, last])
-    print(digest(Table(factor), {"b", "a", "c"}, object()))
+    print(source_hash(Table(factor), {"b", "a", "c"}, object()))
 """
 
 
-def test_every_process_has_the_same_hash_of_code_and_of_the_objects_that_it_reads():
+def test_every_process_has_the_same_hash_of_code_and_of_the_objects_that_it_reads(tmp_path):
+    file = tmp_path / "process.py"
+    file.write_text(OF_A_PROCESS)
+
     def printed(seed):
         environment = {**os.environ, "PYTHONHASHSEED": seed, "PYTHONPATH": os.pathsep.join(sys.path)}
         return subprocess.run(
-            [sys.executable, "-c", OF_A_PROCESS], capture_output=True, text=True, check=True, env=environment
+            [sys.executable, str(file)], capture_output=True, text=True, check=True, env=environment
         ).stdout
 
     first = printed("1")
@@ -179,36 +192,31 @@ def test_optimizers_that_differ_in_a_schedule_far_ahead_are_told_apart():
         )
 
     every = [*optimizers(0.5), *optimizers(0.6), optax.adam(0.1), optax.adam(0.2), optax.lbfgs(0.1)]
-    assert len({digest(it) for it in every}) == len(every)
-    assert [digest(it) for it in optimizers(0.5)] == [digest(it) for it in optimizers(0.5)]
-
-
-def test_what_cannot_be_described_is_itself_alone():
-    one, other = object(), object()
-    assert fingerprint(one) == fingerprint(one) != fingerprint(other)
+    assert len({source_hash(it) for it in every}) == len(every)
+    assert [source_hash(it) for it in optimizers(0.5)] == [source_hash(it) for it in optimizers(0.5)]
 
 
 @pytest.mark.parametrize(
     ("one", "other"),
     [(1, 1.0), (True, 1), ("1", 1), ((1, 2), [1, 2]), (0.0, -0.0), (np.zeros(2), np.zeros(2, int)), (None, "None")],
 )
-def test_values_that_python_or_numpy_find_alike_are_told_apart(one, other):
-    assert fingerprint(one) != fingerprint(other)
+def test_values_are_told_apart(one, other):
+    """Python or NumPy find them alike."""
+    assert source_hash(one) != source_hash(other)
 
 
 def test_the_packages_own_code_is_known_by_name_and_anything_else_is_not():
     assert all(map(known, (*LAWS.values(), jax.jit, np.sin, diffrax.Tsit5, eqx.Module, int, jb.simulate)))
     assert not known(type("Hertz", (), {"__module__": "jaxbuffer.contact.laws.hertzian"}))
-    assert not known(test_what_cannot_be_described_is_itself_alone)
+    assert not known(test_values_are_told_apart)
 
 
-def test_the_default_and_other_published_methods_last():
+def test_the_default_and_other_published_methods_are_the_packages():
     for options in (Options(), DiagonallyImplicit(diffrax.Kvaerno5()), jb.table2()):
-        assert lasts(options) and label(options) == label(options) != label(None)
+        described = Description(options)
+        assert not described.of_user and described.parts == Description(options).parts != Description(None).parts
 
 
 @pytest.mark.parametrize("thing", [lambda: None, object(), type("Mine", (), {}), (1, [print, lambda: None])])
-def test_code_of_the_users_has_no_label(thing):
-    assert not lasts(thing)
-    with pytest.raises(UserCode):
-        label(thing)
+def test_code_of_the_users_is_told_from_that_of_packages(thing):
+    assert Description(thing).of_user and not Description(object, print).of_user

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
-from jaxbuffer.contact.laws import Hertz, _all
+from jaxbuffer.contact.laws import Hertz
+from jaxbuffer.contact.laws.registry import _all
 from jaxbuffer.mechanisms import registry
 from jaxbuffer.tuning.problem import Settings
 from jaxbuffer.tuning.store import TuningStore
@@ -55,12 +56,14 @@ def test_another_sweep(tmp_path, monkeypatch):
         swept([0.1, 0.3], tmp_path, resume=True)
 
 
-def pendulum(gravity="9.81"):
-    """The mechanism of docs/mechanisms.md, its module run anew."""
+def pendulum(gravity, folder=None):
+    """The mechanism of docs/mechanisms.md, its module run anew: from a file in a folder, or as if it were typed."""
     code = PAGE.read_text().split("```python")[1].split("```")[0].split("run = jb.simulate")[0]
     assert code.count("GRAVITY = 9.81") == 1
-    names = {}
-    exec(code.replace("GRAVITY = 9.81", f"GRAVITY = {gravity}"), names)
+    code, names = code.replace("GRAVITY = 9.81", f"GRAVITY = {gravity}"), {"__name__": "mine"}
+    if folder is not None:
+        (folder / f"{gravity}.py").write_text(code)
+    exec(compile(code, "<stdin>" if folder is None else folder / f"{gravity}.py", "exec"), names)
     return names["Pendulum"](), names["Release"]
 
 
@@ -78,11 +81,11 @@ def test_a_mechanism_whose_code_has_changed_is_not_resumed(tmp_path, monkeypatch
     monkeypatch.setattr("jaxbuffer.sweeps.sweep.completed", lambda *arguments: iter(()))
 
     def sweep(gravity, folder, **options):
-        design, release = pendulum(gravity)
+        design, release = pendulum(gravity, tmp_path)
         return jb.sweep(design, release(angle=[0.3, 0.4]), folder=tmp_path / folder, save=False, **options)
 
     def sample(gravity, folder, **options):
-        design, release = pendulum(gravity)
+        design, release = pendulum(gravity, tmp_path)
         ranges = {"scenario.angle": (0.3, 0.4)}
         return jb.sample(design, release(), ranges, 2, folder=tmp_path / folder, save=False, **options)
 
@@ -95,7 +98,7 @@ def test_a_mechanism_whose_code_has_changed_is_not_resumed(tmp_path, monkeypatch
 
 def test_a_tuning_of_a_mechanism_whose_code_has_changed_is_another_one(tmp_path, registered):
     def stated(gravity):
-        design, release = pendulum(gravity)
+        design, release = pendulum(gravity, tmp_path)
         return jb.Problem(design, [release()], [jb.Variable("rod.mass", 0.1, 0.3)])
 
     with TuningStore(tmp_path, _identity(stated("9.81"), Settings(), None, None), resume=False):
@@ -103,6 +106,19 @@ def test_a_tuning_of_a_mechanism_whose_code_has_changed_is_another_one(tmp_path,
     assert best_so_far(stated("9.81"), tmp_path) is None
     with pytest.raises(jb.InputError, match=": the code of its mechanism, laws or solver has changed; repeat"):
         best_so_far(stated("9.0"), tmp_path)
+
+
+def test_code_without_source_is_not_recognised_and_that_is_said(tmp_path, registered):
+    def stated():
+        design, release = pendulum("9.81")
+        return jb.Problem(design, [release()], [jb.Variable("rod.mass", 0.1, 0.3)])
+
+    begun = stated()
+    with TuningStore(tmp_path, _identity(begun, Settings(), None, None), resume=False):
+        pass
+    assert best_so_far(begun, tmp_path) is None, "it is known in this process"
+    with pytest.raises(jb.InputError, match=r"solver has changed \(code without source cannot be recognised\); repeat"):
+        best_so_far(stated(), tmp_path)
 
 
 def test_laws_and_quantities_of_ones_own_whose_code_has_changed(tmp_path, monkeypatch, registered):

@@ -12,6 +12,9 @@ from .laws import contact_law as contact_law
 from .laws import contact_modulus as contact_modulus
 from .laws import damping_factor as damping_factor
 from .laws import hertz_stiffness as hertz_stiffness
+from .laws import law_choice as law_choice
+from .laws import law_class as law_class
+from .laws import laws_named as laws_named
 from .laws import laws_with as laws_with
 from .laws import pin_in_hole_law as pin_in_hole_law
 from .laws import register_law as register_law

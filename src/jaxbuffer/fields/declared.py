@@ -82,14 +82,14 @@ class Part(Portable):
         prefix = f"{self.section}." if self.section else ""
         for field in dataclasses.fields(self):
             value, path = getattr(self, field.name), prefix + field.name
-            if "choices" in field.metadata:
+            if "check" in field.metadata:
+                field.metadata["check"](path, value)
+            elif "choices" in field.metadata:
                 check_choice(path, value, field.metadata["choices"])
             elif "flag" in field.metadata:
                 check_flag(path, value)
             elif "least" in field.metadata:
                 check_whole(path, value, field.metadata["least"], field.metadata["most"])
-            elif "check" in field.metadata:
-                field.metadata["check"](path, value)
             elif "unit" in field.metadata:
                 if value is not None or not (field.default is None or self._replaced_by_curve(field.name)):
                     symbol, limits = field.metadata["unit"], field.metadata["limits"]

@@ -13,7 +13,6 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from ..programs.cache import Static, made_from
 from .loop.log import Kind, Log
 from .system import HybridSystem
 
@@ -37,7 +36,7 @@ def moving(log: Log, parameters: Any, build: Build) -> Log:
 def _moving_jvp(primals: tuple, tangents: tuple) -> tuple[Log, Log]:
     (log, parameters, build), (log_moves, parameters_move, _) = primals, tangents
     rows_move = jnp.zeros_like(log.rows) if log_moves.rows is None else log_moves.rows
-    moves = _moves(log, rows_move, parameters, parameters_move, build, made_from(parameters, build))
+    moves = _moves(log, rows_move, parameters, parameters_move, build)
     return log, dataclasses.replace(jax.tree.map(lambda _: None, log), **moves)
 
 
@@ -69,9 +68,7 @@ class _Entry(NamedTuple):
 
 
 @eqx.filter_jit
-def _moves(
-    log: Log, rows_move: Array, parameters: Any, parameters_move: Any, build: Build, made_from: Static
-) -> dict[str, Array]:
+def _moves(log: Log, rows_move: Array, parameters: Any, parameters_move: Any, build: Build) -> dict[str, Array]:
     """Return the changes of the log's fields, by name, with a change of the parameters."""
     used = (jnp.arange(log.kind.shape[0]) < log.count) & (log.kind != Kind.NONE)
     # unused slots may hold anything: the first entry stands in for them

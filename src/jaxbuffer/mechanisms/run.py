@@ -95,6 +95,8 @@ class Run(Portable, Saved):
     accepted: Int[Array, ""]
     stabilisation: Float[Array, ""]
     _located: Log  # `log` with derivatives at fixed times; None of a tank, whose events are not located
+    # The names of the log's ``values``: to ask the system for them would trace it.
+    _observed: tuple[str, ...] = eqx.field(static=True)
 
     @property
     def mechanism(self) -> Mechanism:
@@ -167,16 +169,13 @@ class Run(Portable, Saved):
         if not self.maxima or log is None or not int(log.count):
             return dict.fromkeys(self.maxima, float("nan"))
         count = int(log.count)
-        # To assemble a mechanism in numbers, outside of a stored program, would compile a dozen small ones.
-        given = (self.design, self.scenario, self.stabilisation)
-        observed = eqx.filter_eval_shape(self.mechanism.system, *given).observed
         # The entry of a start in contact does not know what depends on the state's rate.
         time, values = np.asarray(log.time)[:count], np.asarray(log.values)[:count]
         starts = (np.asarray(log.kind)[:count] == Kind.TOUCHDOWN) & (time == 0.0)
         values = np.where(starts[:, None], -np.inf, values)
 
         def reached(name: str) -> float:
-            column, largest = values[:, observed.index(name)], float(self.maxima[name])
+            column, largest = values[:, self._observed.index(name)], float(self.maxima[name])
             slot = int(np.argmax(column))
             if not abs(largest) > 0.0:
                 return float("nan")

@@ -31,7 +31,7 @@ from jax import export
 from jax.stages import Compiled, Lowered
 
 from . import store, structure
-from .identity import UserCode, fingerprint, label
+from .identity import Description
 from .process import check_ready, kind
 
 R = TypeVar("R")
@@ -61,12 +61,6 @@ class Static(eqx.Module):
     value: Any = eqx.field(static=True)
 
 
-def made_from(tree: Any, *code: Any) -> Static:
-    """Return what may change between two calls although the structure of the arguments is the same, for functions under
-    `jax.jit`: the laws that names in a tree stand for, classes of the user's, and ``code`` called."""
-    return Static((structure.changeable(jax.tree.structure(tree)), fingerprint(*code)))
-
-
 class _Program(NamedTuple):
     """A compiled function of arrays, in its parts.
 
@@ -93,8 +87,7 @@ class stored(Generic[R]):  # a decorator
     - Under a transformation (`grad`, `vmap`) it is `jax.jit`. Inside another program that is being traced it is a plain
       call, because a nested `jit` would be traced twice where derivatives are asked for.
     - A program that cannot be read or written, or is made from code of the user's, is compiled in memory.
-    - Every call checks classes and contact laws that are not the package's own. Where one has changed, or its name
-      means another one by now, a new program is compiled.
+    - A class that is defined again is a new program. Globals that its code reads are read once, as under `jax.jit`.
     """
 
     def __init__(
@@ -102,12 +95,7 @@ class stored(Generic[R]):  # a decorator
     ) -> None:
         self.last, self.first, self.seconds = function, first, seconds
 
-        def compiled_for(*arguments: Any, made_from: Any = None) -> R:
-            return self.function(*arguments)
-
-        # `made_from` is only part of the key: where a law's name means another one by now, the function is traced
-        # again.
-        self.jitted = jax.jit(compiled_for, static_argnames="made_from")
+        self.jitted = jax.jit(self.function)
         self.programs: dict[Any, _Program] = {}
         functools.update_wrapper(self, function)
 
@@ -122,13 +110,11 @@ class stored(Generic[R]):  # a decorator
         if any(kind is jax.core.Tracer for kind in kinds):
             # While a larger program is being traced, even a constant is part of it.
             larger = isinstance(jnp.zeros(()), jax.core.Tracer)
-            return (
-                self.function(*arguments) if larger else self.jitted(*arguments, made_from=structure.changeable(tree))
-            )
+            return self.function(*arguments) if larger else self.jitted(*arguments)
         numbers = np.array([leaf for leaf, kind in zip(leaves, kinds, strict=True) if kind is float])
         given = [numbers, *(leaf for leaf, kind in zip(leaves, kinds, strict=True) if kind is not float)]
         # The folder too, so that programs are kept in one that is given later.
-        key = (store.folder(), tree, kinds, structure.changeable(tree))
+        key = (store.folder(), tree, kinds)
         if key not in self.programs:
             with _compiling:  # of many threads that come at once, one compiles
                 if key not in self.programs:
@@ -136,14 +122,10 @@ class stored(Generic[R]):  # a decorator
         return self.programs[key](leaves, given)
 
     def _program(self, tree: Any, kinds: tuple[Any, ...], given: list[Any]) -> _Program:
-        folder = store.folder()
-        try:
-            described = (structure.outline(tree), *map(label, structure.nodes(tree)), *map(label, structure.laws(tree)))
-        except UserCode:
-            folder = None
-        if folder is None:
+        folder, described = store.folder(), Description(structure.nested(tree))
+        if folder is None or described.of_user:
             return self._compiled(tree, kinds, given)
-        parts = (repr(described), str(kinds))
+        parts = (repr(described.parts), str(kinds))
         file = folder / self._file_name(_made_from(), *parts)
         shipped = self._file_name(_traced_from(), *parts)
         if (program := self._read(file, given)) is not None:

@@ -1,20 +1,17 @@
 """The structure of a program's arguments and result: which classes, which static values, and where the arrays are."""
 
-import functools
 import importlib
-from collections.abc import Hashable, Iterable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 import equinox as eqx
 import jax
 from jax.tree_util import PyTreeDef, default_registry
 
-from ..contact.laws import LAWS
 from . import identity
 
 _JSON = (type(None), bool, int, float, str)
-_BUILT_IN: dict[str, type] = {"none": type(None), "tuple": tuple, "list": list, "dict": dict}
-_NAMES = {kind: name for name, kind in _BUILT_IN.items()}
+_BUILT_IN: dict[str, type] = {kind.__name__: kind for kind in (type(None), tuple, list, dict)}
 _LEAF = jax.tree.structure(0)
 
 
@@ -29,63 +26,31 @@ class _Empty(eqx.Module):
 _UNWRAPPED = next(iter(jax.tree.structure(_Empty()).node_data()[1]))  # type: ignore[attr-defined]
 
 
-def nodes(structure: PyTreeDef) -> Iterable[tuple[type, Any]]:
-    """Yield type and static values of each node, from the root on."""
+def nested(structure: PyTreeDef) -> Any:
+    """Return 0 for a leaf, else type and static values of the node, and a list of its children in the same way."""
     data = structure.node_data()
-    if data is not None:
-        kind, static = data
-        whole = issubclass(kind, eqx.Module) and static[0] is _UNWRAPPED
-        yield kind, static[1:] if whole else static
-        for child in structure.children():
-            yield from nodes(child)
+    if data is None:
+        return 0
+    kind, static = data
+    if issubclass(kind, eqx.Module) and static[0] is _UNWRAPPED:
+        static = static[1:]
+    return kind, static, [nested(child) for child in structure.children()]
 
 
-def changeable(tree: Any) -> Hashable:
-    """Return what may change between two calls with arguments of one structure: contact laws, and code that is not
-    known by the version of its package."""
-    contact_laws = laws(tree)
-    things = [*_own(tree), *(law for law in contact_laws if not identity.lasts(law))]
-    return (contact_laws, identity.fingerprint(*things)) if things else contact_laws
+def user_code(*things: Any) -> str:
+    """Return a hash of the user's code that numbers of these designs, mechanisms and classes depend on, the same in
+    every process; "" where the packages have all of it."""
+    trees = [thing if isinstance(thing, type) else nested(jax.tree.structure(thing)) for thing in things]
+    own = [part for part in _flat(trees) if identity.Description(part).of_user]
+    return identity.source_hash(*own) if own else ""
 
 
-def user_code(*things: Any, words: Iterable[Any] = ()) -> str:
-    """Return a hash of the user's code that numbers of these designs, mechanisms and laws depend on, the same in every
-    process; "" where the packages have all of it. ``words``: values of choices that may name laws."""
-    trees = [jax.tree.structure(thing) for thing in things]
-    used = [part for tree in trees for part in (*_own(tree), *laws(tree))]
-    used += [LAWS[word] for word in words if isinstance(word, str) and word in LAWS]
-    own = [thing for thing in used if not identity.lasts(thing)]
-    return identity.digest(*own) if own else ""
-
-
-def laws(tree: Any) -> tuple[type, ...]:
-    """Return the laws whose names are in the arguments: looked up anew, since a name can be registered again."""
-    return tuple(LAWS[word] for word in _words(tree) if word in LAWS)
-
-
-@functools.lru_cache(maxsize=1024)
-def _words(tree: Any) -> tuple[str, ...]:
-    return tuple(value for _, static in nodes(tree) for value in _flat(static) if isinstance(value, str))
-
-
-@functools.lru_cache(maxsize=1024)
-def _own(tree: Any) -> tuple[Any, ...]:
-    """Return the types and static values of the arguments that are, or hold, code that may change."""
-    parts = [part for kind, static in nodes(tree) for part in (kind, *_flat(static))]
-    return tuple(part for part in parts if not identity.lasts(part))
-
-
-def _flat(static: Any) -> Iterator[Any]:
-    if isinstance(static, (tuple, list)):
-        for part in static:
+def _flat(parts: Any) -> Iterator[Any]:
+    if isinstance(parts, (tuple, list)):
+        for part in parts:
             yield from _flat(part)
     else:
-        yield static
-
-
-def outline(structure: PyTreeDef) -> Any:
-    """Return where leaves are among the nodes: 0 for a leaf, else a tuple with an outline for each child."""
-    return 0 if structure.node_data() is None else tuple(map(outline, structure.children()))
+        yield parts
 
 
 def written(structure: PyTreeDef) -> Any:
@@ -93,29 +58,50 @@ def written(structure: PyTreeDef) -> Any:
 
     **Raises:** `CannotSay` for classes of others and other values.
     """
-    data = structure.node_data()
-    if data is None:
-        return 0
-    kind, static = data
-    name = _NAMES.get(kind, f"{kind.__module__}:{kind.__qualname__}")
-    if _our_class(name) is not kind:
-        raise CannotSay(f"{name} is not a class of this package")
-    if issubclass(kind, eqx.Module):
-        if static[0] is not _UNWRAPPED:
-            raise CannotSay(f"{name} wraps a function")
-        static = static[1:]
-    return [name, _plain(static), [written(child) for child in structure.children()]]
+    return _plain(nested(structure))
 
 
 def read(text: Any) -> PyTreeDef:
     """Read the structure that `written` wrote."""
-    if text == 0:
+    return _tree(_read(text))
+
+
+def _tree(parts: Any) -> PyTreeDef:
+    if parts == 0:
         return _LEAF
-    name, values, children = text
-    kind, static = _our_class(name), _static(values)
+    kind, static, children = parts
     if issubclass(kind, eqx.Module):
         static = (_UNWRAPPED, *static)
-    return PyTreeDef.from_node_data_and_children(default_registry, (kind, static), [read(child) for child in children])
+    return PyTreeDef.from_node_data_and_children(default_registry, (kind, static), list(map(_tree, children)))
+
+
+def _plain(value: Any) -> Any:
+    """Write classes and static values for JSON; a list is as it is, and anything else that JSON lacks an object."""
+    # By type, not by `isinstance`: a subclass would not be read back as itself.
+    kind = type(value)
+    if kind in _JSON:
+        return value
+    if kind is list:
+        return list(map(_plain, value))
+    if kind is tuple:
+        return {"tuple": list(map(_plain, value))}
+    if isinstance(value, type):
+        name = value.__name__ if value in _BUILT_IN.values() else f"{value.__module__}:{value.__qualname__}"
+        if _our_class(name) is value:
+            return {"class": name}
+    elif isinstance(value, str):  # a law, which is read by its name
+        return {"word": str(value), "of": _plain(kind)}
+    raise CannotSay(f"{value!r} is no class of this package and not a plain value")
+
+
+def _read(text: Any) -> Any:
+    if isinstance(text, list):
+        return list(map(_read, text))
+    if not isinstance(text, dict):
+        return text
+    if "word" in text:
+        return _read(text["of"])(text["word"])
+    return _our_class(text["class"]) if "class" in text else tuple(map(_read, text["tuple"]))
 
 
 def _our_class(name: str) -> type:
@@ -126,24 +112,6 @@ def _our_class(name: str) -> type:
     target: Any = importlib.import_module(module) if module.split(".")[0] in identity.OURS else None
     for part in path.split("."):
         target = getattr(target, part, None)
-    if not (isinstance(target, type) and issubclass(target, (eqx.Module, tuple))):
+    if not (isinstance(target, type) and issubclass(target, (eqx.Module, tuple, str))):
         raise CannotSay(f"{name} is not a class of this package")
     return target
-
-
-def _plain(value: Any) -> Any:
-    """Write static values for JSON; a tuple becomes an object, to tell it from a list."""
-    if type(value) in _JSON:
-        return value
-    # By type, not by `isinstance`: a subclass would not be read back as itself.
-    if type(value) is tuple:
-        return {"tuple": [_plain(part) for part in value]}
-    if type(value) is list:
-        return [_plain(part) for part in value]
-    raise CannotSay(f"{value!r} is not a plain value")
-
-
-def _static(value: Any) -> Any:
-    if isinstance(value, dict):
-        return tuple(_static(part) for part in value["tuple"])
-    return [_static(part) for part in value] if isinstance(value, list) else value

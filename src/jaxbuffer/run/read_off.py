@@ -62,6 +62,7 @@ def _read_off(request: Request, system: ContactSystem, result: Result) -> Solved
         "attempts": result.attempts,
         "accepted": result.accepted,
         "stabilisation": parameters[2],
+        "_observed": tuple(system.observed),
         # What a failed run has done so far looks like a run: its history, impacts and log are unknown like all else.
         **jax.tree.map(lambda x: x * known if eqx.is_inexact_array(x) else x, numbers),
     }

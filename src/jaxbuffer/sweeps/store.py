@@ -17,11 +17,13 @@ import numpy as np
 from .._types import Dataset
 from ..block_store import TOKEN, Arrays, BlockError, BlockStore, Head, Identity, MissingBlock
 from ..cluster.extra import require
+from ..contact import laws_named
 from ..errors import InputError
 from ..files import Lock, naming, remove_all_drafts, whole_folder, write_all
 from ..hybrid import Automatic, name_of
 from ..mechanisms.dataset import attributes
 from ..mechanisms.mechanism import Mechanism
+from ..programs.identity import unrecognised
 from ..programs.structure import user_code
 from ..run.trust import VERDICTS
 from ..version import version
@@ -102,7 +104,8 @@ class SweepStore(BlockStore[Block]):
 
     def _refusal(self, identity: Identity, parts: list[str]) -> str:
         remedy = "repeat the study, the options and the same --over of the first, or choose another --output"
-        return f"{self.path} holds another sweep, differing in {in_words(parts)}; {remedy}; it is left as it is"
+        cause = unrecognised(self.head.identity.get(CODE), identity.get(CODE)) if CODE in parts else ""
+        return f"{self.path} holds another sweep, differing in {in_words(parts)}{cause}; {remedy}; it is left as it is"
 
 
 def fill(store: SweepStore, sweep: BlockSweep, columns: Mapping[str, np.ndarray]) -> None:
@@ -220,7 +223,7 @@ def identity(settings: SweepSettings, sweep: BlockSweep) -> dict[str, str]:
     # No solver is the automatic one, which the command line names and a call in Python leaves out.
     settings = settings._replace(solver=settings.solver or Automatic())
     parts = {"options": (sweep.duration, *settings), "quantities": column_names(sweep.mechanism)}
-    if code := user_code(sweep.mechanism, settings.solver, sweep.template, words=sweep.choices()):
+    if code := user_code(sweep.mechanism, settings.solver, sweep.template, *laws_named(sweep.choices())):
         hashes[CODE] = code
     for name, part in {**sweep.identity(), **parts}.items():
         leaves, structure = jax.tree.flatten(part)

@@ -11,7 +11,7 @@ from ..errors import InputError, check_flag, check_type, check_whole
 from ..fields import Part
 from ..files import user_path
 from ..hybrid import Automatic, Solver, name_of, solver_named
-from ..programs.identity import digest
+from ..programs.identity import source_hash
 from ..programs.structure import user_code
 from ..progress import reported
 from ..version import version
@@ -186,7 +186,7 @@ def _identity(problem: Problem, settings: Settings, optimizer: Any, solver: Solv
     except InputError:  # it has none
         name = hashlib.sha256(repr(used).encode()).hexdigest()[:8]
     named = optimizer is None or settings.optimizer != "quadratic"
-    steps = "as named" if named else digest(optimizer)
+    steps = "as named" if named else source_hash(optimizer)
     code = user_code(problem.mechanism, used, problem.design, *(case.scenario for case in problem.cases)) or "none"
     return {
         VERSION: version(),

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Array, Bool
 
 from ..._types import Scalar
-from ...contact import LAWS, hertz_stiffness, laws_with
+from ...contact import hertz_stiffness, law_choice, laws_with
 from ...errors import InputError, check_entries, check_type, concrete, inside
 from ...fields import (
     NON_NEGATIVE,
@@ -76,7 +76,7 @@ class Impact(Part):
     """
 
     section: ClassVar[str] = "impact"
-    law: str = choice("adams", *LAWS, doc="contact law; it takes those of the other fields that it has")
+    law: str = law_choice("adams")
     stiffness: Number = number(
         PUBLISHED_STIFFNESS,
         "N/m^e",

@@ -1,6 +1,6 @@
 """The bar dropped on a plate, as everything else knows it."""
 
-from ...contact.laws import LAWS
+from ...contact import law_class
 from ...errors import InputError
 from ...fields import replace
 from ..mechanism import Defaults, Mechanism
@@ -16,7 +16,7 @@ MEMORY_TIME = 2e-4  # s, a hundredth of the time between two of its impacts
 
 def smooth(design: BarDrop, scenario: BarDropScenario) -> BarDrop:
     """Return the design with a memory of the touchdown's speed that follows by itself, so that it needs no events."""
-    if LAWS[design.impact.law].jumps:
+    if law_class(design.impact.law).jumps:
         raise InputError(
             f"impact.law = {design.impact.law!r}: its force jumps at touchdown, which takes events; take another law, "
             "or a solver with events: automatic, implicit or explicit"

@@ -37,13 +37,24 @@ def _brought(capture: Capture) -> Float[Array, ""]:
     return capture.docking.energy_left / capture.docking.relative_energy
 
 
+def _in_numbers(capture: Capture) -> tuple[float, float]:
+    """Return what the closing of the latches put in and the energy of relative motion at the start, of a solved run
+    [J]."""
+    docking = capture.docking
+    # NumPy, because JAX would trace a program for each operation on a finished run.
+    added, left, share = map(
+        np.asarray, (capture.energy.stored.get(CLOSING, 0.0), docking.energy_left, docking.relative_energy)
+    )
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return -float(added), float(left / share)
+
+
 def closing_words(capture: Capture) -> str:
     """Return in words what closing the latches added: "Closing the latch added 344 J, 6 times what the vehicles
     brought (57 J)"; "" where it added nothing."""
-    added = float(np.asarray(closing_energy(capture)))
+    added, brought = _in_numbers(capture)
     if not added > 0.0:
         return ""
-    brought = float(_brought(capture))
     ratio = added / brought
     share = f"{ratio:.2g} times what" if ratio >= 1.0 else f"{percent_text(ratio)} of what"
     return f"closing the latch added {energy_text(added)}, {share} the vehicles brought ({energy_text(brought)})"
@@ -51,7 +62,8 @@ def closing_words(capture: Capture) -> str:
 
 def closing_warnings(capture: Capture) -> list[str]:
     """Return a line where closing the latches added more than a tenth of what the vehicles brought."""
-    if not float(np.asarray(closing_share(capture))) > MUCH:
+    added, brought = _in_numbers(capture)
+    if not added > MUCH * brought:
         return []
     return [
         f"sanity check: {closing_words(capture)}, more than a tenth: a softer latch.stiffness, a longer"

@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Array, Bool
 
 from ..._types import Scalar
-from ...contact import LAWS, laws_with
+from ...contact import law_choice, law_class, laws_with
 from ...errors import (
     InputError,
     check_entries,
@@ -247,8 +247,9 @@ class Cone(Part):
 class Contact(Part):
     """Tip against flank: a normal law and regularised Coulomb friction.
 
-    - ``law``: a name of `contact.laws.LAWS`; each law takes those of the following fields that it has. The defaults of
-      "kelvin-voigt" and "adams" are as stiff and as lossy as Table 2's law at the depth of its first impact.
+    - ``law``: a name of `contact.laws.LAWS`, or a `ContactLaw` of one's own; it takes those of the following fields
+      that it has. The defaults of "kelvin-voigt" and "adams" are as stiff and as lossy as Table 2's law at the depth of
+      its first impact.
     - ``stiffness``: K [N/m^1.5], of "adams" [N/m^exponent]; None: computed from the materials and the tip's radius
       (M53).
     - ``restitution``: e in (0, 1] that is asked of the laws with hysteresis [-].
@@ -264,11 +265,7 @@ class Contact(Part):
     """
 
     section: ClassVar[str] = "contact"
-    law: str = eqx.field(
-        default="lankarani-nikravesh",
-        static=True,
-        metadata={"doc": "contact law; it takes those of the other fields that it has", "choices": LAWS},
-    )
+    law: str = law_choice("lankarani-nikravesh")
     stiffness: Number = number(
         None,
         "N/m^1.5",
@@ -347,7 +344,7 @@ class Contact(Part):
                 raise InputError(f"{shown}: only contact.law = 'adams' has an exponent other than {HERTZ_EXPONENT}")
             if self.stiffness is None:
                 raise InputError(f"{shown} needs contact.stiffness in N/m^exponent: Hertz's is in N/m^{HERTZ_EXPONENT}")
-        if self.memory == "smooth" and LAWS[self.law].jumps:
+        if self.memory == "smooth" and law_class(self.law).jumps:
             raise InputError(
                 f"contact.law = {self.law!r}: its force jumps at touchdown; contact.memory must be 'event'"
             )

@@ -111,6 +111,7 @@ def _of_every_run(
         "accepted": drop.steps,
         "stabilisation": jnp.asarray(stabilisation, float),
         "_located": None,  # no event is located
+        "_observed": (),
     }
 
 
