@@ -156,7 +156,7 @@ def sample(
     ('log', 'linear')
     """
     spread = points(checked_ranges(ranges, design, scenario), count, method, seed)
-    options = {"solver": solver, "rtol": rtol, "trust": trust, "folder": folder, "resume": resume}
+    options: dict[str, Any] = {"solver": solver, "rtol": rtol, "trust": trust, "folder": folder, "resume": resume}
     check_flag("save", save)
     options |= {"executor": executor, "workers": workers, "progress": progress}
     drawn = sample_at(spread, design, scenario, duration, **options)

@@ -1,5 +1,7 @@
 """`jaxbuffer pareto`: the front of several objectives."""
 
+from typing import Any
+
 from ...cluster.extra import executor_at
 from ...errors import InputError
 from ...output.formats import table_json
@@ -38,7 +40,7 @@ def pareto(
     )
     settings = vars(study.tuning)
     said = lambda done, total: note(f"{done} of {total} points of the front are done")  # noqa: E731
-    keeping = {"folder": request.output, "resume": resume, "save": False, "finished": said}
+    keeping: dict[str, Any] = {"folder": request.output, "resume": resume, "save": False, "finished": said}
     try:
         with executor_at(scheduler) as (executor, _):
             front = tuning(

@@ -30,7 +30,7 @@ def tune(request: CommandLine, scheduler: str | None, resume: bool, **search: st
     names = ("design.toml", "tuned.json", "history.csv", "force.json", "tune.png", "tune.txt")
     files = request.files(*names, resumable=RUN_FILES, resume=resume)
     settings = {**vars(study.tuning), "solver": study.options.solver}
-    keeping = {"folder": request.output, "resume": resume, "save": False}
+    keeping: dict[str, Any] = {"folder": request.output, "resume": resume, "save": False}
     try:
         with executor_at(scheduler) as (executor, _):
             tuned = tuning(
