@@ -4,6 +4,7 @@ import functools
 import itertools
 import os
 import platform
+import time
 import uuid
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -28,7 +29,8 @@ I = TypeVar("I")  # noqa: E741 # an item
 R = TypeVar("R")
 PROCESS = uuid.uuid4().hex  # differs between machines, on which processes may have the same number
 WAITING = 1000  # calls handed to a given executor at a time, so that it may have many processes, and get more
-REFUSALS = 10  # in a row, after which no call is handed out until a process that fits has answered
+REFUSALS = 10  # in a row, with no other call under way, after which no process is expected to fit
+PAUSE = 0.5  # s that a process waits before it refuses: free at once, it would be given all calls while others compute
 PATIENCE = 20.0  # s until it is said that no process answers
 
 
@@ -114,28 +116,35 @@ class Pool:
         # Two calls a thread of our own: each has its next one at hand, and few are left to drop after an interrupt.
         most = max(2 * self.workers, WAITING if self.given else 0)
         expected = self.kind if self.given else None
-        waiting, running, refusals = iter(items), dict[Future[Answer], I](), 0
-        refused: list[I] = []
+        waiting, refused, refusals = enumerate(items), list[int](), 0
+        pending, running = dict[int, I](), dict[Future[Answer], int]()
         try:
             while True:
-                # A process that refuses is soon free for the next call: it must not get them all while others compute.
-                if refusals < REFUSALS:
-                    for item in (*refused, *itertools.islice(waiting, most - len(running) - len(refused))):
-                        running[self._submitted(_called, expected, function, item)] = item
-                    refused = []
-                if not running:
-                    break
+                # A scheduler may give a call that is alone to the process that has just refused it, again and again.
+                copies = 1 if running else max(2, self.workers)
+                again = [number for number in refused for _ in range(copies)]
+                new = dict(itertools.islice(waiting, most - len(pending)))
+                pending |= new
+                for number in (*again, *new):
+                    running[self._submitted(_called, expected, function, pending[number])] = number
+                if not pending:
+                    return
+                refused = []
                 for future in wait(running, return_when=FIRST_COMPLETED).done:
-                    item, answer = running.pop(future), _result(future)
-                    if answer.differs:
-                        self._leave_out(answer)
-                        refused.append(item)
-                        refusals += 1
-                    else:
+                    number, answer = running.pop(future), _result(future)
+                    if number not in pending:  # a copy was quicker
+                        continue
+                    if not answer.differs:
+                        del pending[number]
                         refusals = 0
                         yield answer.value
-            if refused:
-                raise InputError(f"no process of the executor is left that can be used: {_in_words(answer)}")
+                        continue
+                    self._leave_out(answer)
+                    refusals += 1
+                    if number not in running.values():
+                        refused.append(number)
+                if refusals >= REFUSALS and not running:
+                    raise InputError(f"no process of the executor is left that can be used: {_in_words(answer)}")
         finally:
             for future in running:
                 future.cancel()
@@ -203,6 +212,7 @@ def _called(
     answer = _asked(home, cache, number)
     if answer.kind is not None:
         if differs := differing(expected or {}, answer.kind):
+            time.sleep(PAUSE)
             return answer._replace(differs=differs)
         check_ready()  # a process that was forked would hang
     return answer._replace(value=function(item))
