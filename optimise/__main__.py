@@ -1,7 +1,6 @@
 """``python -m optimise [STUDY …]``: run all studies, or those named; results and figures below ``--output``."""
 
 import argparse
-import contextlib
 import importlib
 import os
 import sys
@@ -31,15 +30,14 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--scheduler", metavar="WHERE", help="over Dask, as for jaxbuffer tune (docs/clusters.md)")
     options = parser.parse_args(arguments)
     import jaxbuffer
-    from jaxbuffer.cluster.connect import connected
+    from jaxbuffer.cluster.extra import executor_at
 
     jaxbuffer.configure(cache=os.environ.get("JAXBUFFER_CACHE") or Path.home() / ".cache" / "jaxbuffer")
-    where = options.scheduler
     try:
-        with contextlib.nullcontext() if where is None else connected(where) as client:
+        with executor_at(options.scheduler) as (executor, _):
             for name in options.studies or STUDIES:
                 print(f"--- {name}", file=sys.stderr, flush=True)
-                importlib.import_module(f"optimise.{name}").main(options.output / name, options.resume, client)
+                importlib.import_module(f"optimise.{name}").main(options.output / name, options.resume, executor)
     except jaxbuffer.InputError as error:
         parser.error(str(error))
     return 0

@@ -1,6 +1,7 @@
 """(f) The bar dropped on a plate that bends: contact and plate tuned, and a scan without gradients beside it."""
 
 import itertools
+from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any
 
@@ -17,11 +18,11 @@ MANY = 24  # modes, to check the tuned design with
 SCANNED = ("peak_force", "penetration", "plate_deflection")
 
 
-def main(folder: Path, resume: bool = False, client: Any = None) -> None:
+def main(folder: Path, resume: bool = False, executor: Executor | None = None) -> None:
     """The tuning, the scan beside it, and the tuned design's peak with more modes."""
     study = config("bar")
-    result = tuned(study, folder, resume, client)
-    rows = scan(study, Sweeps(folder, resume, client))
+    result = tuned(study, folder, resume, executor)
+    rows = scan(study, Sweeps(folder, resume, executor))
     best = min((row for row in rows if row[-1]), key=lambda row: row[3])
     worst = result.after.quantities.max(axis=0)
     most = simulate(replace(result.design, {"plate.modes": MANY}), highest(study), study.options.duration)

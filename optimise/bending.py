@@ -1,6 +1,7 @@
 """(f) A probe that bends, and play in the hinge: what they do to Table 2's peaks, its capture and its elasticities."""
 
 import functools
+from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,7 @@ PARAMETERS = ("k_A", "c_A", "k_T", "c_T")
 TIGHT = 1e-9  # tolerance of a second run: how far a peak's digits last
 
 
-def main(folder: Path, resume: bool = False, client: Any = None) -> None:
+def main(folder: Path, resume: bool = False, executor: Executor | None = None) -> None:
     """Peaks first, as tables and a figure; then elasticities, whose programs take minutes to compile."""
     scenario, rigid = Scenario(), table2()
     counts = [
@@ -34,7 +35,7 @@ def main(folder: Path, resume: bool = False, client: Any = None) -> None:
     play = [(p, replace(rigid, {"hinge.play": p})) for p in PLAYS] + [(0.0, rigid)]
     for kind, header, what, draw in (
         ("peaks", PEAKS, peaks, draw_peaks),
-        ("elasticities", ELASTICITIES, functools.partial(elasticities, client), draw_elasticities),
+        ("elasticities", ELASTICITIES, functools.partial(elasticities, executor), draw_elasticities),
     ):
         tables = [[(x, what(design, scenario)) for x, design in designs] for designs in (bent, play)]
         for first, rows in zip(("frequency [Hz]", "play [m]"), tables, strict=True):
@@ -80,10 +81,10 @@ def peaks(design: Design, scenario: Scenario) -> list[Any]:
     ]
 
 
-def elasticities(client: Any, design: Design, scenario: Scenario) -> list[Any]:
+def elasticities(executor: Executor | None, design: Design, scenario: Scenario) -> list[Any]:
     """By the buffer's numbers and the tip's mass, with a verdict on each quantity's."""
     paths = [*(f"buffer.{name}" for name in PARAMETERS), "probe.tip_mass"]
-    certified = sensitivity(design, scenario, wrt=paths, quantities=QUANTITIES, client=client)
+    certified = sensitivity(design, scenario, wrt=paths, quantities=QUANTITIES, executor=executor)
     assert certified.certificate is not None
     return [*(float(x) for x in np.ravel(certified.elasticities)), *(v.name for v in certified.certificate.verdicts)]
 

@@ -6,8 +6,9 @@ optax, `jax.vmap` over misalignment and approach speed; then `jb.tune` with loca
 
 import time
 from collections.abc import Callable
+from concurrent.futures import Executor
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import diffrax
 import jax
@@ -80,7 +81,7 @@ def way(problem: Problem, name: str, search: Callable[[], np.ndarray]) -> Way:
     return Way(name, values, peak, stroke, seconds)
 
 
-def ways(folder: Path, resume: bool = False, client: Any = None) -> list[Way]:
+def ways(folder: Path, resume: bool = False, executor: Executor | None = None) -> list[Way]:
     """The default way, whose result is written as that of other studies, and the literal one."""
     study = config("card")
     problem = study.problem()
@@ -88,15 +89,15 @@ def ways(folder: Path, resume: bool = False, client: Any = None) -> list[Way]:
         way(
             problem,
             "jb.tune, located events",
-            lambda: problem.values(tuned(study, folder, resume, client).after.scaled),
+            lambda: problem.values(tuned(study, folder, resume, executor).after.scaled),
         ),
         way(problem, "diffrax Kvaerno5, jax.grad, optax, vmap", lambda: literal(problem)),
     ]
 
 
-def main(folder: Path, resume: bool = False, client: Any = None) -> None:
+def main(folder: Path, resume: bool = False, executor: Executor | None = None) -> None:
     """Both ways, as a table."""
-    rows = ways(folder, resume, client)
+    rows = ways(folder, resume, executor)
     header = ["way", *config("card").problem().paths, "peak_force [N]", "stroke [m]", "time, compiling included [s]"]
     table = [[w.name, *map(float, w.values), w.peak, w.stroke, w.seconds] for w in rows]
     write(folder, "card.csv", csv_text(header, table))

@@ -1,6 +1,7 @@
 """(c) The front of peak force against stroke: the same problem under ever tighter limits on the stroke."""
 
 import dataclasses
+from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ from .study import config, figure, print_record, write
 LIMITS = (0.025, 0.02, 0.016, 0.013, 0.01, 0.008, 0.006)  # m
 
 
-def main(folder: Path, resume: bool = False, client: Any = None) -> None:
+def main(folder: Path, resume: bool = False, executor: Executor | None = None) -> None:
     """A tuning a limit, each from the last one's design; the front as table and figure."""
     study = config("pareto")
     settings = {field.name: getattr(study.tuning, field.name) for field in dataclasses.fields(study.tuning)}
@@ -25,7 +26,7 @@ def main(folder: Path, resume: bool = False, client: Any = None) -> None:
         limits={"stroke": LIMITS},
         folder=folder,
         resume=resume,
-        client=client,
+        executor=executor,
         report=print_record,
         **settings,
     )

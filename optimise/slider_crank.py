@@ -1,5 +1,6 @@
 """(g) The slider-crank: counterweight, clearance and the rod's section tuned, and a random search beside it."""
 
+from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any
 
@@ -17,12 +18,12 @@ SEEN = ("peak_force", "torque_ripple", "rod_stress", "slider_acceleration")
 UNITS = ("N", "N m", "Pa", "m/s²")
 
 
-def main(folder: Path, resume: bool = False, client: Any = None) -> None:
+def main(folder: Path, resume: bool = False, executor: Executor | None = None) -> None:
     """The tuning, the random search beside it, and the tuned design with more modes and at a tighter tolerance."""
     study = config("slider_crank")
     problem = study.problem()
-    result = tuned(study, folder, resume, client)
-    rows = searched(study, Sweeps(folder, resume, client))
+    result = tuned(study, folder, resume, executor)
+    rows = searched(study, Sweeps(folder, resume, executor))
     best = rows[int(np.argmin(np.where(rows[:, -1] > 0.0, rows[:, -2], np.inf)))]
     lines = [
         ["tuned", *(float(x) for x in seen_of(study, result.design, {}))],

@@ -3,6 +3,7 @@
 import dataclasses
 import sys
 from collections.abc import Callable
+from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any
 
@@ -25,14 +26,17 @@ def config(name: str) -> Config:
     return load(HERE / f"{name}.toml")
 
 
-def tuned(study: Config, folder: Path, resume: bool, client: Any = None, problem: Problem | None = None) -> Tuned:
-    """Tune its problem (or a variant of it), by the workers of a ``client`` if there is one, and write result, history
-    and figure; go on where a log is, if asked."""
+def tuned(
+    study: Config, folder: Path, resume: bool, executor: Executor | None = None, problem: Problem | None = None
+) -> Tuned:
+    """Tune its problem (or a variant of it), by an ``executor`` if there is one, and write result, history and figure;
+    go on where a log is, if asked."""
     settings = {field.name: getattr(study.tuning, field.name) for field in dataclasses.fields(study.tuning)}
     problem = problem or study.problem()
     resume = resume and (folder / "log.jsonl").exists()
     solver = study.options.solver
-    result = tune(problem, **settings, solver=solver, folder=folder, resume=resume, client=client, report=print_record)
+    keeping = {"folder": folder, "resume": resume}
+    result = tune(problem, **settings, **keeping, solver=solver, executor=executor, report=print_record)
     write(folder, "design.toml", design_toml(result.design, problem.scenarios_met, tuned_comment(result)))
     write(folder, "tuned.json", json_text(tuned_record(result)))
     write(folder, "history.csv", csv_text(*tuning_history(result)))
@@ -42,23 +46,21 @@ def tuned(study: Config, folder: Path, resume: bool, client: Any = None, problem
 
 
 class Sweeps:
-    """The sweeps of a study, one after the other: by threads, or by the workers of a ``client``, which store each in a
-    folder of its own below ``folder``, from where ``resume`` goes on."""
+    """The sweeps of a study, one after the other: by threads, or by an ``executor``, then each stored in a folder of
+    its own below ``folder``, from where ``resume`` goes on."""
 
-    def __init__(self, folder: Path, resume: bool, client: Any) -> None:
-        self.folder, self.resume, self.client, self.count = folder, resume, client, 0
+    def __init__(self, folder: Path, resume: bool, executor: Executor | None) -> None:
+        self.folder, self.resume, self.executor, self.count = folder, resume, executor, 0
 
     def found(self, design: Any, scenario: Any, duration: float | None, rtol: float) -> Sweep:
         """The next one: designs as an array of each number that differs."""
-        if self.client is None:
+        if self.executor is None:
             return sweep(design, scenario, duration, rtol=rtol)
         self.count += 1
         place = self.folder / f"sweep-{self.count}"
         going_on = self.resume and (place / STORE).exists()
-        stored = sweep(design, scenario, duration, rtol=rtol, client=self.client, folder=place, resume=going_on)
-        loaded = stored.load()
-        assert isinstance(loaded, Sweep)
-        return loaded
+        keeping: dict[str, Any] = {"folder": place, "resume": going_on, "save": False}
+        return sweep(design, scenario, duration, rtol=rtol, executor=self.executor, **keeping)
 
 
 def write(folder: Path, name: str, content: str | bytes) -> None:

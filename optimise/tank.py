@@ -1,6 +1,7 @@
 """(h) The drop onto a tank: cushion and wall tuned for the lightest wall, and CMA-ES without gradients beside it."""
 
 import dataclasses
+from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any
 
@@ -17,16 +18,16 @@ SOUND = 1150.0  # m/s in the liquid, to check the tuned design with
 PENALTY = 10.0  # on a limit's relative excess, in masses of the start
 
 
-def main(folder: Path, resume: bool = False, client: Any = None) -> None:
+def main(folder: Path, resume: bool = False, executor: Executor | None = None) -> None:
     """The tuning, CMA-ES beside it, and the best of each in all cases."""
     study = config("tank")
     problem = study.problem()
-    result = tuned(study, folder, resume, client)
+    result = tuned(study, folder, resume, executor)
     rows = searched(highest(problem))
     best = rows[int(np.argmin(rows[:, -1]))]
-    with Evaluator(problem, slopes=False, client=client) as evaluator:
+    with Evaluator(problem, slopes=False, executor=executor) as evaluator:
         start, gradients, without = evaluator([problem.start(), result.after.scaled, best[: len(problem.variables)]])
-    with Evaluator(with_sound(problem, SOUND), slopes=False, client=client) as evaluator:
+    with Evaluator(with_sound(problem, SOUND), slopes=False, executor=executor) as evaluator:
         (real,) = evaluator([result.after.scaled])
     lines = [
         [name, *(float(x) for x in problem.values(one.scaled)), *worst(problem, one), excess(problem, one)]

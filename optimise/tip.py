@@ -1,5 +1,6 @@
 """(d) Tip mass, welded or free to spin: what it does to the peak, and what the effective kinetic energy predicts."""
 
+from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any
 
@@ -13,9 +14,9 @@ from .study import Sweeps, config, figure, write
 MASSES = np.geomspace(0.02, 0.2, 25)  # kg
 
 
-def main(folder: Path, resume: bool = False, client: Any = None) -> None:
+def main(folder: Path, resume: bool = False, executor: Executor | None = None) -> None:
     """Sweeps of the tip's mass at every scenario of the study, welded and free, as table and figure."""
-    study, sweeps, rows = config("tip"), Sweeps(folder, resume, client), []
+    study, sweeps, rows = config("tip"), Sweeps(folder, resume, executor), []
     for free in (False, True):
         for scenario in study.scenarios:
             design: Design = replace(study.design, {"probe.free_tip": free, "probe.tip_mass": MASSES})

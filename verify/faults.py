@@ -25,7 +25,7 @@ from .cluster import OTHER_PROCESSOR, PATIENCE, Cluster, driver, enlarged, kille
 from .run import ROOT
 
 ARRAYS, STORE = "sweep.nc", "sweep.zarr"
-GONE = ("the scheduler is gone", "no scheduler answers")  # what a driver says without its scheduler
+GONE = ("its scheduler is gone", "no scheduler answers")  # what a driver says without its scheduler
 COLUMNS = 250  # spring rates of the grid
 
 
@@ -207,12 +207,12 @@ def _stranger(setup: Setup, name: str, start: Callable[[Cluster], object]) -> st
     assert beside.code == 0 and "is left out: it differs in" in beside.errors, beside
     assert same(setup, name)
     said = next(line for line in beside.errors.splitlines() if "is left out" in line)
-    if name == "processor":  # alone, it is the one whose store it is
+    if name == "processor":  # alone, its machine is the one that counts
         return f"left out: {said}; the same bits"
     with Cluster(setup.folder / f"{name}-cluster", setup.cache) as cluster:
         start(cluster)
         alone = run(setup, f"{name}-alone", "--scheduler", cluster.address)
-    assert alone.code == 2 and "no worker can be used" in alone.errors, alone
+    assert alone.code == 2 and "no process of the executor can be used" in alone.errors, alone
     return f"left out: {said}; alone refused: {_last(alone, setup)}"
 
 

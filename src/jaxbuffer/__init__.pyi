@@ -80,7 +80,6 @@ from .study.designs import (
     save_design as save_design,
 )
 from .sweeps.result import Sweep as Sweep
-from .sweeps.stored import StoredSweep as StoredSweep
 from .sweeps.sweep import sweep as sweep
 from .tuning.cases import Case as Case
 from .tuning.custom_quantity import CustomQuantity as CustomQuantity

@@ -52,14 +52,6 @@ def test_a_command_that_cannot_be_is_one_line(computed, capsys, tmp_path, words,
     assert not list(tmp_path.iterdir())
 
 
-def test_a_grid_too_large_for_any_store():
-    from jaxbuffer.sweeps.grid import grid
-
-    over = {path: {"from": 1.0, "to": 2.0, "count": 10**8} for path in ("buffer.k_A", "buffer.c_A", "buffer.k_T")}
-    with pytest.raises(jb.InputError, match="at most 1e\\+15 are allowed"):
-        grid(over, jb.table2(), jb.Scenario(), in_memory=False)
-
-
 TEXTS = {
     '[buffer]\nk_A = "500"': """buffer.k_A = '500': a text needs a unit; write 500 without quotes, or "500 N/m";""",
     '[contact]\nfriction = "0.1"': "contact.friction = '0.1': a text needs a unit; write 0.1 without quotes;",

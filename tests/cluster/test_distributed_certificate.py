@@ -19,10 +19,10 @@ START = np.array([jb.get(jb.table2(), path) for path in PATHS])
 
 
 @pytest.fixture(scope="module")
-def client():
+def executor():
     """Two threads of this process."""
     with connected("local", 2) as client:
-        yield client
+        yield client.get_executor()
 
 
 def force(design):
@@ -61,8 +61,8 @@ def solved(monkeypatch):
     return found
 
 
-def asked(client, **options):
-    return jb.sensitivity(jb.table2(), wrt=PATHS, quantities=["peak_force"], client=client, **options)
+def asked(executor, **options):
+    return jb.sensitivity(jb.table2(), wrt=PATHS, quantities=["peak_force"], executor=executor, **options)
 
 
 def same(one, other):
@@ -76,8 +76,8 @@ def same(one, other):
 @pytest.mark.parametrize(
     ("certify", "tight"), [("quick", 2 * FIRST), ("thorough", 2 * FIRST * len(PATHS)), ("none", 0)]
 )
-def test_every_solve_is_a_task_and_the_result_is_the_same(client, solved, certify, tight):
-    found = asked(client, certify=certify)
+def test_every_solve_is_a_task_and_the_result_is_the_same(executor, solved, certify, tight):
+    found = asked(executor, certify=certify)
     tolerances = [1e-6] if certify == "none" else [1e-7, 1e-6]
     assert all(task for _, task in solved.told)
     assert sorted(what for what, _ in solved.told if what != "tight") == pytest.approx(tolerances)
@@ -90,35 +90,37 @@ def test_every_solve_is_a_task_and_the_result_is_the_same(client, solved, certif
         assert found.certificate.verdict is jb.Verdict.trusted and found.certificate.solves == tight
 
 
-def test_a_wrong_slope_is_found_by_workers_too(client, solved):
+def test_a_wrong_slope_is_found_by_workers_too(executor, solved):
     """By 10 % in one of three elasticities."""
     solved.claimed = TRUE * [1.1, 1.0, 1.0]
-    found = asked(client, certify="thorough")
+    found = asked(executor, certify="thorough")
     assert found.certificate.verdict is jb.Verdict.check
     np.testing.assert_allclose(found.certificate.error, [[0.1 / 1.1, 0.0, 0.0]], atol=1e-5)
 
 
-def test_what_can_not_be_asked_of_a_scheduler(solved):
+def test_what_can_not_be_asked_of_an_executor(executor, solved):
     with pytest.raises(InputError, match="cannot be sent to another process; name one of automatic"):
-        asked("local", solver=Automatic(worth=3.0))
-    with pytest.raises(InputError, match="scheduler lokal is unknown; expected local, processes or an address"):
-        asked("lokal")
+        asked(executor, solver=Automatic(worth=3.0))
+    with pytest.raises(InputError, match=r"executor = 'local' is no concurrent\.futures\.Executor, as in"):
+        asked("local")
     assert asked(None, solver=Automatic(worth=3.0), certify="none").certificate is None
     assert len(solved.told) == 1
 
 
-def test_what_a_worker_refuses_is_said_as_here(client, solved, monkeypatch):
+def test_what_a_worker_refuses_is_said_as_here(executor, solved, monkeypatch):
     def bad(*arguments, **options):
         raise InputError("k_A and c_A don't go together")
 
     monkeypatch.setattr("jaxbuffer.sensitivities.evidence.simulate", bad)
     with pytest.raises(InputError, match="don't go together"):
-        asked(client)
+        asked(executor)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("where", ["local", "processes"])
 def test_the_real_one_has_the_same_bits(where):
     asked = jb.BarDrop(), jb.BarDropScenario(height=0.1), ["impact.stiffness", "scenario.height"], 0.16
-    here, there = (jb.sensitivity(*asked, certify="thorough", client=client) for client in (None, where))
+    here = jb.sensitivity(*asked, certify="thorough")
+    with connected(where, 2) as client:
+        there = jb.sensitivity(*asked, certify="thorough", executor=client.get_executor())
     assert here.certificate.solves >= 2 * 2 * FIRST and same(here, there)

@@ -1,12 +1,11 @@
 """`python -m optimise --scheduler`: every study's tunings, fronts, certificates and sweeps go to the workers."""
 
-from types import SimpleNamespace
+from concurrent.futures import Executor, ThreadPoolExecutor
 
 import numpy as np
 import pytest
 
 import jaxbuffer as jb
-from jaxbuffer.cluster.connect import connected
 from jaxbuffer.mechanisms.bar_drop import BAR_DROP
 from jaxbuffer.sweeps.columns import column_names, column_types
 from optimise import __main__ as command
@@ -22,11 +21,11 @@ class Enough(Exception):
 
 @pytest.fixture
 def asked(monkeypatch):
-    """What studies ask for, without the wait: of a client, and its state then."""
+    """What studies ask for, without the wait: the executor of each."""
     found = []
 
-    def stands_in(*arguments, client=None, **options):
-        found.append((client, client and client.status))
+    def stands_in(*arguments, executor=None, **options):
+        found.append(executor)
         raise Enough
 
     for name in ("study.tune", "study.sweep", "pareto.pareto", "bending.sensitivity"):
@@ -42,15 +41,14 @@ def test_every_study_passes_the_scheduler_on(asked, tmp_path, name):
         command.main([*words, "--scheduler", "local"])
     with pytest.raises(Enough):
         command.main(words)
-    ((client, status), (none, _)) = asked
-    assert status == "running" and client.status == "closed" and none is None
+    executor, none = asked
+    assert isinstance(executor, Executor) and none is None
 
 
 def test_so_do_the_certificates_of_the_probe_that_bends(asked):
-    client = SimpleNamespace(status="running")
     with pytest.raises(Enough):
-        bending.elasticities(client, jb.table2(), jb.Scenario())
-    assert asked == [(client, "running")]
+        bending.elasticities("the executor", jb.table2(), jb.Scenario())
+    assert asked == ["the executor"]
 
 
 def test_a_scheduler_that_is_none_is_one_line_and_bad_input(asked, tmp_path, capsys):
@@ -70,13 +68,12 @@ def test_the_sweeps_of_a_study_are_stored_and_resumed(monkeypatch, tmp_path):
         columns = (np.sin(height * (1 + k)) ** 2 for k in range(len(names)))
         return [(3 * c).astype(int) if types[n] == "<i8" else c for n, c in zip(names, columns, strict=True)]
 
-    monkeypatch.setattr("jaxbuffer.sweeps.distributed.columns_of_chunk", chunk)
     monkeypatch.setattr("jaxbuffer.sweeps.sweep.columns_of_chunk", chunk)
     drops = jb.BarDrop(), jb.BarDropScenario(height=HEIGHTS), 0.01, 1e-6
     here = Sweeps(tmp_path, False, None).found(*drops)
     assert not list(tmp_path.iterdir())
-    with connected("local", 1) as client:
-        first, second = Sweeps(tmp_path, False, client), Sweeps(tmp_path, True, client)
+    with ThreadPoolExecutor(1) as executor:
+        first, second = Sweeps(tmp_path, False, executor), Sweeps(tmp_path, True, executor)
         there = first.found(*drops)
         assert (tmp_path / "sweep-1" / "sweep.zarr").exists()
         count = len(solved)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
+from jaxbuffer.cluster.connect import connected
 from verify import faults
 
 CAPTURES = 500
@@ -48,7 +49,9 @@ def test_of_processes_that_need_one_program_one_compiles(tmp_path):
 @pytest.mark.long
 def test_a_tuning_over_a_scheduler_is_the_same(tmp_path):
     problem = jb.Problem(jb.table2(), [jb.Scenario()], [jb.Variable("buffer.k_A", 100.0, 2000.0)])
-    here, there = (jb.tune(problem, iterations=2, starts=1, client=client) for client in (None, "local"))
+    here = jb.tune(problem, iterations=2, starts=1)
+    with connected("local") as client:
+        there = jb.tune(problem, iterations=2, starts=1, executor=client.get_executor())
     assert jb.get(here.design, "buffer.k_A") == jb.get(there.design, "buffer.k_A")
     np.testing.assert_array_equal(here.objective, there.objective)
     assert here.records == there.records

@@ -16,7 +16,6 @@ from jaxbuffer.output.formats import write_all
 from jaxbuffer.sweeps import store
 from jaxbuffer.sweeps.cut import Cut
 from jaxbuffer.sweeps.result import Sweep
-from jaxbuffer.sweeps.stored import StoredSweep
 from jaxbuffer.tuning import pareto, tune
 from jaxbuffer.tuning.pareto import BEGUN, OF_A_POINT, Front, _begin, begun_identity
 from jaxbuffer.tuning.problem import Settings
@@ -151,10 +150,10 @@ def test_a_sweep_that_was_begun_beside_a_finished_one_is_said(made, tmp_path, mo
     finished = dataclasses.replace(made(), identity={"version": "same", "scenarios": "one"})
     finished.save(tmp_path, figures=False)
 
-    def stop(solve, items, *where):
+    def stop(self, solve, items):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("jaxbuffer.sweeps.sweep.completed", stop)
+    monkeypatch.setattr("jaxbuffer.cluster.pool.Pool.completed", stop)
     with pytest.raises(KeyboardInterrupt):
         jb.sweep(jb.table2(), jb.Scenario(approach_speed=[0.1, 0.2]), folder=tmp_path, save=False)
     (said,) = words(tmp_path)
@@ -163,7 +162,7 @@ def test_a_sweep_that_was_begun_beside_a_finished_one_is_said(made, tmp_path, mo
 
 @pytest.mark.parametrize(("codes", "unfinished"), [([0, 1, -1], True), ([0, 1, 1], False)])
 def test_a_block_with_some_of_its_runs_is_not_a_finished_one(tmp_path, monkeypatch, codes, unfinished):
-    monkeypatch.setattr("jaxbuffer.sweeps.sweep.completed", lambda *_: iter(()))
+    monkeypatch.setattr("jaxbuffer.cluster.pool.Pool.completed", lambda *_: iter(()))
     speeds = [0.1, 0.2, 0.3]
     jb.sweep(jb.table2(), jb.Scenario(approach_speed=speeds), folder=tmp_path, save=False, workers=1)
     path = tmp_path / store.STORE
@@ -174,28 +173,13 @@ def test_a_block_with_some_of_its_runs_is_not_a_finished_one(tmp_path, monkeypat
     columns = {name: kind for name, kind in columns.items() if name in Sweep.empty(MECHANISM, 1).columns}
     made = store.SweepStore(Head.of(attributes), path, columns, cut)
     for number in range(len(cut)):
-        region = cut.region(number)
-        block = store.Block(number, region, {})
-        values = [np.array(codes[region[0]]) if name == "code" else np.zeros(block.shape) for name in columns]
-        made.write_columns(block, values)
+        (region,) = cut.region(number)
+        values = [np.array(codes[region]) if name == "code" else np.zeros(cut.shape(number)) for name in columns]
+        made.write_columns(number, values)
     assert store.is_unfinished(path) is unfinished
 
 
 MECHANISM = swept().mechanism
-
-
-def test_a_stored_sweep_whose_folder_is_another_one_s_is_not_read(tmp_path, monkeypatch):
-    monkeypatch.setattr("jaxbuffer.sweeps.sweep.completed", lambda *_: iter(()))
-
-    def token():
-        jb.sweep(jb.table2(), jb.Scenario(approach_speed=[0.1, 0.2]), folder=tmp_path, save=False)
-        return json.loads((tmp_path / store.STORE / ".zattrs").read_text())["token"]
-
-    found = StoredSweep(tmp_path / store.STORE, None, 2, 2, {}, {}, token())
-    token()
-    for read in (found.load, found.to_xarray):
-        with pytest.raises(jb.InputError, match="has become another sweep's: this sweep's numbers are no longer there"):
-            read()
 
 
 def test_an_executor_that_was_shut_down_is_refused():

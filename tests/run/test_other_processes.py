@@ -14,12 +14,9 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
-from jaxbuffer.cluster.connect import SchedulerGone
 from jaxbuffer.mechanisms import all_mechanisms
 from jaxbuffer.mechanisms.mechanism import Mechanism
-from jaxbuffer.sweeps.cut import GridSweep, RunsSweep, Template
 from jaxbuffer.sweeps.result import Sweep, SweepInterrupted
-from jaxbuffer.sweeps.stored import StoredInterrupted, StoredSweep
 from jaxbuffer.tuning.pareto import Front
 from made_up import made_up_capture, made_up_sensitivity, made_up_tuning
 
@@ -68,16 +65,6 @@ def front():
     return Front(problem(), ("peak_force", "stroke"), np.array([[np.inf]]), (made_up_tuning(problem()),))
 
 
-def stored():
-    template = Template(DESIGN, SCENARIO, SHORT)
-    return StoredSweep(Path("sweep.zarr"), GridSweep(swept().grid, template, 2), 4, 2, {0: 2}, {-1: 2})
-
-
-def stored_runs():
-    asked = RunsSweep(DESIGN, jb.BarDropScenario(height=[0.005, 0.01]), SHORT, 2, 1)
-    return dataclasses.replace(stored(), asked=asked)
-
-
 def folder(tmp=Path("results")):
     return jb.Results(tmp, run=drop().to_xarray(), sweep=swept().to_xarray(), design=DESIGN)
 
@@ -93,8 +80,6 @@ RESULTS = {
     "horizon": lambda: jb.horizon(drop()),
     "Sweep": lambda: swept().found,
     "Sweep over a grid": swept,
-    "stored sweep": stored,
-    "stored runs": stored_runs,
     "Sample": sample,
     "SafeRectangle": lambda: jb.safe_rectangle(swept(), jb.Limits(at_most={"peak_force": 1500.0})),
     "indices": lambda: jb.sobol_indices(sample(), ["peak_force"]),
@@ -106,8 +91,6 @@ RESULTS = {
     "first impact": lambda: jb.first_impact(jb.table2()),
     "results": folder,
     "an interrupted sweep": lambda: SweepInterrupted(swept(), np.array([True, False, False, False])),
-    "an interrupted stored sweep": lambda: StoredInterrupted(stored()),
-    "a scheduler that is gone": SchedulerGone,
     "an error": lambda: jb.InputError("scenario.height = -1 m is out of range"),
     **{name: getattr(jb, name) for name in FACTORIES},
     **{f"mechanism {known.name}": functools.partial(lambda it: it, known) for known in all_mechanisms()},

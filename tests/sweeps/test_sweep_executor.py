@@ -12,7 +12,6 @@ import jaxbuffer as jb
 from jaxbuffer import InputError
 from jaxbuffer.cluster.connect import connected
 from jaxbuffer.hybrid import solver_named
-from jaxbuffer.sweeps import executor as module
 from jaxbuffer.sweeps.chunk import SweepSettings
 from jaxbuffer.sweeps.result import SweepInterrupted
 
@@ -81,15 +80,5 @@ def test_settings_have_one_solver_in_another_process():
 def test_what_can_not_compute_is_said():
     with pytest.raises(InputError, match=r"executor = 4 is no concurrent.futures.Executor, as in"):
         swept(4)
-    with pytest.raises(InputError, match="executor and client contradict"):
-        swept(ThreadPoolExecutor(1), client="local")
     with pytest.raises(ConnectionError, match="the executor is broken: a process ended abruptly"):
         swept(Broken())
-
-
-def test_a_process_of_other_bits_is_refused(monkeypatch):
-    monkeypatch.setattr(module, "prepared", lambda address, cache: {**module.kind(), "processor": "another"})
-    rest = module.kind(), None, "item"
-    with pytest.raises(InputError, match="differs from this one in processor, and so might its bits"):
-        module._checked(len, "elsewhere", *rest)
-    assert module._checked(len, module._address(), *rest) == 4

@@ -6,6 +6,7 @@ import xarray as xr
 
 import jaxbuffer as jb
 from jaxbuffer import InputError
+from jaxbuffer.cluster.pool import Pool
 from jaxbuffer.labelled.arrays import Labelled
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 from jaxbuffer.sweeps import store as stored
@@ -36,7 +37,7 @@ def solved(monkeypatch):
         return [(1e6 * c).astype(int) if n in WHOLE else c for n, c in zip(COLUMNS, columns, strict=True)]
 
     monkeypatch.setattr(module, "columns_of_chunk", chunk)
-    monkeypatch.setattr(module, "completed", lambda solve, items, *where: map(solve, items))
+    monkeypatch.setattr(Pool, "completed", lambda self, solve, items: map(solve, items))
     monkeypatch.setattr(stored, "PERIOD", 0.0)
     return speeds
 
@@ -122,7 +123,10 @@ def test_damage_costs_its_block_only(solved, tmp_path, name, damage):
     assert set(solved) >= set(SPEEDS[BLOCK : 2 * BLOCK]) and len(set(solved)) <= BLOCK + 2 * CHUNK
 
 
-@pytest.mark.parametrize("content", [b"", b"\n", b"garbage", bytes(range(256)) * 40, b"{}"])
+@pytest.mark.parametrize(
+    "content",
+    [b"", b"\n", b"garbage", bytes(range(256)) * 40, b"{}", b"[1]", b'{"identity": "{}", "block": "x", "made_on": 3}'],
+)
 def test_a_damaged_beginning_is_refused_and_left(solved, tmp_path, content):
     swept(tmp_path)
     (tmp_path / STORE / ".zattrs").write_bytes(content)
@@ -151,9 +155,11 @@ def test_what_can_not_be_resumed(solved, tmp_path):
     with pytest.raises(InputError, match=r"there is no sweep to resume; sweep\.zarr is missing"):
         swept(tmp_path / "new", resume=True)
     assert not (tmp_path / "new").exists()
-    (tmp_path / FORMER).write_bytes(b"garbage")
-    with pytest.raises(InputError, match=r"sweep\.chunks is a sweep of an earlier jaxbuffer, which .* cannot resume"):
-        swept(tmp_path, resume=True)
+    named = b'01234567 {"version": "0.0.9"}\n'
+    for content, writer in ((b"garbage", "an earlier jaxbuffer"), (named, "jaxbuffer 0.0.9")):
+        (tmp_path / FORMER).write_bytes(content)
+        with pytest.raises(InputError, match=rf"sweep\.chunks is a sweep of {writer}, which .* cannot resume"):
+            swept(tmp_path, resume=True)
     assert [file.name for file in tmp_path.iterdir()] == [FORMER]
 
 

@@ -6,7 +6,7 @@ import pytest
 import jaxbuffer as jb
 from jaxbuffer.run.trust import VERDICTS, relative_changes, verdicts
 from jaxbuffer.sweeps import chunk as chunks
-from jaxbuffer.sweeps.chunk import SweepSettings, columns_of_chunk, runs
+from jaxbuffer.sweeps.chunk import SweepSettings, columns_of_chunk
 from jaxbuffer.sweeps.columns import NO_VERDICT
 from jaxbuffer.sweeps.grid import Batch
 
@@ -37,8 +37,7 @@ def test_without_trust_nothing_is_said(designs, swept):
 
 
 def test_a_run_without_numbers_has_no_verdict(designs):
-    part = runs(Batch(None, designs, jb.Scenario(approach_speed=SPEEDS)), 8.0, 16, 1, filled=True)
-    chunk, mask = part.call(0)
+    chunk, mask = Batch(np.arange(3), designs, jb.Scenario(approach_speed=SPEEDS), 8.0).chunk(0, 16)
     settings = SweepSettings(np.asarray(1e-3), np.asarray(20.0), None, trust=True)
     *_, verdict = columns_of_chunk(chunk, mask & (np.arange(16) != 1), settings)
     assert (verdict[[0, 2]] >= 0).all() and (verdict[np.r_[1, 3:16]] == NO_VERDICT).all()
@@ -62,14 +61,14 @@ def test_below_rtol_1e_12_nothing_is_known(bar, rtol, known):
 
 
 def test_a_run_that_fails_at_a_tenth_of_the_tolerance_only(bar, monkeypatch):
-    part = runs(Batch(None, *bar), 0.22, 16, 1, filled=True)
+    call = Batch(np.arange(2), *bar, 0.22).chunk(0, 16)
     solve = chunks.solve_chunk
 
     def failing(mechanism, chunk, mask, rtol, *others):
         return solve(mechanism, chunk, mask & ((rtol > 5e-6) | (np.arange(16) == 0)), rtol, *others)
 
     monkeypatch.setattr(chunks, "solve_chunk", failing)
-    *_, verdict = columns_of_chunk(*part.call(0), SweepSettings(np.asarray(1e-5), np.asarray(20.0), None, trust=True))
+    *_, verdict = columns_of_chunk(*call, SweepSettings(np.asarray(1e-5), np.asarray(20.0), None, trust=True))
     assert verdict[:3].tolist() == [VERDICTS.index("trusted"), VERDICTS.index("unknown"), NO_VERDICT]
 
 

@@ -99,9 +99,8 @@ def sweep(
     Each is run again at a tenth of the tolerance: those whose numbers may be off, or where little decides what
     happens, are counted, and marked in the column trust. --trust off takes half the time.
 
-    --scheduler hands the captures to the workers of a Dask cluster, which store them in DIR/sweep.zarr as they are
-    found; "processes" starts some on this machine. Tables and figures are made of up to 100 000 captures, larger sweeps
-    are read from the store. It needs pip install 'jaxbuffer[cluster]'.
+    --scheduler hands the captures to the workers of a Dask cluster; "processes" starts some on this machine. It needs
+    pip install 'jaxbuffer[cluster]'.
 
     \b
     In CONFIG.toml:

@@ -3,10 +3,10 @@
 import contextlib
 import logging
 from collections.abc import Iterator
-from typing import Any
+from concurrent.futures import Executor
 
 import dask
-from distributed import Client, LocalCluster
+from distributed import Client, KilledWorker, LocalCluster
 
 from ..errors import InputError
 from ..programs.threads import cores
@@ -15,35 +15,38 @@ LOCAL, PROCESSES = "local", "processes"
 LOOPBACK = "127.0.0.1"
 PATIENCE = 60.0  # s until a scheduler answers
 EXAMPLE = "tcp://host:8786"
-
-
-class SchedulerGone(ConnectionError):
-    """The scheduler does not answer any more."""
-
-    def __init__(self) -> None:
-        super().__init__("the scheduler is gone")
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), ()
+ENDED = 10  # workers of our own cluster that may end while they are at one task
+RETRIES = 10  # of a task that fails
 
 
 @contextlib.contextmanager
-def connected(where: Any, workers: int | None = None) -> Iterator[Client]:
+def executor_of(where: str) -> Iterator[tuple[Executor, int]]:
+    """Connect as `connected` does, and yield an executor and how many threads its workers have now.
+
+    **Raises:** `ConnectionError` where worker after worker ends at the same task.
+    """
+    with connected(where) as client:
+        threads = sum(client.nthreads().values()) or cores()
+        try:
+            # Each call is a task of its own: Dask need not look whether it knows its result.
+            yield client.get_executor(retries=RETRIES, pure=False), threads
+        except KilledWorker as error:
+            ended = error.allowed_failures + 1
+            raise ConnectionError(f"{ended} workers have ended, one after the other, at the same task") from None
+
+
+@contextlib.contextmanager
+def connected(where: str, workers: int | None = None) -> Iterator[Client]:
     """Connect a client until the end of the block, and so long keep the cluster, if it is one of our own.
 
     **Arguments:**
 
     - ``where``: "local", threads of this process; "processes", one process a core; both listen on 127.0.0.1 only; an
-      address, as in "tcp://host:8786"; or a `distributed.Client`, which stays open.
+      address, as in "tcp://host:8786".
     - ``workers``: threads or processes of a cluster of our own, by default one a core.
 
     **Raises:** `InputError` where no scheduler answers.
     """
-    if isinstance(where, Client):
-        yield where
-        return
-    if not isinstance(where, str):
-        raise InputError(f"client = {where!r} is no distributed.Client, nor {LOCAL}, {PROCESSES} or an address")
     if where in (LOCAL, PROCESSES):
         with _own(where == PROCESSES, workers or cores()) as client:
             yield client
@@ -57,7 +60,7 @@ def connected(where: Any, workers: int | None = None) -> Iterator[Client]:
 @contextlib.contextmanager
 def _own(processes: bool, count: int) -> Iterator[Client]:
     settings = {
-        "distributed.scheduler.allowed-failures": 1000,  # of workers that a task was on; we count ourselves
+        "distributed.scheduler.allowed-failures": ENDED,
         "distributed.scheduler.http.routes": [],
         "distributed.worker.http.routes": [],
         "distributed.worker.daemon": True,

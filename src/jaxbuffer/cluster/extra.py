@@ -1,14 +1,12 @@
 """The extra `cluster`, whose packages may be absent: this module needs none of them."""
 
-from collections.abc import Callable, Iterable
+import contextlib
+from collections.abc import Iterator
+from concurrent.futures import Executor
 from importlib.util import find_spec
-from typing import Any, Protocol, TypeVar
 
 from ..errors import InputError
-from ..programs.threads import Pool
 
-I = TypeVar("I")  # noqa: E741 # an item
-R = TypeVar("R")
 NEEDED = ("distributed", "zarr")
 
 
@@ -19,23 +17,17 @@ def require() -> None:
         raise InputError(f"a scheduler needs {names}, not installed here: pip install 'jaxbuffer[cluster]'")
 
 
-class AnyPool(Protocol):
-    """Threads of this process (`threads.Pool`) or the workers of a cluster (`pool.ClusterPool`)."""
+@contextlib.contextmanager
+def executor_at(scheduler: str | None) -> Iterator[tuple[Executor | None, int | None]]:
+    """Connect to a scheduler until the end of the block, and yield its executor and how many calls that runs at a time.
 
-    def map(self, function: Callable[[I], R], items: Iterable[I]) -> list[R]:
-        """Return what the function returns for each item, in their order."""
-        ...
-
-    def close(self) -> None:
-        """End the pool or leave it."""
-        ...
-
-
-def pool_of(client: Any, workers: int | None = None) -> AnyPool:
-    """Return threads of this process, or with a ``client`` the workers of its cluster."""
-    if client is None:
-        return Pool(workers)
+    Both are None without a scheduler. **Raises:** `InputError` as `connect.connected`, and where Dask is missing.
+    """
+    if scheduler is None:
+        yield None, None
+        return
     require()
-    from .pool import ClusterPool  # imports Dask, an optional package
+    from .connect import executor_of  # imports Dask, an optional package
 
-    return ClusterPool(client, workers)
+    with executor_of(scheduler) as found:
+        yield found

@@ -59,8 +59,8 @@ class Points:
 
     def applied(self, design: Part, scenario: Part) -> tuple[Part, Part]:
         """Return the design and scenario with an array (n,) for each field that is sampled, the others as they are."""
-        ((_, design, scenario),) = self.batches(design, scenario)
-        return design, scenario
+        (batch,) = self.batches(design, scenario)
+        return batch.design, batch.scenarios
 
 
 def points(axes: Sequence[Range], count: int, method: str = METHODS[0], seed: int = 0) -> Points:

@@ -2,6 +2,7 @@
 
 import dataclasses
 from collections.abc import Callable, Mapping
+from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,6 @@ from ..run.request import DEFAULT_TOLERANCE
 from ..run.trust import scales
 from ..sweeps.columns import RunTable
 from ..sweeps.result import Sweep, SweepInterrupted
-from ..sweeps.stored import StoredInterrupted, StoredSweep
 from ..sweeps.summary import summary
 from ..sweeps.sweep import sweep
 from ..sweeps.table import sweep_rows
@@ -120,11 +120,11 @@ def sample(
     solver: Solver | str | None = None,
     rtol: float = DEFAULT_TOLERANCE,
     trust: bool = False,
+    executor: Executor | None = None,
     workers: int | None = None,
     progress: Callable[[int, int], None] | bool | None = None,
     folder: str | Path | None = None,
     resume: bool = False,
-    client: Any = None,
     save: bool = True,
 ) -> Sample:
     """Simulate a mechanism at points spread over ranges of its numbers.
@@ -139,8 +139,8 @@ def sample(
       indices off without a response surface.
     - ``seed``: the same one, the same points.
     - ``duration`` [s], ``solver``, ``rtol`` [-]: as for `simulate`.
-    - ``trust``, ``workers``, ``progress``, ``folder``, ``resume``, ``client``, ``save``: as for `sweep`; the sample is
-      read back into memory, its verdicts are ``verdicts``.
+    - ``trust``, ``executor``, ``workers``, ``progress``, ``folder``, ``resume``, ``save``: as for `sweep`; the verdicts
+      are ``verdicts``.
 
     **Returns:** a `Sample`; runs that fail say so in their outcome and leave the others alone.
 
@@ -156,9 +156,10 @@ def sample(
     ('log', 'linear')
     """
     spread = points(checked_ranges(ranges, design, scenario), count, method, seed)
-    options = {"solver": solver, "rtol": rtol, "trust": trust, "folder": folder, "resume": resume, "client": client}
+    options: dict[str, Any] = {"solver": solver, "rtol": rtol, "trust": trust, "folder": folder, "resume": resume}
     check_flag("save", save)
-    drawn = sample_at(spread, design, scenario, duration, workers=workers, progress=progress, **options)
+    options |= {"executor": executor, "workers": workers, "progress": progress}
+    drawn = sample_at(spread, design, scenario, duration, **options)
     if save and folder is not None:
         drawn.save(folder, force=True, figures=False)
     return drawn
@@ -170,15 +171,11 @@ def sample_at(points: Points, design: Part, scenario: Part, duration: Scalar | N
     **Raises:** `SweepInterrupted` on Ctrl-C, with the `Sample` as far as it came.
     """
 
-    def made(swept: Sweep | StoredSweep) -> Sample:
-        table = swept.load() if isinstance(swept, StoredSweep) else swept
-        return Sample(table.mechanism, table.columns, design, scenario, points, table.identity)
+    def made(swept: Sweep) -> Sample:
+        return Sample(swept.mechanism, swept.columns, design, scenario, points, swept.identity)
 
     try:
         # Not saved as the sweep that it is run as: `sample` saves it as itself.
         return made(sweep(*points.applied(design, scenario), duration, save=False, **options))
     except SweepInterrupted as stop:
         raise SweepInterrupted(made(stop.found), stop.done) from None
-    except StoredInterrupted as stop:
-        interrupted = made(stop.found)
-        raise SweepInterrupted(interrupted, interrupted.done) from None

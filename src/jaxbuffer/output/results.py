@@ -19,7 +19,6 @@ from ..sensitivities.result import Sensitivity, sensitivity_rows
 from ..study.tuned_toml import tuned_toml
 from ..sweeps.columns import RunTable
 from ..sweeps.result import Sweep
-from ..sweeps.stored import StoredSweep
 from ..sweeps.table import sweep_rows
 from ..tuning.objective import Constraints
 from ..tuning.pareto import Front
@@ -199,7 +198,7 @@ KINDS: dict[type, Callable[..., Contents]] = {
 
 
 def save(
-    result: Run | Sensitivity | Sweep | StoredSweep | Sample | Tuned | Front,
+    result: Run | Sensitivity | Sweep | Sample | Tuned | Front,
     folder: str | Path,
     *,
     force: bool = False,
@@ -252,7 +251,6 @@ def save(
 
 def _contents(result: Any, beside: Mapping[str, Any]) -> Contents:
     """Return the files of any result. **Raises:** `InputError` for what is none, or has failed."""
-    result = result.load() if isinstance(result, StoredSweep) else result
     files = next((files for kind, files in KINDS.items() if isinstance(result, kind)), None)
     if files is None:
         raise InputError(

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .._types import Scalar
-from ..cluster.extra import AnyPool
+from ..cluster.pool import Pool
 from ..errors import InputError
 from ..fields import Part, with_values
 from ..hybrid import Solver
@@ -92,7 +92,7 @@ class TightSolves:
     relative move of 1, alike; ``pool``: who solves.
     """
 
-    def __init__(self, solve: TightSolve, values: np.ndarray, moves: np.ndarray, pool: AnyPool) -> None:
+    def __init__(self, solve: TightSolve, values: np.ndarray, moves: np.ndarray, pool: Pool) -> None:
         self.solve, self.values, self.moves, self.pool = solve, values, moves, pool
         self.known: dict[bytes, np.ndarray] = {}
 

@@ -1,14 +1,14 @@
 """`sensitivity`: gradients and elasticities of a run, with a certificate of how far to trust them."""
 
-import contextlib
 import dataclasses
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from concurrent.futures import Executor
+from typing import NamedTuple
 
 import numpy as np
 
 from .._types import Scalar
-from ..cluster.extra import AnyPool, pool_of
+from ..cluster.pool import Pool
 from ..errors import check_choice, check_single
 from ..fields import POSITIVE, Part, check_numbers
 from ..hybrid import Solver, name_of, solver_named
@@ -36,7 +36,7 @@ def sensitivity(
     rtol: float = DEFAULT_TOLERANCE,
     solver: Solver | str | None = None,
     certify: str = "quick",
-    client: Any = None,
+    executor: Executor | None = None,
 ) -> Sensitivity:
     """Simulate a run and differentiate it.
 
@@ -49,13 +49,13 @@ def sensitivity(
     - ``certify``: "quick" compares with the gradient at a tenth of the tolerance and with one difference of tight
       solves along all parameters together, "thorough" with differences of tight solves for each parameter, "none" with
       nothing.
-    - ``client``: a `distributed.Client`, the address of Dask's scheduler, "local" or "processes": its workers solve,
-      rather than threads of this process; the numbers are the same (docs/clusters.md).
+    - ``executor``: solves in place of threads of this process: any executor of `concurrent.futures`, as for `sweep`;
+      the numbers are the same (docs/clusters.md).
 
     **Returns:** a `Sensitivity`.
 
     **Raises:** `InputError` for paths or names that are unknown or not numbers, for values out of range, and with
-    ``client`` for a solver that has no name and for a scheduler that does not answer.
+    ``executor`` for a solver that has no name.
 
     **Example:** 1 % more stiffness is 0.34 % more peak force.
 
@@ -78,9 +78,9 @@ def sensitivity(
     check_single("rtol", rtol, "-", one, **TOLERANCES)
     solver = None if solver is None else solver_named(solver)
     # Another process makes the solver for itself, by its name.
-    sent = solver if client is None else name_of(solver)
+    sent = solver if executor is None else name_of(solver)
     task = _Differentiation(mechanism, design, scenario, paths, values, names, duration, sent)
-    with contextlib.closing(pool_of(client)) as pool:
+    with Pool(executor) as pool:
         if certify == "none":
             (solved,) = pool.map(task.gradients_at, [rtol])
             return task.uncertified(solved)
@@ -135,7 +135,7 @@ def _certificate(
     solved: Gradients,
     again: Gradients,
     thorough: bool,
-    pool: AnyPool,
+    pool: Pool,
 ) -> Certificate:
     """Return the certificate of a result, from its gradients ``solved`` and ``again`` at another tolerance."""
     run, names, values = result.run, task.names, task.values

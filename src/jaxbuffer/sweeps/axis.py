@@ -39,7 +39,7 @@ from ..value_text import degrees_text, range_text, unit_text, with_unit
 SPAN = ("from", "to", "count", "scale")
 SCALES = ("linear", "log")
 FEW = 5  # values that are listed in words
-MOST = 10**15  # values of a field, and runs of a grid
+MOST = 10**15  # values of a field
 EXAMPLE = "[0.1, 0.2] or {from = 0.1, to = 0.2, count = 5}"
 
 

@@ -10,7 +10,6 @@ import jax
 import numpy as np
 from jaxtyping import Array, Bool
 
-from ..errors import InputError, as_number
 from ..hybrid import Solver, name_of, solver_named
 from ..mechanisms.mechanism import Mechanism, Request
 from ..mechanisms.registry import mechanism_of
@@ -19,12 +18,11 @@ from ..run.request import request, tenth
 from ..run.stepper import run_of, stepped, stepper_of
 from ..run.trust import SAFETY, VERDICTS, relative_changes, verdicts
 from .columns import NO_VERDICT, column_names
-from .grid import Batch
 
 CHUNK = 16
-TASK = 512  # runs of a task at most on few threads: about a second
-PER_THREAD = 8  # tasks a thread at least there, so that none waits long for the last
-BUSY = 2  # runs of a task for each thread at least, so that one scheduler can hand out so many (docs/clusters.md)
+TASK = 512  # runs of a call at most on few threads: about a second
+PER_THREAD = 8  # calls a thread at least there, so that none waits long for the last
+BUSY = 2  # runs of a call for each thread at least, so that one scheduler can hand out so many (docs/clusters.md)
 
 
 class SweepSettings(NamedTuple):
@@ -46,44 +44,6 @@ class SweepSettings(NamedTuple):
 def _settings(rtol: float, stabilisation: float, solver: str | None, trust: bool) -> SweepSettings:
     named = None if solver is None else solver_named(solver)
     return SweepSettings(np.asarray(rtol), np.asarray(stabilisation), named, trust)
-
-
-class Runs(NamedTuple):
-    """A batch in the making: its numbers as arrays of shape (n,) or (), the places of its runs in the results, how many
-    of them a call solves, and how many its program has room for."""
-
-    structure: Any
-    arrays: list[np.ndarray]
-    places: np.ndarray
-    chunk: int
-    room: int
-
-    def call(self, first: int) -> tuple[Any, np.ndarray]:
-        """Return the runs from ``first`` on as arrays (room,), and which of them are enabled.
-
-        The last call is filled up to the same shape, so that it needs no program of its own.
-        """
-        room = np.arange(self.room)
-        enabled = room < min(self.chunk, self.places.size - first)
-        # "clip" repeats the last run in the places that are left over; those are not enabled.
-        batch = [np.broadcast_to(x, self.places.shape).take(first + room, mode="clip") for x in self.arrays]
-        return jax.tree.unflatten(self.structure, batch), enabled
-
-
-def runs(batch: Batch, duration: Any, most: int, workers: int, filled: bool) -> Runs:
-    """Return a batch with its numbers flattened to arrays, for calls of at most ``most`` runs.
-
-    - ``duration``: of the runs [s], one number or shape (n,).
-    - ``workers``: among which the runs are divided.
-    - ``filled``: whether each call has room for ``most`` runs. On an accelerator, whose calls are large, runs that are
-      not enabled would take memory.
-    """
-    leaves, structure = jax.tree.flatten((batch.design, batch.scenarios, as_number(duration)))
-    arrays = [np.asarray(leaf, float) for leaf in leaves]
-    count = _common_length(structure, arrays)
-    places = np.arange(count) if batch.places is None else batch.places
-    chunk = min(most, -(-count // workers))
-    return Runs(structure, arrays, places, chunk, most if filled else chunk)
 
 
 Chunk = tuple[Any, Any, Any]  # design, scenario and duration [s], each number an array with an entry for each run
@@ -161,16 +121,6 @@ def _verdicts(mechanism: Mechanism, here: dict[str, np.ndarray], there: dict[str
     return np.where(solved, np.where(there["code"] < failed, index, unknown), NO_VERDICT)
 
 
-def _common_length(structure: Any, arrays: list[np.ndarray]) -> int:
-    lengths = {array.shape for array in arrays if array.ndim}
-    if not lengths:
-        return 1
-    shapes = ", ".join(sorted(map(str, lengths)))
-    if len(lengths) > 1 or len(shape := lengths.pop()) != 1 or shape[0] == 0:
-        raise InputError(f"the arrays of a sweep must all have one shape (n,), n at least 1; found {shapes}")
-    return int(shape[0])
-
-
 def task_size(runs: int, threads: int) -> int:
-    """Return how many runs a task, or a block of the store, has at most."""
+    """Return how many runs a call in another process, or a block of the store, has at most."""
     return max(CHUNK, min(TASK, runs // (PER_THREAD * threads)), min(BUSY * threads, runs // threads))

@@ -26,7 +26,7 @@ class RunTable(Saved):
     design: Part = None  # type: ignore[assignment] # not known, as of `scenarios`
     scenarios: Part = None  # type: ignore[assignment]
     grid: Places = None  # type: ignore[assignment] # the runs were given one by one
-    identity: Mapping[str, str] | None = None  # see `store.identity`
+    identity: Mapping[str, str] | None = None  # see `SweepSpec.identity`
 
     def __getattr__(self, name: str) -> np.ndarray:
         # Ordinary access would come back here without end while an object that is being unpickled has no columns yet.

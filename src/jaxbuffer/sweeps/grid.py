@@ -4,28 +4,48 @@ import dataclasses
 import itertools
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
+import jax
 import numpy as np
 
 from ..errors import InputError
 from ..fields import Part, with_values
 from ..mechanisms.registry import mechanism_of
 from ..run.request import check_pair
-from .axis import MOST, Axis, axis_of
+from .axis import Axis, axis_of
 
 BYTES = 2000  # for each run: inputs, results, its row of text while files are written
 
 
 class Batch(NamedTuple):
-    """Runs of one program: their ``places`` (n,) in the results (None: all, in order), ``design`` and ``scenarios``
-    with arrays (n,) for the numbers that differ."""
+    """Runs of one program: their ``places`` (n,) in the results, and ``design``, ``scenarios`` and ``duration`` [s]
+    (None where it is not known yet), with arrays (n,) for the numbers that differ."""
 
-    places: np.ndarray | None
+    places: np.ndarray
     design: Part
     scenarios: Part
+    duration: Any = None
+
+    def parts(self, size: int) -> Iterator["Batch"]:
+        """Yield the runs as batches of at most ``size``, each made as it is asked for."""
+        for first in range(0, self.places.size, size):
+            some = slice(first, first + size)
+            inputs = jax.tree.map(lambda leaf, some=some: leaf[some] if np.ndim(leaf) else leaf, self[1:])
+            yield Batch(self.places[some], *inputs)
+
+    def chunk(self, first: int, room: int) -> tuple[Any, np.ndarray]:
+        """Return design, scenarios and duration of the runs from ``first`` on, arrays (room,) for all numbers, and
+        which of these runs are enabled.
+
+        The others fill up the arrays: every call has the same shape and needs no program of its own.
+        """
+        index = first + np.arange(room)
+        # "clip" repeats the last run in the places that are left over; those are not enabled.
+        filled = lambda leaf: np.broadcast_to(leaf, self.places.shape).take(index, mode="clip")  # noqa: E731
+        return jax.tree.map(filled, self[1:]), index < self.places.size
 
 
 class Places(Protocol):
@@ -72,10 +92,8 @@ class Grid:
         runs = math.prod(self.shape)
         need, have = BYTES * runs, _free_memory()
         size = f"the grid has {' × '.join(map(str, self.shape))} = {runs:.4g} runs"
-        if self.in_memory and need > have:
+        if need > have:
             raise InputError(f"{size}, which need {_size(need)} of memory; {_size(have)} are free")
-        if runs > MOST:
-            raise InputError(f"{size}; at most {MOST:.0e} are allowed")
 
     def __len__(self) -> int:
         return math.prod(self.shape)
@@ -121,22 +139,22 @@ class Grid:
         The grid must have no choices.
         """
         # Without choices all runs are one batch.
-        ((_, design, scenario),) = self.batches(design, scenario)
-        return design, scenario
+        (batch,) = self.batches(design, scenario)
+        return batch.design, batch.scenarios
 
 
-def grid(over: Mapping[str, Any], design: Part, scenario: Part, in_memory: bool = True) -> Grid:
+def grid(over: Mapping[str, Any], design: Part, scenario: Part) -> Grid:
     """Return a grid of values as TOML writes them: a number, a list, or {from, to, count, scale = "linear" | "log"}.
 
     Of a choice the values are a word, a truth, a whole number, or a list of them.
 
     **Arguments:** ``over``: dotted path to values, "scenario.…" for the scenario's; ``design``, ``scenario``: whose
-    fields they are; ``in_memory`` as of `Grid`.
+    fields they are.
 
     **Raises:** `InputError` for paths that are unknown, empty lists, values out of range, and for a grid that does not
     fit into memory.
     """
-    return Grid(tuple(axis_of(path, values, design, scenario) for path, values in over.items()), in_memory)
+    return Grid(tuple(axis_of(path, values, design, scenario) for path, values in over.items()))
 
 
 def _free_memory() -> int:

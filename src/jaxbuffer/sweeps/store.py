@@ -1,7 +1,6 @@
 """A sweep on disk: a store of blocks in Zarr's format, an array a quantity, cut into files as the sweep into blocks."""
 
 import dataclasses
-import hashlib
 import json
 import time
 import uuid
@@ -11,37 +10,33 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import jax
 import numpy as np
 
 from .._types import Dataset
 from ..block_store import TOKEN, Arrays, BlockError, BlockStore, Head, Identity, MissingBlock
 from ..cluster.extra import require
-from ..contact import laws_named
 from ..errors import InputError
 from ..files import Lock, naming, remove_all_drafts, whole_folder, write_all
-from ..hybrid import Automatic, name_of
+from ..hybrid import name_of
 from ..mechanisms.dataset import attributes
 from ..mechanisms.mechanism import Mechanism
 from ..programs.identity import unrecognised
-from ..programs.structure import user_code
 from ..run.trust import VERDICTS
 from ..version import version
 from . import zarr_format
-from .chunk import SweepSettings
-from .columns import EMPTY, column_names, column_types
-from .cut import Block, BlockSweep, Cut
+from .columns import EMPTY, column_types
+from .cut import Cut
+from .spec import CODE, SweepSpec
 
 STORE, FORMER = "sweep.zarr", "sweep.chunks"  # the second one was written by versions before this store
 CHECKSUM = "checksum"
-CODE = "code"  # of the user's, a part of a sweep's identity where it uses some
 BLOCK, KIND = "block", "made_on"  # attributes, in JSON
 PERIOD = 1.0  # s between the moments at which a sweep in this process stores what it has finished
 
 
 @dataclasses.dataclass(frozen=True)
-class SweepStore(BlockStore[Block]):
-    """The store of one sweep; a block has a file for each of its columns, and one for its checksum.
+class SweepStore(BlockStore[int]):
+    """The store of one sweep: a block has a number, a file for each of its columns, and one for its checksum.
 
     ``types``: the type of each column by name; ``cut``: into blocks.
     """
@@ -50,45 +45,37 @@ class SweepStore(BlockStore[Block]):
     types: Mapping[str, str]
     cut: Cut
 
-    def check(self) -> None:
-        """Raise `InputError` where another store has taken its place, so that nothing is written there."""
+    def write_columns(self, block: int, columns: Sequence[np.ndarray]) -> None:
+        """Store a block's columns, (runs,) each.
+
+        **Raises:** `InputError` where another store has taken the place of this one.
+        """
         if zarr_format.attributes(self.path).get(TOKEN) != self.head.token:
             raise InputError(f"{self.path} has become another sweep's meanwhile; nothing was written to it")
-
-    def write_columns(self, block: Block, columns: Sequence[np.ndarray]) -> None:
-        """Store a block's columns, (runs,) each."""
-        self.check()
         typed = zip(self.types.items(), columns, strict=True)
         self.write(block, {name: np.ravel(values).astype(kind) for (name, kind), values in typed})
 
-    def read_columns(self, block: Block) -> list[np.ndarray] | None:
-        """Return a block's columns, (runs,) each, or None where one of its runs is missing."""
-        try:
-            columns = self.read(block)
-        except BlockError:
-            return None
-        return None if np.any(columns["code"] < 0) else list(columns.values())
-
-    def file(self, name: str, block: Block) -> Path:
+    def file(self, name: str, block: int) -> Path:
         """Return a column's file of a block, or that of its checksum."""
         if name == CHECKSUM:
-            return self.path / name / str(block.number)
-        return self.path.joinpath(name, *map(str, np.unravel_index(block.number, self.cut.counts)))
+            return self.path / name / str(block)
+        return self.path.joinpath(name, *map(str, self.cut.corner(block)))
 
-    def _write_files(self, block: Block, arrays: Arrays, checksum: int) -> None:
-        inside = tuple(slice(length) for length in block.shape)  # blocks at an edge are smaller than their files
+    def _write_files(self, block: int, arrays: Arrays, checksum: int) -> None:
+        shape = self.cut.shape(block)
+        inside = tuple(slice(length) for length in shape)  # blocks at an edge are smaller than their files
         files = {}
         for name, values in arrays.items():
             kind = self.types[name]
             files[self.file(name, block)] = full = np.full(self.cut.block, EMPTY[kind], kind)
-            full[inside] = values.reshape(block.shape)
+            full[inside] = values.reshape(shape)
         files[self.file(CHECKSUM, block)] = np.array([checksum], "<u8")
         # All files of a block are written together, so that an error names the store and not one of its columns.
         with naming(self.path):
             zarr_format.write(files)
 
-    def _read_files(self, block: Block) -> tuple[dict[str, np.ndarray], int]:
-        inside = tuple(slice(length) for length in block.shape)
+    def _read_files(self, block: int) -> tuple[dict[str, np.ndarray], int]:
+        inside = tuple(slice(length) for length in self.cut.shape(block))
         try:
             (checksum,) = zarr_format.read(self.file(CHECKSUM, block), "<u8", (1,))
         except FileNotFoundError:
@@ -99,19 +86,16 @@ class SweepStore(BlockStore[Block]):
         }
         return columns, int(checksum)
 
-    def _name(self, block: Block) -> str:
-        return str(block.number)
-
     def _refusal(self, identity: Identity, parts: list[str]) -> str:
         remedy = "repeat the study, the options and the same --over of the first, or choose another --output"
         cause = unrecognised(self.head.identity.get(CODE), identity.get(CODE)) if CODE in parts else ""
         return f"{self.path} holds another sweep, differing in {in_words(parts)}{cause}; {remedy}; it is left as it is"
 
 
-def fill(store: SweepStore, sweep: BlockSweep, columns: Mapping[str, np.ndarray]) -> None:
+def fill(store: SweepStore, columns: Mapping[str, np.ndarray]) -> None:
     """Fill columns (n,) with what is stored. A warning says how many blocks are damaged."""
-    damaged, sizes = 0, sweep.cut.sizes
-    for block in sweep.blocks():
+    damaged, cut = 0, store.cut
+    for block in range(len(cut)):
         try:
             stored = store.read(block)
         except MissingBlock:
@@ -120,7 +104,7 @@ def fill(store: SweepStore, sweep: BlockSweep, columns: Mapping[str, np.ndarray]
             damaged += 1
             continue
         for name, values in stored.items():
-            columns[name].reshape(sizes)[block.region] = values.reshape(block.shape)
+            columns[name].reshape(cut.sizes)[cut.region(block)] = values.reshape(cut.shape(block))
     if damaged:
         blocks = "1 block is" if damaged == 1 else f"{damaged} blocks are"
         done = f"{int(np.sum(columns['code'] >= 0))} of {columns['code'].size} runs"
@@ -136,15 +120,8 @@ class Saver:
     again at each `save`. Those that are finished now are in the store. ``lock``: of the folder.
     """
 
-    def __init__(
-        self,
-        store: SweepStore,
-        sweep: BlockSweep,
-        columns: Mapping[str, np.ndarray],
-        finished: np.ndarray,
-        lock: Lock,
-    ) -> None:
-        self.store, self.sweep, self.finished, self.lock = store, sweep, finished, lock
+    def __init__(self, store: SweepStore, columns: Mapping[str, np.ndarray], finished: np.ndarray, lock: Lock) -> None:
+        self.store, self.finished, self.lock = store, finished, lock
         self.columns, self.stored = [columns[name] for name in store.types], finished.copy()
         self.due = time.monotonic() + PERIOD
 
@@ -154,8 +131,8 @@ class Saver:
             return
         # The runs are marked as stored after they are written: an error in between has them written again.
         new = np.flatnonzero(self.finished & ~self.stored)
-        for number in self.sweep.cut.numbers(new):
-            self.store.write_columns(*self._block(int(number)))
+        for number in self.store.cut.numbers(new).tolist():
+            self.store.write_columns(number, self._block(number))
         self.stored[new] = True
         self.due = time.monotonic() + PERIOD
 
@@ -166,86 +143,69 @@ class Saver:
         finally:
             self.lock.release()
 
-    def _block(self, number: int) -> tuple[Block, list[np.ndarray]]:
-        """Return a block and its columns, in which the runs that are not finished are blank.
+    def _block(self, number: int) -> list[np.ndarray]:
+        """Return a block's columns, in which the runs that are not finished are blank.
 
         An interrupt may have come between two columns of a call.
         """
-        block, sizes = self.sweep.block(number), self.sweep.cut.sizes
-        finished = self.finished.reshape(sizes)[block.region].ravel()
-        parts = (column.reshape(sizes)[block.region].ravel() for column in self.columns)
+        region, sizes = self.store.cut.region(number), self.store.cut.sizes
+        finished = self.finished.reshape(sizes)[region].ravel()
+        parts = (column.reshape(sizes)[region].ravel() for column in self.columns)
         blanks = (EMPTY[kind] for kind in self.store.types.values())
-        return block, [np.where(finished, part, blank) for part, blank in zip(parts, blanks, strict=True)]
+        return [np.where(finished, part, blank) for part, blank in zip(parts, blanks, strict=True)]
 
 
-def begun(path: Path, sweep: BlockSweep, settings: SweepSettings, made_on: Mapping[str, str]) -> SweepStore:
+def begun(path: Path, spec: SweepSpec, size: int, made_on: Mapping[str, str]) -> SweepStore:
     """Put a store there without any block, in place of what was there; it is whole or not there.
 
-    ``made_on``: the kind of process that makes it.
+    ``size``: runs of a block at most; ``made_on``: the kind of process that computes what it will hold.
     """
-    head, types = Head(identity(settings, sweep), uuid.uuid4().hex), column_types(sweep.mechanism)
+    head, types, cut = Head(spec.identity, uuid.uuid4().hex), column_types(spec.mechanism), spec.cut(size)
     with whole_folder(path) as draft:
-        metadata = _arrays(draft, sweep, types)
+        metadata = _arrays(draft, spec, cut, types)
         metadata[zarr_format.GROUP] = {"zarr_format": 2}
         metadata[zarr_format.ATTRIBUTES] = {
-            **attributes(sweep.mechanism, sweep.template.design, sweep.template.scenario),
-            "settings": json.dumps(_in_words(settings, sweep), sort_keys=True),
-            BLOCK: json.dumps(sweep.cut.block),
+            **attributes(spec.mechanism, *spec.first()[:2]),
+            "settings": json.dumps(_settings(spec), sort_keys=True),
+            BLOCK: json.dumps(cut.block),
             KIND: json.dumps(dict(made_on), sort_keys=True),
             **head.described(),
         }
         # Readers find all arrays in this one file, and need not look for each.
         metadata[zarr_format.ALL] = {"zarr_consolidated_format": 1, "metadata": dict(metadata)}
         write_all({draft / name: json.dumps(it).encode() for name, it in metadata.items()})
-    return SweepStore(head, path, types, sweep.cut)
+    return SweepStore(head, path, types, cut)
 
 
-def _arrays(folder: Path, sweep: BlockSweep, types: Mapping[str, str]) -> dict[str, Any]:
+def _arrays(folder: Path, spec: SweepSpec, cut: Cut, types: Mapping[str, str]) -> dict[str, Any]:
     """Write a store's coordinates into a folder; return the metadata of all its arrays, by file."""
     metadata: dict[str, Any] = {}
-    for name, it in sweep.coordinates().items():
+    for name, it in spec.coordinates().items():
         metadata |= zarr_format.write_coordinate(folder, name, it)
-    sizes, block = sweep.cut.sizes, sweep.cut.block
     for name, kind in types.items():
         empty = -1 if kind == "<i8" else "NaN"
-        described = {"_ARRAY_DIMENSIONS": list(sweep.dims), **_description(sweep.mechanism, name)}
-        metadata[f"{name}/{zarr_format.ARRAY}"] = zarr_format.array_metadata(sizes, block, kind, empty)
+        described = {"_ARRAY_DIMENSIONS": list(spec.dims), **_description(spec.mechanism, name)}
+        metadata[f"{name}/{zarr_format.ARRAY}"] = zarr_format.array_metadata(cut.sizes, cut.block, kind, empty)
         metadata[f"{name}/{zarr_format.ATTRIBUTES}"] = described
     described = {"_ARRAY_DIMENSIONS": ["block_number"], "long_name": "of each block of runs, once it is whole"}
-    metadata[f"{CHECKSUM}/{zarr_format.ARRAY}"] = zarr_format.array_metadata((len(sweep.cut),), (1,), "<u8", 0)
+    metadata[f"{CHECKSUM}/{zarr_format.ARRAY}"] = zarr_format.array_metadata((len(cut),), (1,), "<u8", 0)
     metadata[f"{CHECKSUM}/{zarr_format.ATTRIBUTES}"] = described
     return metadata
 
 
-def identity(settings: SweepSettings, sweep: BlockSweep) -> dict[str, str]:
-    """Return what makes a sweep the one it is, by name: a hash of each part's numbers and of how they are arranged."""
-    hashes = {"version": version()}
-    # No solver is the automatic one, which the command line names and a call in Python leaves out.
-    settings = settings._replace(solver=settings.solver or Automatic())
-    parts = {"options": (sweep.duration, *settings), "quantities": column_names(sweep.mechanism)}
-    if code := user_code(sweep.mechanism, settings.solver, sweep.template, *laws_named(sweep.choices())):
-        hashes[CODE] = code
-    for name, part in {**sweep.identity(), **parts}.items():
-        leaves, structure = jax.tree.flatten(part)
-        content = hashlib.sha256(str(structure).encode())
-        for leaf in leaves:
-            content.update(repr(leaf).encode() if isinstance(leaf, str) else np.asarray(leaf, "<f8").tobytes())
-        hashes[name] = content.hexdigest()[:16]
-    return hashes
-
-
-def _in_words(settings: SweepSettings, sweep: BlockSweep) -> dict[str, Any]:
+def _settings(spec: SweepSpec) -> dict[str, Any]:
+    settings, (*_, duration) = spec.settings, spec.first()
     return {
         "rtol [-]": float(settings.rtol),
         "stabilisation [1/s]": float(settings.stabilisation),
-        "duration [s]": float(sweep.template.duration),
+        "duration [s]": duration,
         "solver": name_of(settings.solver) or "automatic",
         "trust": settings.trust,
     }
 
 
-def resumed(path: Path, sweep: BlockSweep, settings: SweepSettings) -> tuple[SweepStore, dict[str, str]]:
-    """Return a store that is there, and the kind of process that made it; the ``sweep`` gets its blocks.
+def resumed(path: Path, spec: SweepSpec) -> tuple[SweepStore, dict[str, str]]:
+    """Return a store that is there, in the blocks that it was begun with, and the kind of process that made it.
 
     **Raises:** `InputError` where there is none, it is damaged, or another sweep's.
     """
@@ -255,14 +215,12 @@ def resumed(path: Path, sweep: BlockSweep, settings: SweepSettings) -> tuple[Swe
     try:
         head = Head.of(known)
         block, made_on = (json.loads(known[name]) for name in (BLOCK, KIND))
-        cut, made_on = Cut(sweep.cut.sizes, tuple(map(int, block))), dict(made_on)
+        cut, made_on = Cut(spec.shape, tuple(map(int, block))), dict(made_on)
     except (BlockError, KeyError, ValueError, TypeError):
         raise InputError(f"{path} is damaged and cannot be resumed; it is left as it is") from None
-    store = SweepStore(head, path, column_types(sweep.mechanism), cut)
-    store.check_identity(identity(settings, sweep))
+    store = SweepStore(head, path, column_types(spec.mechanism), cut)
+    store.check_identity(spec.identity)
     remove_all_drafts(path)  # what killed processes left half written
-    # How large blocks are depends on the threads there were: a store goes on with those that it was begun with.
-    sweep.cut = cut
     return store, made_on
 
 
@@ -271,11 +229,6 @@ def in_words(parts: Sequence[str]) -> str:
     words = {CODE: "the code of your own that its runs use"}
     *others, last = [words.get(name, name) for name in parts]
     return f"{', '.join(others)} and {last}" if others else last
-
-
-def existing(path: Path, sweep: BlockSweep) -> SweepStore:
-    """Return the store of a sweep in these blocks, to read it. **Raises:** `BlockError` where it is damaged."""
-    return SweepStore(Head.of(zarr_format.attributes(path)), path, column_types(sweep.mechanism), sweep.cut)
 
 
 def check_resumable(path: Path) -> None:
@@ -311,10 +264,9 @@ def is_unfinished(path: Path) -> bool:
 
 def _is_whole(store: SweepStore, number: int) -> bool:
     """Return whether every run of a block is there."""
-    region = store.cut.region(number)
-    inside = tuple(slice(part.stop - part.start) for part in region)
+    inside = tuple(slice(length) for length in store.cut.shape(number))
     try:
-        codes = zarr_format.read(store.file("code", Block(number, region, {})), "<i8", store.cut.block)
+        codes = zarr_format.read(store.file("code", number), "<i8", store.cut.block)
     except (OSError, ValueError, zlib.error):
         return False
     return bool(np.all(codes[inside] >= 0))

@@ -96,8 +96,9 @@ def summary(sweep: RunTable, title: str, fields: Mapping[str, str], file: str) -
 def _beyond_validity(sweep: RunTable) -> list[str]:
     """Return a line for each limit of validity that runs exceed: how many do, and the worst of them."""
     mechanism, shares = sweep.mechanism, dict[str, np.ndarray]()
-    for places, design, _ in sweep.grid.batches(sweep.design, sweep.scenario):
-        for limit in mechanism.view.validity(design, sweep.peak_force[places], sweep.penetration[places]):
+    for batch in sweep.grid.batches(sweep.design, sweep.scenario):
+        places = batch.places
+        for limit in mechanism.view.validity(batch.design, sweep.peak_force[places], sweep.penetration[places]):
             share = shares.setdefault(limit.beyond, np.full(len(sweep), -np.inf))
             share[places] = np.where(limit.passed & sweep.solved[places], limit.share, -np.inf)
     lines = []

@@ -5,12 +5,13 @@ Each run is a `Measurement`; the quantities that a user has made of the mechanis
 
 import functools
 from collections.abc import Iterable, Sequence
-from typing import Any, NamedTuple
+from concurrent.futures import Executor
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from ..cluster.extra import pool_of
+from ..cluster.pool import Pool
 from ..errors import InputError
 from ..fields import Part
 from ..hybrid import Diffrax, Solver, name_of, solver_named
@@ -73,8 +74,8 @@ class Evaluation(NamedTuple):
 class Evaluator:
     """An evaluator runs designs of one problem and counts the runs.
 
-    Each run has its derivatives unless ``slopes`` is False: they are zero then, for methods that use none. ``client``,
-    ``solver``: as in `tune`. ``tight``: relative error of the runs in which a tuned design is checked [-].
+    Each run has its derivatives unless ``slopes`` is False: they are zero then, for methods that use none.
+    ``executor``, ``solver``: as in `tune`. ``tight``: relative error of runs in which a tuned design is checked [-].
     """
 
     def __init__(
@@ -82,16 +83,16 @@ class Evaluator:
         problem: Problem,
         workers: int | None = None,
         slopes: bool = True,
-        client: Any = None,
+        executor: Executor | None = None,
         solver: Solver | str | None = None,
     ) -> None:
         self.problem, self.captures, self.slopes = problem, 0, slopes
         named = None if solver is None else solver_named(solver)
         # A solver goes to other processes by its name, because one of diffrax's would not equal itself there.
-        self._solver = named if client is None else name_of(named)
+        self._solver = named if executor is None else name_of(named)
         usual = stepper_of(problem.mechanism).tight
         self.tight = max(usual, FINEST_OF_DIFFRAX) if isinstance(named, Diffrax) else usual
-        self._pool = pool_of(client, workers)
+        self._pool = Pool(executor, workers)
 
     def __enter__(self) -> "Evaluator":
         return self

@@ -6,6 +6,7 @@ import itertools
 import json
 import re
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,6 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from ..block_store import short_hash
-from ..cluster.extra import require
 from ..errors import InputError, check_flag, check_names, check_type, check_whole, suggest
 from ..fields import Part
 from ..files import user_path, write
@@ -109,7 +109,7 @@ def pareto(
     folder: str | Path | None = None,
     resume: bool = False,
     workers: int | None = None,
-    client: Any = None,
+    executor: Executor | None = None,
     report: Callable[[Record], None] | bool | None = None,
     finished: Callable[[int, int], None] | None = None,
     save: bool = True,
@@ -132,7 +132,7 @@ def pareto(
     - ``limits``: the limits themselves, by objective, in its unit; then ends are not looked for.
     - ``folder``: a folder for each point's run is made in it, and at the end the result is written there, without
       figures (as of `tune`); ``resume``: go on there; ``save``: whether the result is written.
-    - ``workers``, ``client``, ``report``, ``settings``: as for `tune`; ``finished``: called with the points
+    - ``workers``, ``executor``, ``report``, ``settings``: as for `tune`; ``finished``: called with the points
       done and the points in all.
 
     **Returns:** a `Front`; points that are infeasible or dominated are in it, and it says which they are.
@@ -158,15 +158,14 @@ def pareto(
     identity = _identity(problem, names, points, limits, settings)
     if place is not None:
         _begin(place, identity, resume)
-    with _connected(client, workers) as shared:
-        options = {"workers": workers, "client": shared, "report": report, **settings}
-        search = _Search(problem, names, folder=place, resume=resume, options=options)
-        if limits is None:
-            front = _between_ends(search, points, finished)
-        else:
-            # The loosest limits first, as between ends: the search begins with the last row, the tightest.
-            rows = np.array(list(itertools.product(*(sorted(limits[name], reverse=True) for name in names[1:]))), float)
-            front = search.front(rows, None, problem.design, finished)
+    options = {"workers": workers, "executor": executor, "report": report, **settings}
+    search = _Search(problem, names, folder=place, resume=resume, options=options)
+    if limits is None:
+        front = _between_ends(search, points, finished)
+    else:
+        # The loosest limits first, as between ends: the search begins with the last row, the tightest.
+        rows = np.array(list(itertools.product(*(sorted(limits[name], reverse=True) for name in names[1:]))), float)
+        front = search.front(rows, None, problem.design, finished)
     front = dataclasses.replace(front, identity=identity)
     if save and place is not None:
         front.save(place, force=True, figures=False)
@@ -327,16 +326,6 @@ def check_front(
         if set(limits) != set(names[1:]):
             raise InputError(f"limits name {', '.join(limits) or 'nothing'}; needed: {', '.join(names[1:])}")
     return int(total)
-
-
-def _connected(client: Any, workers: int | None) -> contextlib.AbstractContextManager[Any]:
-    """Give one client to all points until the end of the block, or None where there is none."""
-    if client is None:
-        return contextlib.nullcontext()
-    require()
-    from ..cluster.connect import connected  # imports Dask, an optional package
-
-    return connected(client, workers)
 
 
 def front_table(front: Front) -> str:

@@ -3,6 +3,7 @@
 import dataclasses
 import hashlib
 from collections.abc import Callable
+from concurrent.futures import Executor
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -46,7 +47,7 @@ def tune(
     folder: str | Path | None = None,
     resume: bool = False,
     workers: int | None = None,
-    client: Any = None,
+    executor: Executor | None = None,
     report: Callable[[Record], None] | bool | None = None,
     save: bool = True,
     **settings: Any,
@@ -68,8 +69,8 @@ def tune(
       (``tuned.save(folder, force=True)`` draws them); an earlier run's files there are overwritten.
     - ``resume``: go on with the run in ``folder`` instead.
     - ``workers``: threads, by default one a core.
-    - ``client``: a `distributed.Client`, the address of Dask's scheduler, "local" or "processes": its workers evaluate
-      the scenarios, each a task; the search itself stays here (docs/clusters.md).
+    - ``executor``: evaluates the load cases, each in a call, in place of threads of this process: any executor of
+      `concurrent.futures`, as for `sweep`. The search itself stays here (docs/clusters.md).
     - ``report``: called with the log's record of each evaluation, also those of the run that is resumed, or True for a
       line that tells the last one.
     - ``save``: whether the result is written into ``folder``.
@@ -103,7 +104,7 @@ def tune(
     identity = _identity(problem, chosen, optimizer, solver)
     with (
         TuningStore(None if folder is None else user_path(folder), identity, resume) as store,
-        Evaluator(problem, workers, True, client, solver) as evaluator,
+        Evaluator(problem, workers, True, executor, solver) as evaluator,
         reported(report, lambda record: in_words(record, problem.success)) as show,
     ):
         if show is not None:

@@ -1,5 +1,8 @@
 """`jaxbuffer pareto`: the front of several objectives."""
 
+from typing import Any
+
+from ...cluster.extra import executor_at
 from ...errors import InputError
 from ...output.formats import table_json
 from ...output.results import front_files
@@ -9,7 +12,7 @@ from ...tuning.pareto import pareto as compute
 from ..exits import INTERRUPTED, LIMITS_BROKEN, OK, fail
 from ..streams import note
 from .progress import tuning
-from .request import CommandLine, given, say_cautions
+from .request import CommandLine, say_cautions
 
 
 def pareto(
@@ -37,12 +40,13 @@ def pareto(
     )
     settings = vars(study.tuning)
     report = lambda done, total: note(f"{done} of {total} points of the front are done")  # noqa: E731
-    keeping = {"folder": request.output, "resume": resume, "save": False, "finished": report, **given(client=scheduler)}
+    keeping: dict[str, Any] = {"folder": request.output, "resume": resume, "save": False, "finished": report}
     try:
-        front = tuning(
-            lambda report: compute(problem, names, number, **settings, **keeping, report=report),
-            problem.success,
-        )
+        with executor_at(scheduler) as (executor, _):
+            front = tuning(
+                lambda report: compute(problem, names, number, **settings, **keeping, executor=executor, report=report),
+                problem.success,
+            )
     except KeyboardInterrupt:
         goes_on = f"the points so far are kept; the same command with --resume goes on in {request.output}"
         note("nothing is kept without --output DIR" if request.output is None else goes_on)

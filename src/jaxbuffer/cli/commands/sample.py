@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from ...cluster.extra import executor_at
 from ...errors import InputError
 from ...experiments.indices import sobol_indices
 from ...experiments.points import METHODS, Points, points
@@ -17,8 +18,8 @@ from ...sweeps.store import STORE
 from ..exits import INTERRUPTED
 from .output import Output
 from .progress import sweeping, working
-from .request import CommandLine, asked_for, check_swept_once, each_once, given, say_cautions
-from .sweep import any_solved, check_scheduler, resumable
+from .request import CommandLine, asked_for, check_swept_once, each_once, say_cautions
+from .sweep import any_solved, resumable
 
 
 def sample(
@@ -36,8 +37,6 @@ def sample(
 ) -> int:
     """Simulate the runs of a sample, and find indices and response surfaces if they are asked for."""
     study = request.study()
-    if scheduler is not None:
-        check_scheduler(scheduler, request)
     # Before anything is computed or written: mistakes of the command line are found at once.
     points = _points(study, over or [], count, method, seed, indices)
     check_swept_once(request.fields, (axis.path for axis in points.axes), "this sample")
@@ -52,8 +51,9 @@ def sample(
     file_names = [f"sample.{kind}" for kind in ("csv", "png", "txt", "nc", "json")]
     file_names += [f"{name}.{kind}" for name, chosen in parts.items() if chosen for kind in ("csv", "png")]
     files = request.files(*file_names, resumable=(STORE,), resume=resume)
-    options: dict[str, Any] = {"trust": asked_for(trust), **given(client=scheduler)}
-    result, interrupted = _computed(study, points, folder=request.output, resume=resume, **options)
+    with executor_at(scheduler) as (executor, workers):
+        keeping = {"folder": request.output, "resume": resume, "trust": asked_for(trust)}
+        result, interrupted = _computed(study, points, executor=executor, workers=workers, **keeping)
     if result is None:
         return INTERRUPTED
     made = request.made(study, resume)
@@ -82,14 +82,14 @@ def _whole(name: str, text: str) -> int:
         raise InputError(f"--{name} {text} is not a whole number; 256 say") from None
 
 
-def _computed(study: Config, points: Points, folder: Any, **options: Any) -> tuple[Sample | None, bool]:
+def _computed(study: Config, points: Points, **options: Any) -> tuple[Sample | None, bool]:
     """Compute the sample; return it as far as it came, and whether it was interrupted. ``options``: as of `sample`."""
-    options |= {"solver": study.options.stepper(), "rtol": study.options.rtol, "folder": folder}
+    options |= {"solver": study.options.stepper(), "rtol": study.options.rtol}
     task = (points, study.design, study.scenario, study.options.duration)
     try:
         return sweeping(len(points), lambda report: sample_at(*task, progress=report, **options)), False
     except SweepInterrupted as stop:
-        partial = resumable(stop, folder)
+        partial = resumable(stop, options["folder"])
         return (partial if stop.done.any() else None), True
 
 

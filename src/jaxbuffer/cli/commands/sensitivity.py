@@ -1,5 +1,6 @@
 """`jaxbuffer sensitivity`: one run's gradients and elasticities, certified."""
 
+from ...cluster.extra import executor_at
 from ...errors import check_choice
 from ...fields import check_numbers
 from ...mechanisms.quantity import check_differentiable
@@ -9,7 +10,7 @@ from ...sensitivities.sensitivity import CERTIFICATES
 from ...sensitivities.sensitivity import sensitivity as compute
 from ..exits import fail
 from .progress import working
-from .request import CommandLine, given
+from .request import CommandLine
 from .simulate import keeps_limits, study_constraints
 
 
@@ -30,20 +31,21 @@ def sensitivity(
     names = check_differentiable(mechanism.quantities, of or mechanism.defaults_for(study.design).differentiated)
     one = ONE_RUN.format(mechanism.view.run_name)
     paths, _ = check_numbers(study.design, study.scenario, wrt or mechanism.parameters(study.design), one)
-    result = working(
-        "differentiating",
-        lambda: compute(
-            study.design,
-            study.scenario,
-            paths,
-            options.duration,
-            quantities=names,
-            rtol=options.rtol,
-            solver=options.stepper(),
-            certify=certify,
-            **given(client=scheduler),
-        ),
-    )
+    with executor_at(scheduler) as (executor, _):
+        result = working(
+            "differentiating",
+            lambda: compute(
+                study.design,
+                study.scenario,
+                paths,
+                options.duration,
+                quantities=names,
+                rtol=options.rtol,
+                solver=options.stepper(),
+                certify=certify,
+                executor=executor,
+            ),
+        )
     if result.run.outcome.failed:
         return fail(result.run.outcome.reason)
     contents = sensitivity_files(result, request.made(study))

@@ -1,12 +1,10 @@
 """`jaxbuffer sweep`: runs over a grid, and what `sample` shares with it."""
 
 import dataclasses
-import json
 from collections.abc import Mapping
 from typing import Any
 
-from ...cluster.extra import require
-from ...errors import InputError
+from ...cluster.extra import executor_at
 from ...experiments.rectangle import safe_rectangle
 from ...fields import get
 from ...output.results import swept_files, swept_json
@@ -18,44 +16,33 @@ from ...sweeps.grid import Grid
 from ...sweeps.grid import grid as made
 from ...sweeps.result import Sweep, SweepInterrupted
 from ...sweeps.store import STORE
-from ...sweeps.stored import StoredInterrupted, StoredSweep
 from ...sweeps.sweep import sweep as compute
 from ...tuning.objective import Limits
 from ..exits import INTERRUPTED, OK, fail
 from ..streams import note
 from .progress import sweeping
-from .request import CommandLine, asked_for, check_swept_once, each_once, given, say_cautions
-
-LARGEST = 100_000  # runs of a sweep over a scheduler up to which tables and figures are made as well
+from .request import CommandLine, asked_for, check_swept_once, each_once, say_cautions
 
 
 def sweep(request: CommandLine, over: list[str] | None, scheduler: str | None, resume: bool, trust: str) -> int:
-    """Simulate every run of a grid, in memory or into the store of a scheduler's workers."""
+    """Simulate every run of a grid, here or by the workers of a scheduler."""
     study = request.study()
-    if scheduler is not None:
-        check_scheduler(scheduler, request)
     # The values of each field: those of the study, with those of the command line added or in their place.
     spans = {**study.sweep, **each_once(over or [], typed, "put its values into one")}
     spans = spans or dict(study.mechanism.defaults.grid)
-    grid = made(spans, study.design, study.scenario, in_memory=scheduler is None)
+    grid = made(spans, study.design, study.scenario)
     check_swept_once(request.fields, (axis.path for axis in grid.axes), "this sweep")
     varied = [axis.path for axis in grid.axes]
     say_cautions(study.design, (study.scenario,), varied, geometry=False)
     study = study.varying(varied)
-    # A sweep that is too large for tables and figures stays in its store.
-    tabulated = scheduler is None or len(grid) <= LARGEST
-    if tabulated:
-        grid.batches(study.design, study.scenario)  # checks that the values go together
-    limits = _limits(study, grid) if tabulated else None
+    grid.batches(study.design, study.scenario)  # checks that the values go together
+    limits = _limits(study, grid)
     drawn = () if limits is None else ("envelope.png",)
-    names = (*drawn, *(f"sweep.{kind}" for kind in ("csv", "png", "txt", "nc", "json"))) if tabulated else ()
+    names = (*drawn, *(f"sweep.{kind}" for kind in ("csv", "png", "txt", "nc", "json")))
     files = request.files(*names, resumable=(STORE,), resume=resume)
-    options: dict[str, Any] = {"trust": asked_for(trust), **given(client=scheduler)}
-    result, interrupted = _computed(study, spans, len(grid), folder=request.output, resume=resume, **options)
-    if isinstance(result, StoredSweep) and not tabulated:
-        files.save_and_show(dict, result, lambda: json.dumps(result.outcomes))
-        return INTERRUPTED if interrupted else OK
-    swept = result.load() if isinstance(result, StoredSweep) else result
+    with executor_at(scheduler) as (executor, workers):
+        keeping = {"folder": request.output, "resume": resume, "trust": asked_for(trust)}
+        swept, interrupted = _computed(study, spans, len(grid), executor=executor, workers=workers, **keeping)
     # Interrupted before its first run: there is nothing to save.
     if not swept.done.any():
         return INTERRUPTED
@@ -83,32 +70,21 @@ def _limits(study: Config, over: Grid) -> Limits | None:
     return usable if limited or mechanism.success is not None else None
 
 
-def check_scheduler(scheduler: str, request: CommandLine) -> None:
-    """Raise `InputError` where the extra's packages or a folder for the store are missing."""
-    require()
-    if request.output is None:
-        raise InputError("--scheduler needs --output DIR, where its workers store what they find")
-
-
-def _computed(study: Config, spans: Mapping[str, Any], count: int, **options: Any) -> tuple[Sweep | StoredSweep, bool]:
-    """Compute a sweep, in memory or stored by workers, and return it and whether it was interrupted."""
+def _computed(study: Config, spans: Mapping[str, Any], count: int, **options: Any) -> tuple[Sweep, bool]:
+    """Compute a sweep, and return it and whether it was interrupted."""
     usual = study.options
     settings = {"over": spans, "solver": usual.stepper(), "rtol": usual.rtol, "save": False, **options}
     swept = study.design, study.scenario, usual.duration
     try:
         return sweeping(count, lambda report: compute(*swept, progress=report, **settings)), False
-    except (SweepInterrupted, StoredInterrupted) as stop:
+    except SweepInterrupted as stop:
         return resumable(stop, options["folder"]), True
 
 
-def resumable(stop: SweepInterrupted | StoredInterrupted, folder: Any) -> Any:
+def resumable(stop: SweepInterrupted, folder: Any) -> Any:
     """Say how many runs of an interrupted sweep or sample are in its folder, if it has one, and return them."""
-    if isinstance(stop, StoredInterrupted):
-        done, count = stop.found.done, stop.found.count
-    else:
-        done, count = int(stop.done.sum()), stop.done.size
     if folder is not None:
-        line = f"{done} of {count} {stop.found.mechanism.view.run_name}s are kept"
+        line = f"{int(stop.done.sum())} of {stop.done.size} {stop.found.mechanism.view.run_name}s are kept"
         note(f"{line}; the same command with --resume goes on in {folder}")
     return stop.found
 

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from ...cluster.extra import executor_at
 from ...errors import InputError
 from ...fields import as_displayed
 from ...output.results import tuned_files
@@ -15,7 +16,7 @@ from ..exits import INTERRUPTED, LIMITS_BROKEN, OK, fail
 from ..streams import note
 from .output import Output
 from .progress import tuning
-from .request import CommandLine, check_swept_once, given, say_cautions
+from .request import CommandLine, check_swept_once, say_cautions
 
 RUN_FILES = ("log.jsonl", "state.npz", "state.old.npz")  # of a tuning, which `tuning.store` keeps
 
@@ -29,13 +30,14 @@ def tune(request: CommandLine, scheduler: str | None, resume: bool, **search: st
     names = ("design.toml", "tuned.json", "history.csv", "force.json", "tune.png", "tune.txt")
     files = request.files(*names, resumable=RUN_FILES, resume=resume)
     settings = {**vars(study.tuning), "solver": study.options.solver}
-    keeping = {"folder": request.output, "resume": resume, **given(client=scheduler)}
+    keeping: dict[str, Any] = {"folder": request.output, "resume": resume, "save": False}
     try:
-        tuned = tuning(
-            lambda report: compute(problem, **settings, **keeping, report=report, save=False),
-            problem.success,
-            study.tuning.most_evaluations * (1 if problem.then is None else 2),
-        )
+        with executor_at(scheduler) as (executor, _):
+            tuned = tuning(
+                lambda report: compute(problem, **settings, **keeping, executor=executor, report=report),
+                problem.success,
+                study.tuning.most_evaluations * (1 if problem.then is None else 2),
+            )
     except KeyboardInterrupt:
         return keep_best(problem, settings, files)
     contents = tuned_files(tuned, request.made(study, resume), note)
