@@ -225,7 +225,7 @@ class Limits:
         **Arguments:** ``value_at``: the design, as its value at a path; ``own``: quantities beside the mechanism's.
         """
         parts = {end.name: end.part for end in mechanism.tuning.ends}
-        check_known(self.ends, ("captured", "impacts", *parts), "constraints")
+        check_known(self.ends, (*declared(type(self)), *parts), "constraints")
         check_known(self.names, (*mechanism.quantities, *own), "constraints", quantity_in_words)
         parts |= {it: mechanism.quantities[it].part for it in self.names if it in mechanism.quantities}
         for name in (*self.ends, *self.names):
