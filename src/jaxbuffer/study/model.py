@@ -1,7 +1,7 @@
 """The tables of a study, each declared once: reading, the schema for editors, suggestions and examples follow from it.
 
-The keys of a table are the fields of a class, here or where their values are used: `Settings`, `Objective`, `Then`,
-`Limits`, `Scatter`. A key that is added there is read, checked, suggested, described and written.
+The keys of a table are the fields of a class, here or where their values are used: `Settings`, `Objective`, `Limits`,
+`Scatter`, `Then`. A key that is added there is read, checked, suggested, described and written.
 """
 
 import dataclasses

@@ -90,8 +90,9 @@ def _weights(problem: Problem, objective: Objective) -> list[str]:
 
 
 def _limits(problem: Problem) -> list[str]:
-    limits, lines = problem.limits, ["", "[problem.constraints]"]
-    lines += _keys(limits, limit_keys(problem.mechanism), () if problem.mechanism.success is None else ("captured",))
+    limits, mechanism = problem.limits, problem.mechanism
+    stated = () if mechanism.success is None else ("captured",)
+    lines = ["", "[problem.constraints]", *_keys(limits, limit_keys(mechanism), stated)]
     for name in dict.fromkeys(limits.names):
         symbol, where = problem.catalogue[name].unit, f"problem.constraints.{name}"
         sides = {"max": limits.at_most.get(name), "min": limits.at_least.get(name)}
