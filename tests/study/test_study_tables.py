@@ -10,7 +10,7 @@ from jaxbuffer.study.example import example_toml
 from jaxbuffer.study.model import SampleTable, StudyOptions
 from jaxbuffer.study.schema import study_schema
 from jaxbuffer.tuning.cases import Scatter
-from jaxbuffer.tuning.objective import Limits, Objective, Then
+from jaxbuffer.tuning.objective import Limits, Objective, SecondObjective
 from jaxbuffer.tuning.problem import Settings
 
 TABLES = {
@@ -19,7 +19,7 @@ TABLES = {
     "sample": SampleTable,
     "problem.sample": Scatter,
     "problem.objective": Objective,
-    "problem.then": Then,
+    "problem.then": SecondObjective,
     "problem.constraints": Limits,
 }
 KEYS = [

@@ -16,7 +16,7 @@ from ..fields import Part, declared, get, metadata, replace, unit_at
 from ..mechanisms import all_mechanisms
 from ..mechanisms.mechanism import Mechanism
 from ..tuning.cases import Scatter
-from ..tuning.objective import Objective, Then
+from ..tuning.objective import Objective, SecondObjective
 from ..tuning.problem import Settings
 from ..value_text import interval_text
 from .config import sections, study_tables
@@ -135,7 +135,7 @@ def _problem(mechanism: Mechanism, design: Part) -> Iterator[str]:
     yield from _sampled(mechanism, field)
     yield f"# {heading['then']}"
     yield f"# {next(name for name in reversed(mechanism.tuned) if mechanism.has(name, design))} = 1.0"
-    yield from _fields(declared(Then))
+    yield from _fields(declared(SecondObjective))
 
 
 def _sampled(mechanism: Mechanism, field: str) -> Iterator[str]:

@@ -1,7 +1,7 @@
 """The tables of a study, each declared once: reading, the schema for editors, suggestions and examples follow from it.
 
 The keys of a table are the fields of a class, here or where their values are used: `Settings`, `Objective`, `Limits`,
-`Scatter`, `Then`. A key that is added there is read, checked, suggested, described and written.
+`Scatter`, `SecondObjective`. A key that is added there is read, checked, suggested, described and written.
 """
 
 import dataclasses
@@ -19,7 +19,7 @@ from ..suggestions import listed
 from ..sweeps.axis import SPAN
 from ..sweeps.grid import grid
 from ..tuning.cases import KINDS, Distribution, Scatter
-from ..tuning.objective import Limits, Objective, Then
+from ..tuning.objective import Limits, Objective, SecondObjective
 from ..tuning.problem import Variable
 from .own_quantities import OWN, NamedQuantity
 from .tables import Keys, KeyTable, Names, PartTable, PathTable, keys_schema, read_keys, subtable
@@ -73,11 +73,11 @@ def _objective(names: Names, weights: dict[str, Any], keys: dict[str, Any]) -> O
     return Objective(weights, **keys) if weights else Objective(**keys)
 
 
-def _then(names: Names, weights: dict[str, Any], keys: dict[str, Any]) -> Then:
+def _then(names: Names, weights: dict[str, Any], keys: dict[str, Any]) -> SecondObjective:
     if not weights:
         raise InputError(f"problem.then names no quantity; choose some of {listed(names.units)}")
-    own = {name: keys.pop(name) for name in declared(Then) if name in keys}
-    return Then(Objective(weights, **keys), **own)
+    own = {name: keys.pop(name) for name in declared(SecondObjective) if name in keys}
+    return SecondObjective(Objective(weights, **keys), **own)
 
 
 def _limits(names: Names, sides: dict[str, Any], keys: dict[str, Any]) -> Limits:
@@ -111,8 +111,8 @@ class ProblemTable:
     constraints: Limits | None = subtable(
         LIMITS, "what it keeps to: at most, or {min = , max = }; a run outside them exits with 1"
     )
-    then: Then | None = subtable(
-        KeyTable(_then, lambda mechanism: declared(Objective) | declared(Then), WEIGHT),
+    then: SecondObjective | None = subtable(
+        KeyTable(_then, lambda mechanism: declared(Objective) | declared(SecondObjective), WEIGHT),
         "what decides among designs that are about as good as the best",
     )
     quantities: Mapping[str, NamedQuantity] | None = subtable(

@@ -15,7 +15,7 @@ from ..fields import declared, text
 from ..fields.units import check_unit
 from ..files import user_path
 from ..mechanisms.mechanism import Mechanism
-from ..tuning.derived import Derived, check_derived, check_name, line_in, raised
+from ..tuning.custom_quantity import CustomQuantity, check_custom_quantities, check_name, line_in, raised
 from .tables import Names
 from .values import Kind, Schema, key_schema, object_schema
 
@@ -80,7 +80,7 @@ def _named(table: str, name: str, entry: Any, mechanism: Mechanism) -> NamedQuan
     return NamedQuantity(**entry)
 
 
-def own_quantities(given: Mapping[str, NamedQuantity], mechanism: Mechanism, folder: Path) -> dict[str, Derived]:
+def own_quantities(given: Mapping[str, NamedQuantity], mechanism: Mechanism, folder: Path) -> dict[str, CustomQuantity]:
     """Load own quantities; their files, beside the study in ``folder``, are run.
 
     **Raises:** `InputError` for files that are missing or raise something, and functions that make no quantity.
@@ -94,11 +94,11 @@ def own_quantities(given: Mapping[str, NamedQuantity], mechanism: Mechanism, fol
             if named.file not in modules:
                 modules[named.file] = _run(folder / user_path(named.file), named.file)
             function = _function(modules[named.file], named)
-            own[name] = Derived(function, named.unit, named.description)
+            own[name] = CustomQuantity(function, named.unit, named.description)
         except InputError as error:
             raise InputError(f"{where}: {error}") from None
     try:
-        return check_derived(own, mechanism.quantities)
+        return check_custom_quantities(own, mechanism.quantities)
     except InputError as error:
         raise InputError(f"problem.{error}") from None
 

@@ -9,7 +9,7 @@ import tomli_w
 
 from ..fields import SCENARIO, Part, as_written, declared, unit
 from ..tuning.cases import Case, Scatter
-from ..tuning.objective import Objective, Then
+from ..tuning.objective import Objective, SecondObjective
 from ..tuning.problem import Problem, Settings
 from ..value_text import unit_text
 from .config import design_toml
@@ -75,7 +75,7 @@ def _objective(problem: Problem) -> list[str]:
             "",
             "[problem.then]",
             *_weights(problem, then.objective),
-            *_keys(then, declared(Then), declared(Then)),
+            *_keys(then, declared(SecondObjective), declared(SecondObjective)),
         ]
     return lines
 
@@ -91,7 +91,7 @@ def _weights(problem: Problem, objective: Objective) -> list[str]:
 
 def _limits(problem: Problem) -> list[str]:
     limits, mechanism = problem.limits, problem.mechanism
-    stated = () if mechanism.success is None else ("captured",)
+    stated = () if mechanism.success is None else ("require_success",)
     lines = ["", "[problem.constraints]", *_keys(limits, limit_keys(mechanism), stated)]
     for name in dict.fromkeys(limits.names):
         symbol, where = problem.catalogue[name].unit, f"problem.constraints.{name}"
