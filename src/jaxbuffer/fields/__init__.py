@@ -17,8 +17,13 @@ from .curve import curve as curve
 from .declared import Number as Number
 from .declared import Part as Part
 from .declared import all_of as all_of
+from .declared import check_choosing as check_choosing
+from .declared import check_declared as check_declared
 from .declared import choice as choice
+from .declared import declared as declared
+from .declared import flag as flag
 from .declared import number as number
+from .declared import text as text
 from .declared import whole as whole
 from .mesh import mesh as mesh
 from .mesh import mesh_of as mesh_of

@@ -6,8 +6,9 @@ from typing import Any, TypeVar
 import equinox as eqx
 import numpy as np
 
-from ..errors import InputError, check_choice, check_flag, check_names, check_single, check_whole
+from ..errors import InputError, check_names, check_single
 from .curve import Curve
+from .declared import check_choosing
 from .paths import get, meaning, metadata, paths, point_paths, replace, unit, unknown
 
 SCENARIO = "scenario."
@@ -68,14 +69,7 @@ def metadata_at(design: eqx.Module, scenario: eqx.Module, address: str) -> Mappi
 
 def check_alone(design: eqx.Module, scenario: eqx.Module, address: str, value: Any) -> None:
     """Raise `InputError` unless a value is one that the choice at ``address`` takes, whatever the other fields are."""
-    owner, path = _owner(design, scenario, address)
-    known = metadata(owner, path)
-    if "choices" in known:
-        check_choice(address, value, known["choices"])
-    elif "flag" in known:
-        check_flag(address, value)
-    elif "least" in known:
-        check_whole(address, value, known["least"])
+    check_choosing(address, value, metadata_at(design, scenario, address))
 
 
 def with_values(design: D, scenario: S, values: Mapping[str, Any]) -> tuple[D, S]:

@@ -3,7 +3,7 @@
 import dataclasses
 import functools
 import operator
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import equinox as eqx
@@ -39,16 +39,63 @@ def number(default: float | None, unit: str, *, doc: str = "", needs: Needs = ()
     )
 
 
-def whole(default: int, least: int, most: int | None = None, *, doc: str = "", needs: Needs = ()) -> Any:
-    """Declare a static field that takes whole numbers from ``least`` up, or from there to ``most``; ``doc`` and
-    ``needs`` as of `number`."""
+def whole(default: int | None, least: int, most: int | None = None, *, doc: str = "", needs: Needs = ()) -> Any:
+    """Declare a static field that takes whole numbers from ``least`` up, or from there to ``most``; ``default``,
+    ``doc`` and ``needs`` as of `number`."""
     return eqx.field(default=default, static=True, metadata={"least": least, "most": most, "doc": doc, "needs": needs})
 
 
-def choice(default: str, *options: str, doc: str = "", needs: Needs = ()) -> Any:
-    """Declare a static field that takes one of a few words, one of the ``options``; ``doc`` and ``needs`` as of
-    `number`."""
+def choice(default: str | None, *options: str, doc: str = "", needs: Needs = ()) -> Any:
+    """Declare a static field that takes one of a few words, one of the ``options``; ``default``, ``doc`` and ``needs``
+    as of `number`."""
     return eqx.field(default=default, static=True, metadata={"choices": options, "doc": doc, "needs": needs})
+
+
+def flag(default: bool, *, doc: str = "", needs: Needs = ()) -> Any:
+    """Declare a static field that is true or false; ``doc`` and ``needs`` as of `number`."""
+    return eqx.field(default=default, static=True, metadata={"flag": True, "doc": doc, "needs": needs})
+
+
+def text(default: Any = dataclasses.MISSING, *, pattern: str = "", doc: str = "") -> Any:
+    """Declare a field of a dataclass that takes text, which must be given where it has no default.
+
+    **Arguments:** ``pattern``: a regular expression for editors; ``doc`` as of `number`.
+    """
+    return dataclasses.field(default=default, metadata={"pattern": pattern, "doc": doc})
+
+
+def declared(owner: Any) -> dict[str, dict[str, Any]]:
+    """Return what the fields of a dataclass declare of themselves, by name, each with its value in an instance, or its
+    default in a class, as "default". A field that declares nothing is left out."""
+    return {
+        field.name: {**field.metadata, "default": getattr(owner, field.name, dataclasses.MISSING)}
+        for field in dataclasses.fields(owner)
+        if field.metadata
+    }
+
+
+def check_choosing(path: str, value: Any, known: Mapping[str, Any]) -> None:
+    """Raise `InputError` for a word, a truth or a whole number that a field does not take; ``known``: what the field
+    declares."""
+    if "choices" in known:
+        check_choice(path, value, known["choices"])
+    elif "flag" in known:
+        check_flag(path, value)
+    elif "least" in known:
+        check_whole(path, value, known["least"], known["most"])
+
+
+def check_declared(owner: Any, prefix: str) -> None:
+    """Raise `InputError` for a value that its field in a dataclass does not take; ``prefix`` makes its path of its
+    name."""
+    for name, known in declared(type(owner)).items():
+        value = getattr(owner, name)
+        if value is None and known["default"] is None:
+            continue
+        if "unit" in known:
+            check_number(prefix + name, value, known["unit"], **known["limits"])
+        else:
+            check_choosing(prefix + name, value, known)
 
 
 class Part(Portable):
@@ -82,15 +129,11 @@ class Part(Portable):
         prefix = f"{self.section}." if self.section else ""
         for field in dataclasses.fields(self):
             value, path = getattr(self, field.name), prefix + field.name
-            if "check" in field.metadata:
+            if "check" in field.metadata:  # which knows more than its choices: a law may be an object
                 field.metadata["check"](path, value)
-            elif "choices" in field.metadata:
-                check_choice(path, value, field.metadata["choices"])
-            elif "flag" in field.metadata:
-                check_flag(path, value)
-            elif "least" in field.metadata:
-                check_whole(path, value, field.metadata["least"], field.metadata["most"])
-            elif "unit" in field.metadata:
+            else:
+                check_choosing(path, value, field.metadata)
+            if "unit" in field.metadata:
                 if value is not None or not (field.default is None or self._replaced_by_curve(field.name)):
                     symbol, limits = field.metadata["unit"], field.metadata["limits"]
                     in_unit(path, value, symbol, **limits)  # what is still text has a unit that does not fit

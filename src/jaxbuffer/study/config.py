@@ -12,90 +12,62 @@ from typing import Any, TypeVar
 import equinox as eqx
 import tomli_w
 
-from ..errors import InputError, as_number, check_choice, check_number, check_whole, shown, suggest
-from ..experiments.points import METHODS, points
-from ..experiments.ranges import ranges
+from ..errors import InputError, check_whole
 from ..fields import (
-    POSITIVE,
     SCENARIO,
     Curve,
     Part,
     as_written,
-    by_path,
     check_address,
-    choice,
+    declared,
     errors_in_typed_units,
-    in_unit,
-    meaning,
     metadata,
-    number,
-    paths,
-    point_paths,
-    replace,
-    single_fields,
     typed_unit,
     unit,
-    unknown,
 )
 from ..files import user_path
-from ..hybrid import SOLVER_NAMES, Solver, solver_named
 from ..mechanisms import mechanism_named
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
-from ..run.request import DEFAULT_TOLERANCE, check_pair
-from ..sweeps.axis import SPAN, literal
-from ..sweeps.grid import grid
+from ..run.request import check_pair
+from ..sweeps.axis import literal
 from ..tuning.problem import Problem, Settings
 from ..value_text import unit_text
 from .mistaken import no_file, no_table, no_toml
+from .model import PROBLEM, SAMPLE, SCENARIO_TABLE, SCENARIOS, SWEEP, ProblemTable, SampleTable, StudyOptions
 from .problem_toml import check_table, read_problem
+from .tables import Names, PartTable, read_keys, replaced, subtable
+from .values import as_table
 
 T = TypeVar("T", bound=eqx.Module)
 
 DEFAULT_KIND = "probe_cone"
-SAMPLE = ("count", "method", "seed", "ranges")
-KINDS = ("kind", "scenario", "scenarios", "options", "problem", "tune", "sweep", "sample")  # beside the design's own
-
-
-class StudyOptions(Part):
-    """How to simulate.
-
-    - ``duration``: after which a run is over [s]; None: the mechanism's.
-    - ``rtol``: relative error of a step [-].
-    - ``solver``: a name in `SOLVER_NAMES`.
-    """
-
-    section = "options"
-    duration: float | None = number(
-        None, "s", **POSITIVE, doc="time after which a run is over; not set: the mechanism's"
-    )
-    rtol: float = number(DEFAULT_TOLERANCE, "-", low=1e-13, high=1e-2, doc="relative error of a step")
-    solver: str = choice("automatic", *SOLVER_NAMES, doc="how runs are stepped")
-
-    def stepper(self) -> Solver:
-        """Return the solver that ``solver`` names."""
-        return solver_named(self.solver)
 
 
 @dataclasses.dataclass(frozen=True)
 class Config:
     """A study: one design, the scenario to simulate, the scenarios to tune for (default: that one), and settings.
 
-    ``table``: the ``[problem]`` section as read, checked when the `problem` is made; ``folder``: the file's own, where
-    the Python files lie that it names; ``units``: those that numbers were typed with, by address, in which people are
-    told them; ``usual_duration``: whether ``options.duration`` is what is usual for the design, as none is given.
+    ``table``: of which the `problem` is made; ``sweep``: values by path, as `grid` reads them; ``folder``: the file's
+    own, where the Python files lie that it names; ``texts``: typed with a unit, by address; ``units``: those that
+    numbers were typed with, by address, in which people are told them; ``usual_duration``: whether
+    ``options.duration`` is what is usual for the design, as none is given.
     """
 
     design: Part = dataclasses.field(default_factory=lambda: mechanism_named(DEFAULT_KIND).design())
-    scenario: Part = dataclasses.field(default_factory=lambda: mechanism_named(DEFAULT_KIND).scenario())
-    scenarios: tuple[Part, ...] = ()
-    options: StudyOptions = dataclasses.field(default_factory=StudyOptions)
-    tuning: Settings = dataclasses.field(default_factory=Settings)
-    table: Mapping[str, Any] = dataclasses.field(default_factory=dict)
-    sweep: Mapping[str, Any] = dataclasses.field(default_factory=dict)  # path to values, as `grid` reads them
-    sample: Mapping[str, Any] = dataclasses.field(default_factory=dict)  # count, method, seed, and ranges by path
+    scenario: Part = subtable(SCENARIO_TABLE, "what is simulated", lambda: mechanism_named(DEFAULT_KIND).scenario())
+    scenarios: tuple[Part, ...] = subtable(SCENARIOS, "what is tuned for: fields that differ from [scenario]", tuple)
+    options: StudyOptions = subtable(PartTable(lambda names: StudyOptions()), "how", StudyOptions)
+    table: ProblemTable = subtable(PROBLEM, "what jaxbuffer tune is to do", ProblemTable, key="problem")
+    tuning: Settings = subtable(
+        PartTable(lambda names: Settings()), "how jaxbuffer tune searches", Settings, key="tune"
+    )
+    sweep: Mapping[str, Any] = subtable(
+        SWEEP, "what jaxbuffer sweep combines: a list, or from, to, count and scale", dict
+    )
+    sample: SampleTable = subtable(SAMPLE, "what jaxbuffer sample spreads runs over", SampleTable)
     folder: Path = Path()
-    texts: Mapping[str, str] = dataclasses.field(default_factory=dict, compare=False)  # typed with a unit, by address
+    texts: Mapping[str, str] = dataclasses.field(default_factory=dict, compare=False)
     units: Mapping[str, str] = dataclasses.field(default_factory=dict, compare=False)
     usual_duration: bool = dataclasses.field(default=False, compare=False)
 
@@ -123,8 +95,7 @@ class Config:
     @property
     def varied(self) -> set[str]:
         """Return the paths that the study's tuning, sweep or sample gives values."""
-        ranges = self.sample.get("ranges", {})
-        return {*self.table.get("variables", {}), *self.sweep, *(ranges if isinstance(ranges, Mapping) else ())}
+        return {*(self.table.variables or ()), *self.sweep, *(self.sample.ranges or ())}
 
     def varying(self, paths: Collection[str]) -> "Config":
         """Return the study for runs in which the numbers at some paths vary: its duration, unless one is given, is what
@@ -136,18 +107,17 @@ class Config:
 
     def problem(self) -> Problem:
         """Read the design problem, whose start must lie within the bounds."""
-        options = self.options
         # Messages say numbers in the units that they were typed with.
         with errors_in_typed_units(self.units):
             return read_problem(
                 self.table,
                 self.design,
                 self.scenario,
-                self.scenarios,
-                options.duration,
-                options.rtol,
-                self.folder,
-                self.units,
+                listed=self.scenarios,
+                duration=self.options.duration,
+                rtol=self.options.rtol,
+                folder=self.folder,
+                units=self.units,
             )
 
 
@@ -194,7 +164,7 @@ def apply_overrides(config: Config, values: Mapping[str, str]) -> Config:
     meeting = {path.removeprefix(SCENARIO): text for path, text in values.items() if path.startswith(SCENARIO)}
     meeting = {path: _typed(config.scenario, path, text) for path, text in meeting.items()}
     design = {p: _typed(config.design, p, text) for p, text in values.items() if not p.startswith(SCENARIO)}
-    scenarios = (_replaced(scenario, meeting, "scenario.") for scenario in config.scenarios)
+    scenarios = (replaced(scenario, meeting, "scenario.") for scenario in config.scenarios)
     units = {**config.units, **{path: typed for path, text in values.items() if (typed := typed_unit(text))}}
     # What duration is usual depends on the design: one that gets a latch runs on for longer.
     options = dataclasses.replace(config.options, duration=None) if config.usual_duration else config.options
@@ -202,8 +172,8 @@ def apply_overrides(config: Config, values: Mapping[str, str]) -> Config:
         return dataclasses.replace(
             config,
             options=options,
-            design=_replaced(config.design, design),
-            scenario=_replaced(config.scenario, meeting, "scenario."),
+            design=replaced(config.design, design),
+            scenario=replaced(config.scenario, meeting, "scenario."),
             scenarios=tuple(dict.fromkeys(scenarios)),
             units=units,
         )
@@ -216,7 +186,7 @@ def apply_options(settings: T, typed: Mapping[str, str]) -> T:
     for name, value in values.items():
         if (least := metadata(settings, name).get("least")) is not None:
             check_whole(f"--{name}", value, least, metadata(settings, name)["most"])
-    return _replaced(settings, values, "--")
+    return replaced(settings, values, "--")
 
 
 def design_toml(
@@ -260,54 +230,36 @@ def _lines(part: eqx.Module, prefix: str, units: Mapping[str, str]) -> list[str]
     return lines
 
 
+def study_tables() -> dict[str, Mapping[str, Any]]:
+    """Return what is declared of the tables that stand beside a design's own, by their names in a study."""
+    tables = {name: known for name, known in declared(Config).items() if "table" in known}
+    return {known["key"] or name: {**known, "field": name} for name, known in tables.items()}
+
+
 def _config(data: dict[str, Any], folder: Path) -> Config:
-    mechanism = mechanism_named(data.get("kind", DEFAULT_KIND))
+    mechanism, tables = mechanism_named(data.get("kind", DEFAULT_KIND)), study_tables()
     parts = sections(mechanism)
-    known = (*parts, *KINDS)
+    known = (*parts, "kind", *tables)
     for name in data:
         if name not in known:
             raise InputError(f"[{name}] is unknown{no_table(name, known)}")
-    fields = {f"{section}.{key}": value for section in parts for key, value in _table(data, section).items()}
-    design = _replaced(mechanism.design(), fields, folder=folder)
-    scenario = _replaced(mechanism.scenario(), _table(data, "scenario"), "scenario.")
-    listed = data.get("scenarios", [])
-    if "scenarios" in data and not (isinstance(listed, list) and listed and all(isinstance(x, dict) for x in listed)):
-        raise InputError("scenarios is not a list of tables; write each under its own [[scenarios]]")
-    scenarios = tuple(_replaced(scenario, entry, f"scenarios[{i}].") for i, entry in enumerate(listed, 1))
+    typed = {f"{part}.{key}": value for part in parts for key, value in as_table(part, data.get(part, {})).items()}
+    names, rest = Names(replaced(mechanism.design(), typed, folder=folder), mechanism.scenario()), dict(tables)
+    # One after the other, since the scenario is what [[scenarios]] begin with, and all tables name its fields.
+    scenario, listed = {"scenario": rest.pop("scenario")}, {"scenarios": rest.pop("scenarios")}
+    read = read_keys("", data, scenario, names)
+    names = names._replace(**read)
+    read |= read_keys("", data, listed, names)
     # Commands of one run need one scenario: without a [scenario] it is the first that is listed.
-    if scenarios and "scenario" not in data:
-        scenario = scenarios[0]
-    options = _replaced(StudyOptions(), _table(data, "options"), "options.")
-    sweep = by_path(_table(data, "sweep"), SPAN, "sweep", single_fields(design, scenario))
-    if sweep:
-        grid(sweep, design, scenario)  # checks it
-    sample = _sample(_table(data, "sample"), design, scenario)
-    tuning = _replaced(Settings(), _table(data, "tune"), "tune.")
-    if table := _table(data, "problem"):
-        check_table(table, design, scenario)
-        for name in ("grid", "sample"):
-            if scenarios and name in table:
-                raise InputError(f"[[scenarios]] and [problem.{name}] both say which scenarios to tune for; keep one")
-    typed = fields | {f"{SCENARIO}{name}": value for name, value in _table(data, "scenario").items()}
+    if "scenarios" in read and "scenario" not in read:
+        names = names._replace(scenario=read["scenarios"][0])
+    read |= read_keys("", data, rest, names) | {"scenario": names.scenario}
+    typed |= {f"{SCENARIO}{name}": value for name, value in data.get("scenario", {}).items()}
     texts = {path: value for path, value in typed.items() if isinstance(value, str)}
-    return Config(design, scenario, scenarios, options, tuning, table, sweep, sample, folder, texts=texts)
-
-
-def _sample(table: Mapping[str, Any], design: Part, scenario: Part) -> dict[str, Any]:
-    """Return what [sample] gives of count, method, seed and ranges by dotted path, checked."""
-    for name in table:
-        if name not in SAMPLE:
-            raise InputError(f"sample.{name} is unknown{suggest(name, SAMPLE)}; ranges go under [sample.ranges]")
-    sample = dict(table)
-    check_choice("sample.method", table.get("method", METHODS[0]), METHODS)
-    if "ranges" in table:
-        if not isinstance(table["ranges"], Mapping):
-            raise InputError(f"sample.ranges = {shown(table['ranges'])} is not a table; write [sample.ranges]")
-        sample["ranges"] = by_path(table["ranges"], where="sample.ranges", fields=single_fields(design, scenario))
-        axes = ranges(sample["ranges"], design, scenario)
-        # Made only to be checked: a sample is drawn when it is run.
-        points(axes, table.get("count", 1), table.get("method", METHODS[0]), table.get("seed", 0))
-    return sample
+    values = {tables[name]["field"]: value for name, value in read.items()}
+    config = Config(names.design, folder=folder, texts=texts, **values)
+    check_table(config.table, names.design, names.scenario, read.get("scenarios", ()))
+    return config
 
 
 def _typed_units(value: Any, path: str = "") -> Iterator[tuple[str, str]]:
@@ -331,31 +283,6 @@ def sections(mechanism: Mechanism) -> tuple[str, ...]:
     return tuple(f.name for f in dataclasses.fields(mechanism.design) if isinstance(f.default, Part))
 
 
-def _replaced(module: T, values: Mapping[str, Any], prefix: str = "", folder: Path = Path()) -> T:
-    """Do as `replace` with values from TOML or the command line. ``prefix``: of paths in messages; ``folder``: where
-    mesh files lie."""
-    known = [prefix + path for path in (*paths(module), *point_paths(module))]
-    checked = {}
-    for path, value in values.items():
-        if prefix + path not in known:
-            means = lambda it: meaning(module, it.removeprefix(prefix))  # noqa: E731
-            raise InputError(f"{prefix}{path}{unknown(module, prefix + path, known, means)}")
-        symbol = unit(module, path)
-        checked[path] = _number(prefix + path, value, symbol, **metadata(module, path)["limits"]) if symbol else value
-        if isinstance(value, str) and "mesh" in metadata(module, path) and not value.startswith("{"):
-            checked[path] = str(folder / user_path(value))
-    return replace(module, checked)
-
-
-def _number(path: str, value: Any, unit: str, **limits: Any) -> float:
-    """Read a float from an integer, a float or a text with a unit, in range; everything else TOML knows is an error."""
-    number = as_number(in_unit(path, value, unit, **limits))
-    if type(number) is not float:
-        number = str(value).lower() if isinstance(value, bool) else str(value)  # as TOML spells it
-    check_number(path, number, unit, **limits)
-    return number
-
-
 def _typed(owner: eqx.Module, path: str, text: str) -> Any:
     """Read what was typed for a field: "2" is a whole number where it takes such, "[[1, 2], [3, 4]]" the points of a
     curve."""
@@ -365,10 +292,3 @@ def _typed(owner: eqx.Module, path: str, text: str) -> Any:
         with contextlib.suppress(ValueError):  # the check of the field says what it takes
             return tomllib.loads(f"points = {text}")["points"]
     return int(value) if "least" in known and isinstance(value, float) and value.is_integer() else value
-
-
-def _table(data: Mapping[str, Any], name: str) -> dict[str, Any]:
-    table = data.get(name, {})
-    if not isinstance(table, dict):
-        raise InputError(f"{name} = {shown(table)} is not a table; write [{name}] and its fields below it")
-    return table

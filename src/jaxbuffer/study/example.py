@@ -12,15 +12,20 @@ from typing import Any
 import tomli_w
 
 from ..errors import InputError
-from ..fields import Part, get, meaning, metadata, replace, unit_at
+from ..fields import Part, declared, get, metadata, replace, unit_at
 from ..mechanisms import all_mechanisms
 from ..mechanisms.mechanism import Mechanism
+from ..tuning.cases import Scatter
+from ..tuning.objective import Objective, SecondObjective
 from ..tuning.problem import Settings
 from ..value_text import interval_text
-from .config import StudyOptions, sections
+from .config import sections, study_tables
+from .model import ProblemTable, Scattered, StudyOptions, limit_keys
+from .tables import Keys
 
 WIDTH, LONGEST = 34, 118  # columns before a comment, and of a line
 SCHEMA = "jaxbuffer.schema.json"
+EXAMPLES = {"count": {"default": 24}}  # what the example has for a default
 
 
 def own_mechanism(name: str) -> str:
@@ -58,32 +63,27 @@ def example_toml(mechanism: Mechanism) -> str:
     ]
     for section in sections(mechanism):
         own = {path.partition(".")[2]: it for path, it in example.items() if path.startswith(f"{section}.")}
-        lines += ["", f"[{section}]", *_fields(getattr(design, section), commented=True, own=own)]
-    lines += ["", "[scenario]  # what is simulated", *_fields(scenario, commented=False)]
-    lines += [
-        "",
-        "[options]  # how",
-        *_fields(StudyOptions(duration=mechanism.duration(replace(design, example))), commented=True),
-    ]
-    lines += ["", "[tune]  # how jaxbuffer tune searches", *_fields(Settings(), commented=True)]
+        lines += ["", f"[{section}]", *_fields(declared(getattr(design, section)), own=own)]
+    heading = {name: f"[{name}]  # {known['doc']}" for name, known in study_tables().items()}
+    options = StudyOptions(duration=mechanism.duration(replace(design, example)))
+    lines += ["", heading["scenario"], *_fields(declared(scenario), commented=False)]
+    lines += ["", heading["options"], *_fields(declared(options)), "", heading["tune"], *_fields(declared(Settings))]
     swept = ((_entry(path, it), unit_at(design, scenario, path)) for path, it in mechanism.defaults.grid.items())
-    sweep = ["[sweep]  # what jaxbuffer sweep combines: a list, or from, to, count and scale"]
-    lines += ["", *_problem(mechanism, design), "", *sweep, *itertools.starmap(_line, swept)]
+    lines += ["", *_problem(mechanism, design), "", heading["sweep"], *itertools.starmap(_line, swept)]
     return "\n".join(lines) + "\n"
 
 
-def _fields(part: Part, commented: bool, own: Mapping[str, Any] = MappingProxyType({})) -> Iterator[str]:
-    """Yield a line for each field; ``commented``: whether a field that has a value is a comment too; ``own``: values
-    that the example has beside the defaults."""
-    for name in (field.name for field in dataclasses.fields(part)):
-        known, value = metadata(part, name), get(part, name)
-        words = [_allowed(known), meaning(part, name)]
+def _fields(keys: Keys, commented: bool = True, own: Mapping[str, Any] = MappingProxyType({})) -> Iterator[str]:
+    """Yield a line for each key; ``commented``: whether one that has a value is a comment too; ``own``: values that the
+    example has beside the defaults."""
+    for name, known in keys.items():
+        words = [_allowed(known), known.get("doc") or name.replace("_", " ")]
         if name in own:
             yield _line(_entry(name, own[name]), ": ".join(words))
-        elif value is None:
+        elif known["default"] is None:
             yield _line(f"# {name} = ", f"not set; {': '.join(words)}")
         else:
-            yield _line(("# " if commented else "") + _entry(name, value), ": ".join(words))
+            yield _line(("# " if commented else "") + _entry(name, known["default"]), ": ".join(words))
 
 
 def _allowed(known: Mapping[str, Any]) -> str:
@@ -103,6 +103,7 @@ def _allowed(known: Mapping[str, Any]) -> str:
 def _problem(mechanism: Mechanism, design: Part) -> Iterator[str]:
     """Yield the sections of jaxbuffer tune."""
     catalogue, defaults = mechanism.quantities, mechanism.defaults
+    heading = {name: f"[problem.{name}]  # {known['doc']}" for name, known in declared(ProblemTable).items()}
     # `tune` refuses a start outside its bounds, so only bounds that hold it are offered.
     starts_inside = {
         path: bounds
@@ -110,45 +111,43 @@ def _problem(mechanism: Mechanism, design: Part) -> Iterator[str]:
         if bounds[0] <= get(design, path) <= bounds[1]
     }
     if starts_inside:
-        yield '[problem.variables]  # what jaxbuffer tune may change: [low, high] or [low, high, "linear"]'
+        yield heading["variables"]
         for path, bounds in starts_inside.items():
             yield _line(_entry(path, bounds), metadata(design, path)["unit"])
         yield ""
-    yield "[problem.objective]  # what it lowers: quantities with their weights, over the worst case, the mean or cvar"
+    yield heading["objective"]
     yield _line("peak_force = 1.0", "N/N; or any of " + ", ".join(mechanism.tuned[1:5]))
-    yield '# over = "worst"'
+    yield from _fields(declared(Objective))
     yield ""
-    yield "[problem.constraints]  # what it keeps to: at most, or {min = , max = }; a run outside them exits with 1"
+    yield heading["constraints"]
     for name, limit in {**defaults.limits, **defaults.example_limits}.items():
         yield _line(_entry(name, limit), f"{catalogue[name].unit}, {catalogue[name].description}")
     yield _line("# end_time = {min = 0.1, max = 1.0}", "s, both sides")
-    yield _line("# impacts = 20", "at most so many touchdowns")
-    if (end := mechanism.strictest_end(lambda path: get(design, path))) is not None:
-        yield _line(f"# {end.name} = true", f"each {mechanism.view.run_name} must end {end.name} within the duration")
+    other_ends = {end.name for end in mechanism.tuning.ends} - {
+        getattr(mechanism.strictest_end(lambda path: get(design, path)), "name", "")
+    }
+    yield from _fields({name: known for name, known in limit_keys(mechanism).items() if name not in other_ends})
     yield ""
-    first = next(f.name for f in dataclasses.fields(mechanism.scenario) if "unit" in f.metadata)
-    yield "# [problem.grid]  # for every combination of these values; or list scenarios, each under [[scenarios]]"
-    yield f"# {first} = {[float(getattr(mechanism.scenario(), first))]}"
-    yield from _sampled(mechanism, first)
-    yield "# [problem.then]  # what decides among designs that are about as good as the best"
+    field = next(f.name for f in dataclasses.fields(mechanism.scenario) if "unit" in f.metadata)
+    yield f"# {heading['grid']}"
+    yield f"# {field} = {[float(getattr(mechanism.scenario(), field))]}"
+    yield f"# {heading['sample']}"
+    yield from _sampled(mechanism, field)
+    yield f"# {heading['then']}"
     yield f"# {next(name for name in reversed(mechanism.tuned) if mechanism.has(name, design))} = 1.0"
-    yield "# tolerance = 0.01"
+    yield from _fields(declared(SecondObjective))
 
 
 def _sampled(mechanism: Mechanism, field: str) -> Iterator[str]:
-    """Yield the section of tolerances; ``field``: of the scenario."""
+    """Yield the lines of tolerances; ``field``: of the scenario."""
     value = float(getattr(mechanism.scenario(), field))
     low, high = 0.9 * value, 1.1 * value
-    yield "# [problem.sample]  # robust designs: what scatters; each sample at every point of a grid, if there is one"
-    yield _line(
-        "# count = 24", "samples; the worst of them is no bound, so the result is run in the ranges' corners too"
-    )
-    yield _line("# seed = 0", "the same seed draws the same samples")
+    yield from _fields({name: known | EXAMPLES.get(name, {}) for name, known in declared(Scatter).items()})
     yield "# [problem.sample.scenario]"
     yield _line(
         f"# {field} = {{uniform = [{low:g}, {high:g}]}}", "or {normal = [mean, deviation]}, in the field's unit"
     )
-    yield "# [problem.sample.factors]  # tolerances: by which the built design's numbers differ from the drawn ones"
+    yield f"# [problem.sample.factors]  # {declared(Scattered)['factors']['doc']}"
     yield _line(f"# {mechanism.defaults.parameters[0]} = {{uniform = [0.9, 1.1]}}", "a tolerance of 10 %")
 
 

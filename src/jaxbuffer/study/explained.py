@@ -2,15 +2,16 @@
 
 import dataclasses
 from collections.abc import Mapping
-from typing import Any
 
 from ..fields import Part, ends_as_typed, field_text, get, metadata, paths, unit
 from ..mechanisms.cautions import cautions
 from ..mechanisms.limit import both_sides
 from ..sweeps.grid import Grid, grid
-from ..tuning.problem import Problem
+from ..tuning.problem import Problem, Variable
 from ..value_text import interval_text, with_unit
-from .config import Config, StudyOptions
+from .config import Config
+from .model import StudyOptions
+from .problem_toml import default_variables
 
 SHOWN = 12  # scenarios that are listed one by one
 FAR = 100.0  # a factor to the default from which on it is told: a unit may be mistyped
@@ -27,7 +28,7 @@ def explained(study: Config, name: str) -> str:
     usable, missing = _variables_with_start(study)
     problem = study.problem() if study.table and not missing else None
     if study.table and missing and usable:  # everything else of the problem
-        problem = dataclasses.replace(study, table={**study.table, "variables": usable}).problem()
+        problem = dataclasses.replace(study, table=dataclasses.replace(study.table, variables=usable)).problem()
     own = {} if problem is None else problem.quantities
     swept = grid(study.sweep or mechanism.defaults.grid, study.design, study.scenario)
     parts = {
@@ -102,17 +103,17 @@ def _variables(problem: Problem) -> list[str]:
     return lines
 
 
-def _variables_with_start(study: Config) -> tuple[Mapping[str, Any], list[str]]:
+def _variables_with_start(study: Config) -> tuple[Mapping[str, Variable], list[str]]:
     """Return, for a study without bounds of its own, the default ones that hold the start, and a line for each
     other."""
-    if "variables" in study.table:
+    if study.table.variables is not None:
         return {}, []
-    design, usual = study.design, study.mechanism.variables(study.design)
-    usable = {path: bounds for path, bounds in usual.items() if bounds[0] <= get(design, path) <= bounds[1]}
+    design, usual = study.design, default_variables(study.mechanism, study.design)
+    usable = {path: it for path, it in usual.items() if it.low <= get(design, path) <= it.high}
     return usable, [
-        f"{path} = {_value(design, path)} is outside the default bounds {interval_text(bounds[0], bounds[1], '')}: tune"
+        f"{path} = {_value(design, path)} is outside the default bounds {interval_text(it.low, it.high, '')}: tune"
         " needs [problem.variables]"
-        for path, bounds in usual.items()
+        for path, it in usual.items()
         if path not in usable
     ]
 

@@ -5,6 +5,8 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from ..errors import LONGEST, nearest, suggest
+from ..fields import declared
+from .model import ProblemTable
 
 PLACE = re.compile(r"at line (\d+), column \d+")
 OPEN = re.compile(r"""=\s*(\"\"\"|'''|"|')(?!.*\1)""")  # a quote that its line does not close
@@ -30,7 +32,7 @@ SYNONYMS = {  # other names of a part: the table that is meant, and what that pa
 }
 
 WITHIN = {  # tables that stand within another one, or are called otherwise
-    **{name: f"problem.{name}" for name in ("variables", "grid", "objective", "constraints", "then", "quantities")},
+    **{name: f"problem.{name}" for name in declared(ProblemTable)},
     **{"limits": "problem.constraints", "limit": "problem.constraints", "constraint": "problem.constraints"},
     **{"bounds": "problem.variables", "objectives": "problem.objective", "ranges": "sample.ranges"},
     **{"optimize": "tune", "optimise": "tune", "tuning": "tune", "optimizer": "tune", "optimization": "tune"},

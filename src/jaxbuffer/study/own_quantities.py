@@ -3,47 +3,70 @@
 Reading a study runs nothing of them; `own_quantities` does, for the commands that need their values.
 """
 
+import dataclasses
 import inspect
 import types
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from ..errors import InputError, check_known, nearest, shown
+from ..fields import declared, text
 from ..fields.units import check_unit
 from ..files import user_path
 from ..mechanisms.mechanism import Mechanism
 from ..tuning.custom_quantity import CustomQuantity, check_custom_quantities, check_name, line_in, raised
+from .tables import Names
+from .values import Kind, Schema, key_schema, object_schema
 
 EXAMPLE = '{function = "objectives.py:effort", unit = "N m"}'
-FIELDS = ("function", "unit", "description")
 
 
-class NamedQuantity(NamedTuple):
-    """An own quantity as a study names it: the file and the function's name in it, its unit, and what it is."""
+@dataclasses.dataclass(frozen=True)
+class NamedQuantity:
+    """An own quantity as a study names it."""
 
-    file: str
-    function: str
-    unit: str
-    description: str
+    function: str = text(pattern=r"\.py:\w+$", doc="a file beside the study and a name: objectives.py:effort")
+    unit: str = text(doc="of what the function returns, - for none")
+    description: str = text("", doc="what it is, in a line")
+
+    @property
+    def file(self) -> str:
+        """Return the file that the function is in."""
+        return self.function.rpartition(":")[0]
+
+    @property
+    def name(self) -> str:
+        """Return the function's name."""
+        return self.function.rpartition(":")[2]
 
 
-def named_quantities(table: Mapping[str, Any], mechanism: Mechanism) -> dict[str, NamedQuantity]:
-    """Return the own quantities of a ``[problem]``, without looking at their files. **Raises:** `InputError` for what
-    names none."""
-    given = table.get("quantities", {})
+KEYS = declared(NamedQuantity)
+REQUIRED = tuple(name for name, known in KEYS.items() if known["default"] is dataclasses.MISSING)
+
+
+def _read_quantities(where: str, given: Any, names: Names) -> dict[str, NamedQuantity]:
+    """Read the own quantities of a ``[problem]``, without looking at their files."""
     if not isinstance(given, dict):
-        raise InputError(f"problem.quantities = {shown(given)} is not a table; write effort = {EXAMPLE} below it")
-    return {name: _named(name, entry, mechanism) for name, entry in given.items()}
+        raise InputError(f"{where} = {shown(given)} is not a table; write effort = {EXAMPLE} below it")
+    return {name: _named(where, name, entry, names.mechanism) for name, entry in given.items()}
 
 
-def _named(name: str, entry: Any, mechanism: Mechanism) -> NamedQuantity:
-    where = f"problem.quantities.{name}"
+def _quantities_schema(names: Names) -> Schema:
+    keys = {name: key_schema(name, known) for name, known in KEYS.items()}
+    return {"type": "object", "additionalProperties": object_schema(keys, required=list(REQUIRED))}
+
+
+OWN = Kind(_read_quantities, _quantities_schema)
+
+
+def _named(table: str, name: str, entry: Any, mechanism: Mechanism) -> NamedQuantity:
+    where = f"{table}.{name}"
     check_name(name, mechanism.quantities)
     if not isinstance(entry, dict):
         raise InputError(f"{where} = {shown(entry)} is not a table; write {name} = {EXAMPLE}")
-    check_known(entry, FIELDS, where)
-    for key in FIELDS[:2]:
+    check_known(entry, KEYS, where)
+    for key in REQUIRED:
         if key not in entry:
             raise InputError(f"{where} has no {key}; write {name} = {EXAMPLE}")
     for key, value in entry.items():
@@ -54,17 +77,17 @@ def _named(name: str, entry: Any, mechanism: Mechanism) -> NamedQuantity:
         remedy = "is not a file and a name in it, such as objectives.py:effort"
         raise InputError(f"{where}.function = {shown(entry['function'])} {remedy}")
     check_unit(f"{where}.unit", entry["unit"])
-    return NamedQuantity(file, function, entry["unit"], entry.get("description", ""))
+    return NamedQuantity(**entry)
 
 
-def own_quantities(table: Mapping[str, Any], mechanism: Mechanism, folder: Path) -> dict[str, CustomQuantity]:
-    """Load the own quantities of a ``[problem]``; their files, beside the study in ``folder``, are run.
+def own_quantities(given: Mapping[str, NamedQuantity], mechanism: Mechanism, folder: Path) -> dict[str, CustomQuantity]:
+    """Load own quantities; their files, beside the study in ``folder``, are run.
 
     **Raises:** `InputError` for files that are missing or raise something, and functions that make no quantity.
     """
     modules: dict[str, dict[str, Any]] = {}
     own = {}
-    for name, named in named_quantities(table, mechanism).items():
+    for name, named in given.items():
         where = f"problem.quantities.{name}"
         try:
             # Each file is run once, though several quantities may name functions of it.
@@ -104,10 +127,10 @@ def _run(path: Path, shown_as: str) -> dict[str, Any]:
 
 def _function(defined: Mapping[str, Any], named: NamedQuantity) -> Callable[..., Any]:
     """Return the function of that name."""
-    if named.function in defined:
-        function: Callable[..., Any] = defined[named.function]
+    if named.name in defined:
+        function: Callable[..., Any] = defined[named.name]
         return function
     functions = [name for name, value in defined.items() if inspect.isfunction(value)]
-    near = nearest(named.function, functions)
+    near = nearest(named.name, functions)
     remedy = f"; did you mean {near}?" if near else f"; it has {', '.join(functions) or 'none'}"
-    raise InputError(f"{named.file} has no function {named.function}{remedy}")
+    raise InputError(f"{named.file} has no function {named.name}{remedy}")

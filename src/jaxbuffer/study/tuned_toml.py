@@ -7,12 +7,14 @@ from typing import Any
 
 import tomli_w
 
-from ..fields import SCENARIO, Part, as_written, unit
+from ..fields import SCENARIO, Part, as_written, declared, unit
 from ..tuning.cases import Case, Scatter
-from ..tuning.objective import Objective
+from ..tuning.objective import Objective, SecondObjective
 from ..tuning.problem import Problem, Settings
 from ..value_text import unit_text
 from .config import design_toml
+from .model import limit_keys
+from .tables import Keys
 
 LEFT_OUT = "# of a quantity of your own, whose function is elsewhere: "
 
@@ -41,7 +43,8 @@ def tuned_toml(
     else:  # the samples are drawn again; what scatters, or is in the grid, replaces those fields of the scenario
         whole = design_toml(design, listed[:1], comment, problem.units, "[scenario]")
     parts = [*_variables(problem), *_objective(problem), *_limits(problem), *(sampled or ()), *options]
-    return "\n".join([whole, *parts[1:], *_settings(settings)]) + "\n"
+    changed = [] if settings is None else _keys(settings, declared(Settings))
+    return "\n".join([whole, *parts[1:], *(["", "[tune]", *changed] if changed else [])]) + "\n"
 
 
 def _entry(values: Mapping[str, Any]) -> str:
@@ -68,7 +71,12 @@ def _list(values: Iterable[Any]) -> str:
 def _objective(problem: Problem) -> list[str]:
     lines = ["", "[problem.objective]", *_weights(problem, problem.objective)]
     if (then := problem.then) is not None:
-        lines += ["", "[problem.then]", *_weights(problem, then.objective), f"tolerance = {float(then.tolerance)!r}"]
+        lines += [
+            "",
+            "[problem.then]",
+            *_weights(problem, then.objective),
+            *_keys(then, declared(SecondObjective), declared(SecondObjective)),
+        ]
     return lines
 
 
@@ -76,20 +84,15 @@ def _weights(problem: Problem, objective: Objective) -> list[str]:
     """Write weights and options; all of them as comments where one is on a quantity of the user's own: what is left
     would be another objective."""
     lines = [f"{name} = {float(weight)!r}" for name, weight in objective.weights.items()]
-    lines.append(f'over = "{objective.over}"')
-    if objective.over == "cvar":
-        lines.append(f"level = {float(objective.level)!r}")
+    lines += _keys(objective, declared(Objective), ("over", "level") if objective.over == "cvar" else ("over",))
     own = set(objective.weights) & set(problem.quantities)
     return [f"{LEFT_OUT}{line}" for line in lines] if own else lines
 
 
 def _limits(problem: Problem) -> list[str]:
-    limits, lines = problem.limits, ["", "[problem.constraints]"]
-    if problem.mechanism.success is not None or not limits.require_success:
-        lines.append(f"require_success = {str(limits.require_success).lower()}")
-    lines += [f"{name} = true" for name in limits.ends]
-    if limits.impacts is not None:
-        lines.append(f"impacts = {limits.impacts}")
+    limits, mechanism = problem.limits, problem.mechanism
+    stated = () if mechanism.success is None else ("require_success",)
+    lines = ["", "[problem.constraints]", *_keys(limits, limit_keys(mechanism), stated)]
     for name in dict.fromkeys(limits.names):
         symbol, where = problem.catalogue[name].unit, f"problem.constraints.{name}"
         sides = {"max": limits.at_most.get(name), "min": limits.at_least.get(name)}
@@ -124,7 +127,7 @@ def _sampled(problem: Problem) -> list[str] | None:
 
 
 def _distributions(scatter: Scatter) -> list[str]:
-    lines = ["", "[problem.sample]", f"count = {scatter.count}", f"seed = {scatter.seed}"]
+    lines = ["", "[problem.sample]", *_keys(scatter, declared(Scatter), always=declared(Scatter))]
     for table, distributions in (("scenario", scatter.fields), ("factors", scatter.factors)):
         if distributions:
             lines += ["", f"[problem.sample.{table}]"]
@@ -145,11 +148,7 @@ def _grid(scenarios: list[Part]) -> dict[str, list[Any]] | None:
     return differing if whole else None
 
 
-def _settings(settings: Settings | None) -> list[str]:
-    """Return [tune] with what differs from the defaults."""
-    if settings is None:
-        return []
-    usual = Settings()
-    given = {field.name: getattr(settings, field.name) for field in dataclasses.fields(settings)}
-    changed = {name: value for name, value in given.items() if value != getattr(usual, name)}
-    return ["", "[tune]", *_entry(changed).splitlines()] if changed else []
+def _keys(owner: Any, keys: Keys, always: Iterable[str] = ()) -> list[str]:
+    """Return a line for each key that has another value than its default, and for those that are ``always`` written."""
+    stated, values = set(always), {name: getattr(owner, name) for name in keys}
+    return [_entry({name: it}) for name, it in values.items() if name in stated or it != keys[name]["default"]]

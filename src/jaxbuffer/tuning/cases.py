@@ -10,8 +10,8 @@ import numpy as np
 import scipy
 from jaxtyping import Float
 
-from ..errors import InputError, check_choice, check_single, check_type, check_whole, shown
-from ..fields import Curve, Part, check_path, get, replace, unit
+from ..errors import InputError, check_choice, check_single, check_type, shown
+from ..fields import Curve, Part, check_declared, check_path, get, replace, unit, whole
 from ..mechanisms import all_mechanisms
 from ..mechanisms.registry import mechanism_of_scenario
 from ..value_text import unit_text
@@ -114,14 +114,15 @@ class Scatter:
     **Raises:** `InputError` for counts and seeds that are no such numbers, and where nothing scatters.
     """
 
-    count: int
-    fields: Mapping[str, Distribution]
+    count: int = whole(
+        16, 1, doc="samples of each scenario; their worst is no bound, so the ranges' corners are run too"
+    )
+    fields: Mapping[str, Distribution] = dataclasses.field(default_factory=dict)
     factors: Mapping[str, Distribution] = dataclasses.field(default_factory=dict)
-    seed: int = 0
+    seed: int = whole(0, 0, doc="the same seed draws the same samples")
 
     def __post_init__(self) -> None:
-        check_whole("sample.count", self.count, 1)
-        check_whole("sample.seed", self.seed, 0)
+        check_declared(self, "sample.")
         if not self.fields and not self.factors:
             raise InputError("sample: nothing scatters; give a field of the scenario or of the design a distribution")
         for name, distribution in (*self.fields.items(), *self.factors.items()):

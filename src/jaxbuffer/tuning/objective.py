@@ -8,17 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 
-from ..errors import (
-    InputError,
-    check_choice,
-    check_flag,
-    check_known,
-    check_number,
-    check_single,
-    check_type,
-    check_whole,
-)
-from ..fields import POSITIVE, Part, get, in_unit
+from ..errors import InputError, check_flag, check_known, check_single, check_type
+from ..fields import POSITIVE, Part, check_declared, choice, declared, flag, get, in_unit, number, whole
 from ..mechanisms import all_mechanisms
 from ..mechanisms.limit import IMPACTS, Limit, both_sides
 from ..mechanisms.mechanism import Mechanism
@@ -54,8 +45,8 @@ class Objective:
     """
 
     weights: Mapping[str, float] = dataclasses.field(default_factory=lambda: {"peak_force": 1.0})
-    over: str = "worst"
-    level: float = 0.9
+    over: str = choice("worst", *AGGREGATES, doc="of the load cases; cvar is the mean of the worst share")
+    level: float = number(0.9, "-", low=0.0, high=1.0, high_open=True, doc="of cvar, whose share is 1 - level")
 
     def __post_init__(self) -> None:
         check_type("objective's weights", self.weights, Mapping, "Objective({'peak_force': 1.0})")
@@ -64,8 +55,7 @@ class Objective:
         for name, weight in self.weights.items():
             unit = f"N/{_units().get(name, 'unit')}"
             check_single(f"objective.{name}", weight, unit, ONE_LIMIT, low=0.0, low_open=True)
-        check_choice("objective.over", self.over, AGGREGATES)
-        check_number("objective.level", self.level, "", low=0.0, high=1.0, high_open=True)
+        check_declared(self, "objective.")
 
     def unit(self, catalogue: Catalogue) -> str:
         """Return the unit of its value: that of a single quantity with a weight of 1, else N."""
@@ -150,9 +140,9 @@ class Limits:
     True
     """
 
-    require_success: bool = True
+    require_success: bool = flag(True, doc="each run must end as the mechanism's should, within the duration")
     at_most: Mapping[str, float] = dataclasses.field(default_factory=dict)
-    impacts: int | None = None
+    impacts: int | None = whole(None, 1, doc="at most so many touchdowns")
     at_least: Mapping[str, float] = dataclasses.field(default_factory=dict)
     ends: tuple[str, ...] = ()
 
@@ -163,14 +153,15 @@ class Limits:
         impacts: int | None = None,
         at_least: Mapping[str, float] | None = None,
         ends: Iterable[str] = (),
-        **also: bool,
+        **also: Any,
     ) -> None:
         known, ends = end_names(), tuple(ends)
+        others = {name: also.pop(name) for name in declared(type(self)) if name in also}
         check_known(ends, known, "constraints")
         check_known(also, known, "constraints")
         for name, asked in also.items():
             check_flag(f"constraints.{name}", asked)
-        given: dict[str, Any] = {"require_success": require_success, "impacts": impacts}
+        given: dict[str, Any] = {"require_success": require_success, "impacts": impacts, **others}
         given |= {"at_most": {} if at_most is None else at_most, "at_least": {} if at_least is None else at_least}
         given["ends"] = tuple(name for name in known if also.get(name, name in ends))
         for name, value in given.items():
@@ -194,11 +185,9 @@ class Limits:
             if not any(isinstance(end, str) for end in ends) and not ends[0] < ends[1]:
                 low, high = (with_unit(end, _units().get(name, "")) for end in ends)
                 raise InputError(f"constraints.{name}: at least {low} and at most {high} contradict")
-        check_flag("constraints.require_success", self.require_success)
+        check_declared(self, "constraints.")
         if self.ends and not self.require_success:
             raise InputError(f"constraints: require_success = false and {self.ends[-1]} = true contradict; keep one")
-        if self.impacts is not None:
-            check_whole("constraints.impacts", self.impacts, 1)
 
     def __getattr__(self, name: str) -> bool:
         """Return whether an end is asked for: ``limits.held``."""
@@ -207,7 +196,7 @@ class Limits:
         raise AttributeError(f"{type(self).__name__} has no {name!r}")
 
     def __repr__(self) -> str:
-        plain = ("require_success", "at_most", "impacts", "at_least")
+        plain = dict.fromkeys(("require_success", "at_most", "impacts", "at_least", *declared(type(self))))
         fields = [f"{name}={getattr(self, name)!r}" for name in plain]
         return f"Limits({', '.join([*fields, *(f'{name}=True' for name in self.ends)])})"
 
@@ -236,7 +225,7 @@ class Limits:
         **Arguments:** ``value_at``: the design, as its value at a path; ``own``: quantities beside the mechanism's.
         """
         parts = {end.name: end.part for end in mechanism.tuning.ends}
-        check_known(self.ends, ("require_success", "impacts", *parts), "constraints")
+        check_known(self.ends, (*declared(type(self)), *parts), "constraints")
         check_known(self.names, (*mechanism.quantities, *own), "constraints", quantity_in_words)
         parts |= {it: mechanism.quantities[it].part for it in self.names if it in mechanism.quantities}
         for name in (*self.ends, *self.names):
@@ -306,11 +295,13 @@ class SecondObjective:
     """
 
     objective: Objective
-    tolerance: float = 0.01
+    tolerance: float = number(
+        0.01, "-", low=0.0, high=1.0, low_open=True, doc="how far the objective may be above its best, relative"
+    )
 
     def __post_init__(self) -> None:
         check_type("then's objective", self.objective, Objective, "SecondObjective(Objective({'stroke': 1.0}))")
-        check_number("then.tolerance", self.tolerance, "", low=0.0, high=1.0, low_open=True)
+        check_declared(self, "then.")
 
 
 def end_names() -> tuple[str, ...]:

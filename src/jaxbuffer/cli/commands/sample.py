@@ -66,11 +66,11 @@ def sample(
 def _points(
     study: Config, over: list[str], count: str | None, method: str | None, seed: str | None, indices: bool
 ) -> Points:
-    section = dict(study.sample)
-    bounds = {**section.pop("ranges", {}), **each_once(over, typed, "keep one")}
-    chosen = method or section.get("method") or ("saltelli" if indices else METHODS[0])
-    number = _whole("count", count) if count is not None else section.get("count", 256)
-    start = _whole("seed", seed) if seed is not None else section.get("seed", 0)
+    section = study.sample
+    bounds = {**(section.ranges or {}), **each_once(over, typed, "keep one")}
+    chosen = method or section.method or ("saltelli" if indices else METHODS[0])
+    number = _whole("count", count) if count is not None else section.count
+    start = _whole("seed", seed) if seed is not None else section.seed
     axes = ranges(bounds or study.mechanism.variables(study.design), study.design, study.scenario)
     return points(axes, number, chosen, start)
 

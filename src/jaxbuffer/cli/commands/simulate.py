@@ -16,7 +16,6 @@ from ...run.trust import Trust, trust
 from ...sensitivities.horizon import horizon
 from ...study.config import Config
 from ...study.own_quantities import own_quantities
-from ...study.problem_toml import limits
 from ...tuning.objective import Constraints
 from ..exits import LIMITS_BROKEN, OK, fail
 from ..streams import note
@@ -105,13 +104,13 @@ def study_constraints(study: Config) -> Constraints | None:
 
     Call it before the run: own quantities that they name are read from files, which may fail.
     """
-    if "constraints" not in study.table:
+    of_study, own = study.table.constraints, study.table.quantities or {}
+    if of_study is None:
         return None
-    of_study = limits(study.table, study.mechanism)
-    of_study.check(study.mechanism, lambda path: get(study.design, path), study.table.get("quantities", ()))
-    if not set(of_study.names) & set(study.table.get("quantities", {})):
+    of_study.check(study.mechanism, lambda path: get(study.design, path), own)
+    if not set(of_study.names) & set(own):
         return Constraints(of_study, {})
-    return Constraints(of_study, own_quantities(study.table, study.mechanism, study.folder))
+    return Constraints(of_study, own_quantities(own, study.mechanism, study.folder))
 
 
 def keeps_limits(constraints: Constraints | None, run: Run) -> int:

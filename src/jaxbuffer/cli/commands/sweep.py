@@ -9,7 +9,6 @@ from ...experiments.rectangle import safe_rectangle
 from ...fields import get
 from ...output.results import swept_files, swept_json
 from ...study.config import Config
-from ...study.problem_toml import limits
 from ...sweeps.axis import typed
 from ...sweeps.columns import RunTable
 from ...sweeps.grid import Grid
@@ -56,9 +55,10 @@ def sweep(request: CommandLine, over: list[str] | None, scheduler: str | None, r
 def _limits(study: Config, over: Grid) -> Limits | None:
     """Return the study's limits for a sweep's envelope; None where there is no envelope."""
     mechanism = study.mechanism
-    of_study = limits(study.table, mechanism) if "constraints" in study.table else Limits()
+    of_study = study.table.constraints or Limits()
     varied = {axis.path for axis in over.axes}
-    of_study.check(mechanism, lambda path: path in varied or get(study.design, path), study.table.get("quantities", ()))
+    own = study.table.quantities or ()
+    of_study.check(mechanism, lambda path: path in varied or get(study.design, path), own)
     moving = [axis for axis in over.axes if len(axis) > 1]
     if len(moving) != 2 or not all(axis.unit for axis in moving):
         return None

@@ -24,7 +24,7 @@ RUN_FILES = ("log.jsonl", "state.npz", "state.old.npz")  # of a tuning, which `t
 def tune(request: CommandLine, scheduler: str | None, resume: bool, **search: str | None) -> int:
     """Search for the best design, and save it or, if interrupted, the best one so far."""
     study = request.tuning_study(**search)
-    check_swept_once(request.fields, (f"scenario.{name}" for name in study.table.get("grid", {})), "[problem.grid]")
+    check_swept_once(request.fields, (f"scenario.{name}" for name in study.table.grid or ()), "[problem.grid]")
     problem = study.problem()
     say_cautions(study.design, study.scenarios, {variable.path for variable in problem.variables})
     names = ("design.toml", "tuned.json", "history.csv", "force.json", "tune.png", "tune.txt")

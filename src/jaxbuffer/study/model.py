@@ -1,0 +1,174 @@
+"""The tables of a study, each declared once: reading, the schema for editors, suggestions and examples follow from it.
+
+The keys of a table are the fields of a class, here or where their values are used: `Settings`, `Objective`, `Limits`,
+`Scatter`, `SecondObjective`. A key that is added there is read, checked, suggested, described and written.
+"""
+
+import dataclasses
+from collections.abc import Mapping
+from typing import Any
+
+from ..errors import InputError, check_known
+from ..experiments.points import METHODS, points
+from ..experiments.ranges import ranges
+from ..fields import POSITIVE, Part, choice, declared, number, whole
+from ..hybrid import SOLVER_NAMES, Solver, solver_named
+from ..mechanisms.mechanism import Mechanism
+from ..run.request import DEFAULT_TOLERANCE
+from ..suggestions import listed
+from ..sweeps.axis import SPAN
+from ..sweeps.grid import grid
+from ..tuning.cases import KINDS, Distribution, Scatter
+from ..tuning.objective import Limits, Objective, SecondObjective
+from ..tuning.problem import Variable
+from .own_quantities import OWN, NamedQuantity
+from .tables import Keys, KeyTable, Names, PartTable, PathTable, keys_schema, read_keys, subtable
+from .values import BOUNDS, DISTRIBUTION, FACTOR, LIMIT, RANGE, SEVERAL, SWEPT, WEIGHT, Kind, as_table
+
+
+class StudyOptions(Part):
+    """How to simulate.
+
+    - ``duration``: after which a run is over [s]; None: the mechanism's.
+    - ``rtol``: relative error of a step [-].
+    - ``solver``: a name in `SOLVER_NAMES`.
+    """
+
+    section = "options"
+    duration: float | None = number(
+        None, "s", **POSITIVE, doc="time after which a run is over; not set: the mechanism's"
+    )
+    rtol: float = number(DEFAULT_TOLERANCE, "-", low=1e-13, high=1e-2, doc="relative error of a step")
+    solver: str = choice("automatic", *SOLVER_NAMES, doc="how runs are stepped")
+
+    def stepper(self) -> Solver:
+        """Return the solver that ``solver`` names."""
+        return solver_named(self.solver)
+
+
+@dataclasses.dataclass(frozen=True)
+class Scattered:
+    """What scatters in ``[problem.sample]``, beside the keys that a `Scatter` declares."""
+
+    scenario: Mapping[str, Distribution] = subtable(
+        PathTable(DISTRIBUTION, "scenario"), "how the scenario's fields scatter"
+    )
+    factors: Mapping[str, Distribution] = subtable(
+        PathTable(FACTOR, "design", words=KINDS), "tolerances: factors on the design's numbers, 1 being as drawn"
+    )
+
+
+def limit_keys(mechanism: Mechanism) -> Keys:
+    """Return the keys that limits have beside quantities: those that are true or false first, ends among them."""
+    keys, words = declared(Limits), f"each {mechanism.view.run_name} must end {{}} within the duration"
+    ends = {it.name: {"flag": True, "default": False, "doc": words.format(it.name)} for it in mechanism.tuning.ends}
+    return {**{name: known for name, known in keys.items() if "flag" in known}, **ends, **keys}
+
+
+def _scatter(names: Names, quantities: dict[str, Any], keys: dict[str, Any]) -> Scatter:
+    return Scatter(fields=keys.pop("scenario", {}), **keys)
+
+
+def _objective(names: Names, weights: dict[str, Any], keys: dict[str, Any]) -> Objective:
+    return Objective(weights, **keys) if weights else Objective(**keys)
+
+
+def _then(names: Names, weights: dict[str, Any], keys: dict[str, Any]) -> SecondObjective:
+    if not weights:
+        raise InputError(f"problem.then names no quantity; choose some of {listed(names.units)}")
+    own = {name: keys.pop(name) for name in declared(SecondObjective) if name in keys}
+    return SecondObjective(Objective(weights, **keys), **own)
+
+
+def _limits(names: Names, sides: dict[str, Any], keys: dict[str, Any]) -> Limits:
+    at_most, at_least = ({name: it[side] for name, it in sides.items() if side in it} for side in ("max", "min"))
+    return Limits(at_most=at_most, at_least=at_least, **keys)
+
+
+VARIABLES = PathTable(BOUNDS, "design", example="buffer.k_A = [100, 2000]")
+LIMITS = KeyTable(_limits, limit_keys, LIMIT, first=True)
+
+
+@dataclasses.dataclass(frozen=True)
+class ProblemTable:
+    """``[problem]``: what `jaxbuffer tune` is to do. A table that a study does not have is None."""
+
+    variables: Mapping[str, Variable] | None = subtable(
+        VARIABLES, 'what jaxbuffer tune may change: [low, high] or [low, high, "linear"]'
+    )
+    grid: Mapping[str, list[Any]] | None = subtable(
+        PathTable(SEVERAL, "scenario", numbers=False),
+        "for every combination of these values; or list scenarios, each under [[scenarios]]",
+    )
+    sample: Scatter | None = subtable(
+        KeyTable(_scatter, lambda mechanism: declared(Scatter) | declared(Scattered)),
+        "robust designs: what scatters; each sample at every point of a grid, if there is one",
+    )
+    objective: Objective | None = subtable(
+        KeyTable(_objective, lambda mechanism: declared(Objective), WEIGHT),
+        "what it lowers: quantities with their weights, over the worst case, the mean or cvar",
+    )
+    constraints: Limits | None = subtable(
+        LIMITS, "what it keeps to: at most, or {min = , max = }; a run outside them exits with 1"
+    )
+    then: SecondObjective | None = subtable(
+        KeyTable(_then, lambda mechanism: declared(Objective) | declared(SecondObjective), WEIGHT),
+        "what decides among designs that are about as good as the best",
+    )
+    quantities: Mapping[str, NamedQuantity] | None = subtable(
+        OWN, "quantities of your own, by name: Python functions of those above"
+    )
+
+    def __bool__(self) -> bool:
+        """Return whether the study has any of it."""
+        return any(getattr(self, field.name) is not None for field in dataclasses.fields(self))
+
+
+def _read_problem(where: str, given: Any, names: Names) -> ProblemTable:
+    keys = declared(ProblemTable)
+    check_known(as_table(where, given), keys, where)
+    # First, since objectives and limits may name them.
+    own = read_keys(f"{where}.", given, {"quantities": keys.pop("quantities")}, names)
+    names = names._replace(own={name: it.unit for name, it in own.get("quantities", {}).items()})
+    return ProblemTable(**own, **read_keys(f"{where}.", given, keys, names))
+
+
+@dataclasses.dataclass(frozen=True)
+class SampleTable:
+    """``[sample]``: what `jaxbuffer sample` spreads runs over."""
+
+    count: int = whole(256, 1, doc="points; for sobol and saltelli a power of two")
+    method: str | None = choice(None, *METHODS, doc="not set: sobol, and saltelli where indices are asked for")
+    seed: int = whole(0, 0, doc="the same seed spreads the same points")
+    ranges: Mapping[str, Any] | None = subtable(
+        PathTable(RANGE, "both"), "what is spread: [low, high] or [low, high, scale]"
+    )
+
+
+def _sample(names: Names, quantities: dict[str, Any], keys: dict[str, Any]) -> SampleTable:
+    read = SampleTable(**keys)
+    if read.ranges is not None:
+        # Made only to be checked: a sample is drawn when it is run.
+        points(ranges(read.ranges, names.design, names.scenario), read.count, read.method or METHODS[0], read.seed)
+    return read
+
+
+def _read_sweep(where: str, given: Any, names: Names) -> dict[str, Any]:
+    if read := SPANNED.read(where, given, names):
+        grid(read, names.design, names.scenario)  # checks it
+    return read
+
+
+def _read_scenarios(where: str, given: Any, names: Names) -> tuple[Part, ...]:
+    """Read [[scenarios]], each of which begins with the fields of [scenario]."""
+    if not (isinstance(given, list) and given and all(isinstance(it, dict) for it in given)):
+        raise InputError(f"{where} is not a list of tables; write each under its own [[{where}]]")
+    return tuple(SCENARIO_TABLE.read(f"{where}[{i}]", entry, names) for i, entry in enumerate(given, 1))
+
+
+PROBLEM = Kind(_read_problem, lambda names: keys_schema(declared(ProblemTable), names))
+SAMPLE = KeyTable(_sample, lambda mechanism: declared(SampleTable), hint="; ranges go under [sample.ranges]")
+SPANNED = PathTable(SWEPT, "both", numbers=False, words=SPAN)
+SWEEP = Kind(_read_sweep, SPANNED.schema)
+SCENARIO_TABLE = PartTable(lambda names: names.scenario)
+SCENARIOS = Kind(_read_scenarios, lambda names: {"type": "array", "items": SCENARIO_TABLE.schema(names), "minItems": 1})
