@@ -220,11 +220,11 @@ def jolt_of(kin, acceleration, body):
 def test_sensors_see_motion_accelerations_and_depths_and_integrals_add_up():
     touching = ball(0, 1, None)
     sensors = (
-        Sensor("speed", speed_of, 1),
-        Sensor("jolt", jolt_of, 1, of_acceleration=True, rounding=1e-12),
-        Sensor("depth", deepest, (touching,), least=0.0),
-        Sensor("shown", speed_of, 0, watched=False),
-        Integral("way", speed_of, 2, scale=1e-3),
+        Sensor(speed_of, 1, name="speed"),
+        Sensor(jolt_of, 1, of_acceleration=True, rounding=1e-12, name="jolt"),
+        Sensor(deepest, (touching,), least=0.0, name="depth"),
+        Sensor(speed_of, 0, watched=False, name="shown"),
+        Integral(speed_of, 2, scale=1e-3, name="way"),
     )
     assembled = mechanism((Buffer(AXIAL), *sensors), (touching,))
     at, closed = assembled.first_posture()

@@ -26,7 +26,7 @@ def kinetic_energy(kin: Kinematics, system: System):
 def sundials_slider_crank(stiffness, damping) -> Assembled:
     """SUNDIALS, IDAS example idasSlCrank_FSA_dns, with the integral of its kinetic energy."""
     mechanism = sprung_slider_crank(stiffness, damping)
-    energy = Integral("energy over time", kinetic_energy, mechanism.system, watched=False)
+    energy = Integral(kinetic_energy, mechanism.system, watched=False)
     return Assembled(mechanism.system, mechanism.q, mechanism.v, elements=(energy,))
 
 

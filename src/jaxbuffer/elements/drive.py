@@ -14,21 +14,10 @@ from .element import Closed, Element, Magnitudes, Own
 TORQUES = ("drive_torque", "braking_torque")
 
 
-class _WatchedTorque(Element):
-    """What drives and motors share: the names of their torque, and of the negative of that.
-
-    The largest value of the negative is that of the least torque.
-    """
-
-    watched: eqx.AbstractVar[tuple[str, ...]]
-
-    def _watch(self, torque: Scalar) -> dict[str, Scalar]:
-        """Return the torque [N m] and its negative, by name."""
-        return dict(zip(self.watched, (torque, -torque), strict=False))
-
-    def negligible(self) -> dict[str, Scalar]:
-        # A torque may be below zero all the time, and its largest value then counts as well.
-        return dict.fromkeys(self.watched, -jnp.inf)
+def watched_torque(names: tuple[str, ...], torque: Scalar) -> dict[str, Scalar]:
+    """Return a torque [N m] and its negative by name, or nothing without names. The largest value of the negative is
+    that of the least torque."""
+    return dict(zip(names, (torque, -torque), strict=False))
 
 
 class DriveState(NamedTuple):
@@ -38,7 +27,7 @@ class DriveState(NamedTuple):
     spin: Scalar
 
 
-class Drive(_WatchedTorque):
+class Drive(Element):
     """A drive that turns one body against another by an angle that is known over time, whatever torque that takes.
 
     The mechanism adds the joint to those of its system, and keeps the time.
@@ -85,10 +74,14 @@ class Drive(_WatchedTorque):
         turning = at.spin != 0.0
         # The torque is the power over the speed; a division by zero that is not taken would still give NaN slopes.
         torque = jnp.where(turning, own_rate[0] / jnp.where(turning, at.spin, 1.0), 0.0)
-        return self._watch(torque)
+        return watched_torque(self.watched, torque)
+
+    def negligible(self) -> dict[str, Scalar]:
+        # A torque may be below zero all the time, and its largest value then counts as well.
+        return dict.fromkeys(self.watched, -jnp.inf)
 
 
-class Motor(_WatchedTorque):
+class Motor(Element):
     """A motor whose torque M_0 (1 - ω/ω_0) on one body against another falls with its speed (M206).
 
     It puts in M_0 ω, of which it loses M_0 ω²/ω_0 in itself.
@@ -116,8 +109,14 @@ class Motor(_WatchedTorque):
     @property
     def damper(self) -> TorsionalSpringDamper:
         """Return the damper of M_0/ω_0 that, with a constant torque, is the motor."""
-        ends = {"first_point": self.carrier_point, "second_point": self.point}
-        return TorsionalSpringDamper(self.carrier, self.body, 0.0, self.torque / self.no_load_speed, **ends)
+        return TorsionalSpringDamper(
+            first=self.carrier,
+            second=self.body,
+            stiffness=0.0,
+            damping=self.torque / self.no_load_speed,
+            first_point=self.carrier_point,
+            second_point=self.point,
+        )
 
     def loads(self, at: Kinematics, closed: Closed) -> tuple[Load, ...]:
         body, carrier = at.point(self.body, self.point), at.point(self.carrier, self.carrier_point)
@@ -140,7 +139,10 @@ class Motor(_WatchedTorque):
         return self.watched
 
     def observables(self, at: Kinematics, closed: Closed) -> dict[str, Scalar]:
-        return self._watch(self.torque + self.damper.torque(at))
+        return watched_torque(self.watched, self.torque + self.damper.torque(at))
+
+    def negligible(self) -> dict[str, Scalar]:
+        return dict.fromkeys(self.watched, -jnp.inf)
 
     def springs(self, at: Kinematics, closed: Closed) -> tuple[SpringDirection, ...]:
         return self.damper.springs(at)

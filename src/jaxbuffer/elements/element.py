@@ -52,7 +52,10 @@ class Element(eqx.Module):
     field ``name``: that of their energies and switches, which in one mechanism tells two of a kind apart.
     """
 
-    name: eqx.AbstractVar[str]
+    @property
+    def name(self) -> str:
+        """Return the element's name; each class has a field for it."""
+        raise NotImplementedError
 
     # --- what it adds to the mechanism's state ------------------------------------------------------------------------
 

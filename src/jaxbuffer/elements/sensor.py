@@ -17,7 +17,6 @@ from .element import Closed, Element, Magnitudes, Own
 class Sensor(Element):
     """A quantity of the motion whose largest value is wanted, and which a history shows.
 
-    - ``name``: of the quantity.
     - ``of``: its value from the bodies' `Kinematics`, of a sensor ``of_acceleration`` also from the accelerations q̈,
       and last ``numbers``. A function that a module defines: programs are compiled for it.
     - ``numbers``: arrays, or parts of the mechanism, that the function needs; what a derivative may be taken by belongs
@@ -26,15 +25,16 @@ class Sensor(Element):
     - ``watched``: whether its largest value is wanted; if not, a history alone shows it.
     - ``least``: what the largest value is at least, as a depth is 0 where nothing touches.
     - ``rounding``: the value that is rounding where nothing acts.
+    - ``name``: of the quantity.
     """
 
-    name: str = eqx.field(static=True)
     of: Callable[..., Scalar] = eqx.field(static=True)
     numbers: Any = None
     of_acceleration: bool = eqx.field(static=True, default=False)
     watched: bool = eqx.field(static=True, default=True)
     least: float = eqx.field(static=True, default=-math.inf)
     rounding: Scalar = -math.inf
+    name: str = eqx.field(static=True, default="sensor")
 
     @property
     def observed(self) -> tuple[str, ...]:
@@ -64,18 +64,18 @@ class Sensor(Element):
 class Integral(Element):
     """The integral over time of a quantity of the motion, zero at t = 0.
 
-    - ``name``: of the integral.
     - ``of``: the quantity that is integrated, from the bodies' `Kinematics` and ``numbers``, as of a `Sensor`.
     - ``numbers``: as of a `Sensor`.
     - ``scale``: the integral's magnitude below which an error does not matter.
     - ``watched``: whether its largest value is wanted, which is the last one where the quantity is never negative.
+    - ``name``: of the integral.
     """
 
-    name: str = eqx.field(static=True)
     of: Callable[..., Scalar] = eqx.field(static=True)
     numbers: Any = None
     scale: Scalar = 1.0
     watched: bool = eqx.field(static=True, default=True)
+    name: str = eqx.field(static=True, default="integral")
 
     @property
     def variables(self) -> tuple[str, ...]:

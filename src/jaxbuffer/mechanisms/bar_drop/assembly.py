@@ -31,7 +31,7 @@ def bar_drop(design: BarDrop, scenario: BarDropScenario, stabilisation: Scalar =
     if bar.modes:
         bent = bar.bent
         bodies, hinge, end = [FlexibleBody(bent.modes)], bent.start, bent.end
-        bending.append(Sensor("bar_deflection", bar_deflection, bar.middle_off_ends))
+        bending.append(Sensor(bar_deflection, bar.middle_off_ends, name="bar_deflection"))
     joints: list[Joint] = [Revolute(GROUND, BAR, second_point=hinge)]
     if design.plate.modes:
         plate = design.plate.bent
@@ -39,7 +39,7 @@ def bar_drop(design: BarDrop, scenario: BarDropScenario, stabilisation: Scalar =
         # The plate's axes are held, and its modes alone move it.
         joints.append(Weld(GROUND, PLATE, top, Marker.on_frame(0.0, 0.0, plate.modes.size)))
         carrier, middle = PLATE, plate.middle
-        bending.append(Sensor("plate_deflection", plate_deflection, plate.middle))
+        bending.append(Sensor(plate_deflection, plate.middle, name="plate_deflection"))
     sine = scenario.height / bar.length
     cosine = jnp.sqrt(1.0 - jnp.asarray(sine) ** 2)
     # The hinge is the origin, and the bar leans up from it so that its ball end is at the height.
@@ -53,7 +53,7 @@ def bar_drop(design: BarDrop, scenario: BarDropScenario, stabilisation: Scalar =
         q=q,
         v=jnp.zeros(len(q)),
         contacts=(ball,),
-        elements=(Sensor("penetration", deepest, (ball,), least=0.0), *bending),
+        elements=(Sensor(deepest, (ball,), least=0.0, name="penetration"), *bending),
         # speed of the bar's middle when it is level
         size=(1e-3, jnp.sqrt(1.5 * scenario.gravity * scenario.height)),
         energy_size=0.5 * mass * scenario.gravity * scenario.height,

@@ -26,17 +26,20 @@ class Seat(NamedTuple):
 
 def sensors(design: SliderCrank, contacts: tuple[BallContact, ...]) -> list[Element]:
     """Return the sensors of a design with these contacts."""
-    found: list[Element] = [Sensor("slider_acceleration", slider_acceleration, of_acceleration=True)]
+    found: list[Element] = [Sensor(slider_acceleration, of_acceleration=True, name="slider_acceleration")]
     if design.piston_pin.by_components:
         # Where the damper makes the peak force, that says little of how deep the pin went.
-        found.append(Sensor("penetration", deepest, contacts, least=0.0))
+        found.append(Sensor(deepest, contacts, least=0.0, name="penetration"))
     if design.rod.modes:
         rod = design.rod.bent
-        found += [Sensor("rod_deflection", rod_deflection, rod), Sensor("rod_stress", rod_stress, rod)]
+        found += [
+            Sensor(rod_deflection, rod, name="rod_deflection"),
+            Sensor(rod_stress, rod, name="rod_stress"),
+        ]
     if design.slider.modes:
         form = design.slider.form
         seat = Seat(form.first, form.second, form.second.x - form.first.x)
-        found.append(Sensor("slider_deflection", slider_deflection, seat))
+        found.append(Sensor(slider_deflection, seat, name="slider_deflection"))
     return found
 
 
@@ -46,7 +49,7 @@ def eccentricity(pin: Pin, contact: BallContact) -> list[Element]:
     # By components the rod's end is the ball, and the pin's body carries the shape.
     numbers = (-1.0 if pin.by_components else 1.0, contact)
     axes = {"x": off_centre_along, "y": off_centre_across}
-    return [Sensor(f"{pin.section}_{axis}", of, numbers, watched=False) for axis, of in axes.items()]
+    return [Sensor(of, numbers, watched=False, name=f"{pin.section}_{axis}") for axis, of in axes.items()]
 
 
 def slider_acceleration(kin: Kinematics, acceleration: Array, numbers: None) -> Scalar:
