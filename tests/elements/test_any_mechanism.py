@@ -89,7 +89,7 @@ def conserved(assembled, state, active):
     """Rates of both momenta less what came from outside, and of all energies together [N, N m, W]."""
     rate = assembled.derivative(0.0, state, active)
     momenta = jax.jvp(assembled.momentum, (state,), (rate,))[1]
-    energy = lambda y: assembled.energy_at(assembled.posture(y), active).total  # noqa: E731
+    energy = lambda y: assembled.energy_at(assembled.evaluate(y), active).total  # noqa: E731
     return [*momenta[0], momenta[1], jax.jvp(energy, (state,), (rate,))[1]]
 
 
@@ -114,7 +114,7 @@ def test_balls_that_spin_freely_or_not_in_any_order(spins):
     turning = jnp.asarray([1.5, -0.7][: assembled.spins])
     state = state.at[assembled.layout.places["spins"]].set(turning)
     active = jnp.ones(2)
-    at = assembled.posture(state)
+    at = assembled.evaluate(state)
     assert np.all(np.asarray(assembled.gaps_at(at)[0]) < 0.0), "both press"
     assert_allclose(conserved(assembled, state, active), 0.0, atol=1e-9)
     # The stiff part's columns are what closes the gaps and what slips, spins included.
@@ -192,20 +192,20 @@ def test_a_drives_torque_is_that_on_the_body_it_turns():
     assert_allclose(torque["braking_torque"], -torque["drive_torque"])
     assert_allclose(rate[17] - rate[11], 6.0, rtol=1e-12, err_msg="of the angle that is prescribed")
     put_in = state.at[assembled.layout.places["element 0"]].set(2.0).at[assembled.layout.places["element 1"]].set(0.5)
-    assert float(assembled.energy_at(assembled.posture(put_in), closed).drives) == -2.5
+    assert float(assembled.energy_at(assembled.evaluate(put_in), closed).drives) == -2.5
     assert_allclose(assembled.part(rate, "element 0"), torque["drive_torque"] * 0.1, rtol=1e-12)
 
 
 def test_a_motor_has_its_torque_at_rest_and_none_at_its_no_load_speed():
     """The third body is carried by the first, against which the second turns by -0.5 rad/s."""
     assembled = mechanism((MOTOR,))
-    at, closed = assembled.first_posture()
+    at, closed = assembled.first_evaluation()
     torque = dict(zip(assembled.observed, assembled.observables_at(at, at.state, closed), strict=True))
     assert_allclose(torque["drive_torque"], 7.0 * (1.0 + 0.5 / 4.0), rtol=1e-14)
     assert_allclose(assembled.energy_at(at, closed).drives, -7.0 * (-0.05 - 0.1 + 0.1), rtol=1e-12)
     lost = assembled.part(assembled.derivative(0.0, at.state, closed), "lost")[-1]
     assert_allclose(lost, 7.0 / 4.0 * 0.25, rtol=1e-12)
-    idle = assembled.posture(at.state.at[14].set(4.3))
+    idle = assembled.evaluate(at.state.at[14].set(4.3))
     assert_allclose(assembled.observables_at(idle, at.state, closed), [0.0, 0.0], atol=1e-14)
 
 
@@ -227,7 +227,7 @@ def test_sensors_see_motion_accelerations_and_depths_and_integrals_add_up():
         Integral(speed_of, 2, scale=1e-3, name="way"),
     )
     assembled = mechanism((Buffer(AXIAL), *sensors), (touching,))
-    at, closed = assembled.first_posture()
+    at, closed = assembled.first_evaluation()
     rate = assembled.derivative(0.0, at.state, closed)
     assert assembled.observed == ("contact 1", "buffer_force", "stroke", "speed", "jolt", "depth", "way")
     assert assembled.rate_observables() == (False, False, False, False, True, False, False)

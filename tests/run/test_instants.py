@@ -9,11 +9,11 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import jaxbuffer as jb
-from front.made_up import END, made_up_capture
 from jaxbuffer.hybrid.hermite import quintic
 from jaxbuffer.mechanisms.bar_drop import BAR_DROP
 from jaxbuffer.run.history import history_at
 from jaxbuffer.run.instants import BLOCK, _blocks, _instants, _straight, at_times
+from made_up import END, made_up_capture
 
 START, LENGTH = 0.7, 0.3  # s
 
@@ -71,7 +71,7 @@ def test_between_the_steps_of_a_swinging_bar():
     of a step."""
     parameters = (jb.BarDrop(), jb.BarDropScenario(height=0.194), jnp.asarray(20.0))
     system = BAR_DROP.system(*parameters)
-    posture, closed = system.first_posture()
+    posture, closed = system.first_evaluation()
     n, rate = system.coordinates, jax.jit(lambda time, state: system.derivative(time, state, closed))
     exact = solve_ivp(rate, (0.0, 0.2), posture.state, "DOP853", rtol=1e-12, atol=1e-14, dense_output=True).sol
     errors, start = [], 0.04

@@ -39,7 +39,7 @@ class Indices:
 
     - ``paths``: the d numbers that were sampled.
     - ``estimates``: an `Estimate` a quantity, by name.
-    - ``confidence`` [-] of the intervals; ``asked``: rows of the scheme, those with runs left out included.
+    - ``confidence`` [-] of the intervals; ``requested_rows``: rows of the scheme, those with runs left out included.
     - ``surfaces``: the response surface behind each quantity's indices, by name; none where they come from runs.
 
     **Example:**
@@ -47,14 +47,14 @@ class Indices:
     >>> ranges = {"impact.stiffness": (1e10, 1e12), "scenario.height": (0.1, 0.2)}  # N/m^e, m
     >>> sample = jb.sample(jb.BarDrop(), jb.BarDropScenario(), ranges, count=16, method="saltelli")
     >>> indices = jb.sobol_indices(sample, ["contact_time"])
-    >>> indices.paths, indices.asked
+    >>> indices.paths, indices.requested_rows
     (('impact.stiffness', 'scenario.height'), 16)
     """
 
     paths: tuple[str, ...]
     estimates: dict[str, Estimate]
     confidence: float
-    asked: int
+    requested_rows: int
     surfaces: dict[str, Surface]
 
     def __repr__(self) -> str:
@@ -75,11 +75,11 @@ class Indices:
             parts.append(f"  acting alone, the numbers make {alone} of the variance")
             if surface:
                 parts.append(f"  {surface.worth}; the intervals do not hold what it misses")
-            elif it.rows < self.asked:
+            elif it.rows < self.requested_rows:
                 parts.append(
-                    f"  {self.asked - it.rows} of {self.asked} rows are left out: a run of theirs failed, ended"
-                    " otherwise or was not computed; the indices are those of the rest, whose numbers are no longer"
-                    " quite independent"
+                    f"  {self.requested_rows - it.rows} of {self.requested_rows} rows are left out: a run of theirs"
+                    " failed, ended otherwise or was not computed; the indices are those of the rest, whose numbers"
+                    " are no longer quite independent"
                 )
         return text(*parts)
 

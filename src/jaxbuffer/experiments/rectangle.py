@@ -23,12 +23,12 @@ ROUNDING = 1e-9  # of a range: a value so near to its end is in it
 
 class Between(NamedTuple):
     """The runs within the ranges of some scenarios: how many were computed (``runs``), how many of these are not safe
-    (``unsafe``), all of it in a sentence (``words``), and how many there are to compute (``asked``)."""
+    (``unsafe``), all of it in a sentence (``words``), and how many there are to compute (``total``)."""
 
     runs: int
     unsafe: int
     words: str
-    asked: int
+    total: int
 
 
 @dataclasses.dataclass(frozen=True)
@@ -78,19 +78,19 @@ class SafeRectangle:
             within = (values >= min(met) - room) & (values <= max(met) + room)
             inside &= within[:, None] if k == 0 else within
             ranges.append(f"{axis.name.replace('_', ' ')} {_range_words(axis, (min(met), max(met)))}")
-        asked, run = int(inside.sum()), inside & (self.reasons != UNDONE)
-        if not asked:
+        total, run = int(inside.sum()), inside & (self.reasons != UNDONE)
+        if not total:
             return None
         runs, unsafe = int(run.sum()), int((run & ~self.safe).sum())
         name, reasons = f"{self.swept.mechanism.view.run_name}s", Counter(self.reasons[run & ~self.safe])
         broken = ", ".join(f"{reason} ({many})" for reason, many in reasons.items())
-        if runs == asked:
+        if runs == total:
             count = f"{runs} {name}"
             words = f"{unsafe} of {count} are not safe: {broken}" if unsafe else f"all {count} are safe"
         else:
-            words = f"{runs} of {asked} {name} run, which says nothing of the others"
+            words = f"{runs} of {total} {name} run, which says nothing of the others"
             words += f"; {unsafe} of these are not safe: {broken}" if unsafe else "; none of these is unsafe"
-        return Between(runs, unsafe, f"Between the study's scenarios ({', '.join(ranges)}) {words}.", asked)
+        return Between(runs, unsafe, f"Between the study's scenarios ({', '.join(ranges)}) {words}.", total)
 
     @property
     def done(self) -> int:
@@ -105,12 +105,12 @@ class SafeRectangle:
         return f"{int(self.safe.sum())} of {of}"
 
     @property
-    def asked(self) -> str:
+    def criterion(self) -> str:
         """Say what makes a run safe: "captured, stroke ≤ 25 mm"."""
         mechanism = self.swept.mechanism
         codes = {mechanism.outcomes[name]: name for name in mechanism.successes}
         names = [name for code, name in codes.items() if np.any(self.swept.code == code)]
-        ends = (" or ".join(names) or mechanism.success or "solved") if self.limits.captured else "solved"
+        ends = (" or ".join(names) or mechanism.success or "solved") if self.limits.require_success else "solved"
         if (end := mechanism.required_end(self.limits.ends, self.limits.names)) is not None:
             ends = end.name
         limits = [line.replace("_", " ") for line in self.limits.lines(mechanism.quantities)]
@@ -120,7 +120,7 @@ class SafeRectangle:
     def __repr__(self) -> str:
         mechanism = self.swept.mechanism
         between = [] if self.between is None else [self.between.words]
-        lines = [f"Safe ({self.asked}): {self.counted}"]
+        lines = [f"Safe ({self.criterion}): {self.counted}"]
         if self.first is None or self.second is None:
             return text(*lines, "  no run is safe", *between)
         parts = zip(self.values, (self.first, self.second), strict=True)

@@ -113,8 +113,8 @@ class Surface:
             raise InputError(
                 f"response surface: {axis.path} = {shown(values[axis.path])} is not a number or an array (n,)"
             )
-        slack = EDGE * (axis.high - axis.low)
-        outside = ~((given >= axis.low - slack) & (given <= axis.high + slack))
+        edge = EDGE * (axis.high - axis.low)
+        outside = ~((given >= axis.low - edge) & (given <= axis.high + edge))
         if outside.any():
             value = with_unit(*as_typed(float(given[outside][0]), axis.unit, axis.typed))
             raise InputError(

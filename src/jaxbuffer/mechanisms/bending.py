@@ -60,8 +60,8 @@ class BendingPart(NamedTuple):
 def mode_limits(parts: Sequence[BendingPart], time: Any) -> list[ValidityLimit]:
     """Return how the highest mode's period of each part compares with a force's ``time`` [s]: if it is slower, the
     modes are too few."""
-    few = "the {0.name}'s {0.modes} modes are too few for the peak: the highest is slower than the force"
-    return [ValidityLimit(few.format(part), part.highest / np.maximum(time, 1e-300)) for part in parts]
+    warning = "the {0.name}'s {0.modes} modes are too few for the peak: the highest is slower than the force"
+    return [ValidityLimit(warning.format(part), part.highest / np.maximum(time, 1e-300)) for part in parts]
 
 
 def mode_lines(parts: Sequence[BendingPart], time: Any = None) -> list[str]:

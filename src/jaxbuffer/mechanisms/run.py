@@ -288,8 +288,8 @@ class Run(Portable, Saved):
             return self._batch_text()
         summary = self.mechanism.view.summary or plain_summary
         first, *rest = summary(self).split("\n")
-        said = [f"  note: {line}" for line in cautions(self.design, (self.scenario,))]
-        return "\n".join([first, *said, *rest, *(f"  {line}" for line in self.diagnosis)])
+        notes = [f"  note: {line}" for line in cautions(self.design, (self.scenario,))]
+        return "\n".join([first, *notes, *rest, *(f"  {line}" for line in self.diagnosis)])
 
     def _batch_text(self) -> str:
         """Return how many runs ended how, and the range of the largest contact force."""

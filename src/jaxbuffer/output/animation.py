@@ -15,7 +15,7 @@ from ..files import user_path, write
 from ..mechanisms.run import Run
 from ..run.instants import at_times
 from .field_files import coloured
-from .motion import Scene, clock, closer, said, scene, whole
+from .motion import Scene, caption, clock, closer, scene, whole
 from .pulses import fine_times, last_contact, pulses
 from .style import blank, curve, drawing, require_matplotlib
 
@@ -195,7 +195,7 @@ class Stage:
         if self.detail is not None:
             self.detail.clear()
             closer(self.detail, self.at, k)
-        self.force.set_title(said(self.at, k).split(", ", 1)[1])
+        self.force.set_title(caption(self.at, k).split(", ", 1)[1])
         self.cursor.set_xdata([self.at.times[k], self.at.times[k]])
 
 

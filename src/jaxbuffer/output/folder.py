@@ -37,6 +37,8 @@ BEGUN = {  # what a command keeps while it runs, and the files of its results
     "sweep or sample": (STORE, ("sweep.nc", "sample.json")),
     "front": ("least-*/log.jsonl", ("pareto.json",)),
 }
+# Entries that have other names by now: a page would leave them out and so say less than the result.
+RENAMED = ("must_succeed", "asked", "rows_asked", "shown_in", "borne_out", "above_floor [-]")
 BESIDE = {"sweep": "sweep.json", "motion": "motion.json", "force": "force.json"}  # of something else in the folder
 
 
@@ -267,11 +269,14 @@ def _record(file: Path) -> Record | None:
     if not file.is_file():
         return None
     try:
-        record = json.loads(file.read_text(encoding="utf-8"))
+        text = file.read_text(encoding="utf-8")
+        record = json.loads(text)
     except ValueError as error:  # no JSON, or no UTF-8
         raise InputError(f"{file} is damaged: {error}") from None
     if not isinstance(record, dict):
         raise InputError(f"{file} is damaged: it holds no record")
+    if any(f'"{name}"' in text for name in RENAMED):
+        raise InputError(f"{file} was written by an earlier version of jaxbuffer; run its command again")
     return record
 
 

@@ -130,7 +130,7 @@ def motion_figure(run: Run, times: Sequence[float] | None = None) -> Figure:
     named: dict[str, Any] = {}
     for k in range(count):
         named |= whole(grid[k, 0], at, k)
-        grid[k, 0].set_title(said(at, k))
+        grid[k, 0].set_title(caption(at, k))
         if detail is not None:
             # Where both name a part, the entry of the whole stays.
             named = closer(grid[k, 1], at, k) | named
@@ -140,7 +140,7 @@ def motion_figure(run: Run, times: Sequence[float] | None = None) -> Figure:
     return figure
 
 
-def said(at: Scene, k: int) -> str:
+def caption(at: Scene, k: int) -> str:
     """Return time and contact force of a panel: "0.4881 s, 253 N on the upper flank"."""
     names, kind = at.run.mechanism.view.names(at.run.design).contacts, at.run.mechanism.view.contact
     normal = np.asarray(at.instants.contact_force)[k]

@@ -20,10 +20,10 @@ from .words import (
     in_figures,
     outcome_marks,
     reason_marks,
-    said,
     scaled,
     shown,
     success_marks,
+    value_in_words,
 )
 
 FAILED, UNDONE = "failed", "not computed"
@@ -62,7 +62,7 @@ def _lines(swept: Sweep, along: int, by: list[int]) -> Figure:
     order = np.argsort(_places(axis))
     x, marks, others = _places(axis)[order], _marks(swept), [axes_of[k] for k in by]
     outcomes = _by_line(_outcomes(swept), along, by)[:, order]
-    words = [", ".join(map(_said, others, it)) for it in itertools.product(*(other.values for other in others))]
+    words = [", ".join(map(_axis_value, others, it)) for it in itertools.product(*(other.values for other in others))]
     for axes, name in zip(grid.flat, mapped, strict=False):
         title, y, factor = _drawn(swept, name)
         several = _by_line(factor * swept.shaped(name), along, by)[:, order]
@@ -98,10 +98,10 @@ def _by_line(array: np.ndarray, along: int, by: list[int]) -> np.ndarray:
     return np.transpose(array, [*fixed, *by, along]).reshape(-1, array.shape[along])
 
 
-def _said(axis: Axis, value: Any) -> str:
+def _axis_value(axis: Axis, value: Any) -> str:
     """Return one value of an axis in a legend or a title; a choice's name is its whole path."""
     if axis.unit:
-        return f"{called(axis.name)} {said(float(value), axis.unit, axis.typed)}"
+        return f"{called(axis.name)} {value_in_words(float(value), axis.unit, axis.typed)}"
     return f"{axis.path.replace('.', ' ').replace('_', ' ')} {axis.words(value)}"
 
 
@@ -186,7 +186,7 @@ def _slices(swept: Sweep, moving: list[int]) -> Figure:
         image = _map(axes, swept, (across, up), values, tuple(cut), **limits)
         between = ", " if all(swept.grid.axes[k].unit for k in others) else "\n"
         fixed = ((swept.grid.axes[k], index) for k, index in zip(others, every[place], strict=True))
-        title = between.join(_said(axis, axis.values[index]) for axis, index in fixed)
+        title = between.join(_axis_value(axis, axis.values[index]) for axis, index in fixed)
         label(axes, title, _name(swept.grid.axes[across]), _name(swept.grid.axes[up]), legend=False)
     _remove(grid, len(places))
     figure.colorbar(image, ax=every_panel[: len(places)], label=_drawn(swept, "peak_force")[1])
@@ -278,7 +278,7 @@ def _name(axis: Axis) -> str:
 
 def _title(swept: Sweep) -> str:
     mechanism = swept.mechanism
-    fixed = [_said(axis, axis.values[0]) for axis in swept.grid.axes if len(axis) == 1]
+    fixed = [_axis_value(axis, axis.values[0]) for axis in swept.grid.axes if len(axis) == 1]
     parts = [f"Sweep of {len(swept.grid)} {mechanism.view.run_name}s"]
     names = _successes(swept) or ([] if mechanism.success is None else [mechanism.success])
     parts += [f"{int(np.sum(swept.done & (swept.code == mechanism.outcomes[name])))} {name}" for name in names]
@@ -304,7 +304,7 @@ def envelope_figure(rectangle: SafeRectangle) -> Figure:
     _reasons(axes, rectangle, x * over, y * above)
     rows, columns = np.nonzero(rectangle.safe)
     axes.scatter(x[rows] * over, y[columns] * above, s=8, marker=".", color=BLUE, linewidths=0, label="safe run")
-    title = f"{rectangle.counted} are safe: {rectangle.asked}"
+    title = f"{rectangle.counted} are safe: {rectangle.criterion}"
     if rectangle.first is not None and rectangle.second is not None:
         low, high = (np.array(part) * factor for part, factor in ((rectangle.first, over), (rectangle.second, above)))
         corners = np.array([[low[0], high[0]], [low[1], high[0]], [low[1], high[1]], [low[0], high[1]]])

@@ -28,14 +28,14 @@ def sweep_record(swept: Sweep, envelope: SafeRectangle | None) -> dict[str, Any]
 def _field(axis: Any) -> dict[str, str]:
     """Return a swept or sampled field: its path, the unit of its numbers, and the one in which people are shown
     them."""
-    return {"path": axis.path, "unit": axis.unit, "shown_in": axis.typed or axis.unit}
+    return {"path": axis.path, "unit": axis.unit, "display_unit": axis.typed or axis.unit}
 
 
 def _envelope(rectangle: SafeRectangle) -> dict[str, Any]:
     """Return what is asked of a safe run, how many there are, and the largest rectangle of them."""
     ranges = zip(rectangle.axes, (rectangle.first, rectangle.second), strict=True)
     return {
-        "asked": rectangle.asked,
+        "criterion": rectangle.criterion,
         "safe_runs": int(rectangle.safe.sum()),
         "runs": int(rectangle.safe.size),
         "done": rectangle.done,
@@ -48,7 +48,7 @@ def _envelope(rectangle: SafeRectangle) -> dict[str, Any]:
         if (between := rectangle.between) is None
         else {
             "runs": between.runs,
-            "asked_runs": between.asked,
+            "total_runs": between.total,
             "unsafe_runs": between.unsafe,
             "words": between.words,
         },
@@ -79,7 +79,7 @@ def _indices(indices: Indices) -> list[dict[str, Any]]:
             "total_interval [-]": it.total_interval[:, k].tolist(),
             "confidence [-]": indices.confidence,
             "rows": it.rows,
-            "rows_asked": indices.asked,
+            "requested_rows": indices.requested_rows,
             "from": "response surface" if name in indices.surfaces else "runs",
         }
         for name, it in indices.estimates.items()

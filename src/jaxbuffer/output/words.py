@@ -47,7 +47,7 @@ def field_axis(name: str, unit: str, typed: str = "") -> str:
     return f"{called(name)} [{in_figures(unit, typed)[0]}]"
 
 
-def said(value: float, unit: str, typed: str = "") -> str:
+def value_in_words(value: float, unit: str, typed: str = "") -> str:
     """Return a field's value in words: "0.2 m/s", "+3°"."""
     symbol, factor = in_figures(unit, typed)
     return degrees_text(factor * value) if symbol == "°" else with_unit(factor * value, symbol, 4)

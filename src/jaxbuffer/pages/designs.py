@@ -6,7 +6,7 @@ from typing import Any
 from ..fields import Part, as_typed, ends_as_typed, get, meaning, paths, unit
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
-from ..output.words import said
+from ..output.words import value_in_words
 from ..value_text import table_text, unit_text
 from .limits import limits_of, required_success, source_of_limits
 from .page import Cell, PageSection, Table
@@ -28,7 +28,7 @@ def requirements(first: Results, every: Sequence[Results]) -> PageSection | None
         rows += _variables(mechanism, tuned["variables"])
     elif run is not None:
         rows += _scenarios(mechanism, [run["scenario"]], units_of(first))
-    text = [f"What the model leaves out: {' '.join(mechanism.view.leaves_out)}"] if mechanism.view.leaves_out else []
+    text = [f"What the model leaves out: {' '.join(mechanism.view.limitations)}"] if mechanism.view.limitations else []
     if not rows and not text:
         return None
     return PageSection(TITLE, text, tables=[Table(TITLE, ("what", "of", "asked"), rows)] if rows else [])
@@ -68,14 +68,14 @@ def _range(met: Sequence[Any], usual: Part, path: str, typed: str) -> list[str]:
         return [field_name(path), ", ".join(dict.fromkeys(map(table_text, values)))]
     # Angles are in degrees on a page, whatever they were typed in.
     ends = (as_typed(float(end), symbol, "" if symbol == "rad" else typed) for end in (min(values), max(values)))
-    low, high = (said(*end) for end in ends)
+    low, high = (value_in_words(*end) for end in ends)
     return [field_name(path), low if low == high else f"{low} to {high}"]
 
 
 def _variables(mechanism: Mechanism, variables: Sequence[Record]) -> Rows:
     usual, rows = mechanism.design(), list[list[str]]()
     for it in variables:
-        typed = it.get("shown_in", "")
+        typed = it.get("display_unit", "")
         low, high, symbol = ends_as_typed(it["low"], it["high"], unit(usual, it["path"]), typed)
         rows.append(["variable", it["path"], f"{table_text(low)} to {table_text(high)}{unit_text(symbol)}"])
     return rows

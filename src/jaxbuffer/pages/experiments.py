@@ -39,7 +39,7 @@ def sweep(results: Results) -> PageSection | None:
     if envelope is None:
         return PageSection(title, text, figures, tables)
     between = envelope.get("between")
-    safe = between and not between["unsafe_runs"] and between["runs"] == between.get("asked_runs", between["runs"])
+    safe = between and not between["unsafe_runs"] and between["runs"] == between.get("total_runs", between["runs"])
     warnings = [between["words"]] if between and not safe else []
     text += [between["words"]] if between and safe else []
     return PageSection(title, text, figures, tables, warnings=[*warnings, *not_found(envelope, record["axes"])])
@@ -88,7 +88,7 @@ def swept_fields(results: Results) -> dict[str, int]:
 
 def envelope_in_words(envelope: Record) -> list[str]:
     """Return how many runs are safe, and the ranges of the largest rectangle of them."""
-    texts = [f"Safe means: {envelope['asked']}. {safe_of(envelope)} are."]
+    texts = [f"Safe means: {envelope['criterion']}. {safe_of(envelope)} are."]
     if not envelope["rectangle"]:
         return [*texts, "No run is safe, so there is no safe rectangle."]
     ranges = " by ".join(f"{field_name(part['path'])} from {_ends(part)}" for part in envelope["rectangle"])
@@ -118,7 +118,7 @@ def not_found(envelope: Record, axes: Sequence[Record]) -> list[str]:
 
 def _end(value: float, field: Record) -> str:
     """Return a value of a swept field: in the unit that was typed, else angles in degrees."""
-    number, symbol = as_typed(value, field["unit"], field.get("shown_in", ""))
+    number, symbol = as_typed(value, field["unit"], field.get("display_unit", ""))
     if symbol == "rad":
         return degrees_text(math.degrees(number), 3)
     return f"{table_text(number)}{unit_text(symbol)}"
@@ -138,7 +138,7 @@ def sample(results: Results) -> PageSection | None:
         return None
     ranges = []
     for r in record["ranges"]:
-        low, high, symbol = ends_as_typed(r["low"], r["high"], r["unit"], r.get("shown_in", ""))
+        low, high, symbol = ends_as_typed(r["low"], r["high"], r["unit"], r.get("display_unit", ""))
         ranges.append([r["path"], symbol, table_text(low), table_text(high), r["scale"]])
     tables = [Table("Ranges", ("number", "unit", "low", "high", "spread evenly on a scale"), ranges)]
     tables.append(_outcomes(results.mechanism, record["outcomes"]))
@@ -169,7 +169,7 @@ def sample(results: Results) -> PageSection | None:
 def _indices(mechanism: Mechanism, name: str, rows: list[Record]) -> Table:
     """Return the indices of a quantity's numbers, the number that matters most first."""
     source, first = rows[0]["from"], rows[0]
-    of = "of its response surface" if source != "runs" else f"of {first['rows']} of {first['rows_asked']} rows"
+    of = "of its response surface" if source != "runs" else f"of {first['rows']} of {first['requested_rows']} rows"
     caption = f"Whose scatter matters for the {in_figures(mechanism, name)[0]} (Sobol' indices {of}"
     caption += f", {percent_text(first['confidence [-]'], 'g')} intervals)"
     interval = lambda ends: f"{ends[0]:.3f} … {ends[1]:.3f}"  # noqa: E731
@@ -229,12 +229,12 @@ def _front_column(results: Results, name: str) -> tuple[str, float]:
     objective or its limit, or of a variable."""
     start, symbol = without_unit(name)
     quantity = results.mechanism.quantities.get(start.removeprefix("worst ").removeprefix("limit of "))
-    shown_in, factor = symbol, 1.0
+    display_unit, factor = symbol, 1.0
     if quantity is not None:
-        shown_in, factor = quantity.in_figures
+        display_unit, factor = quantity.in_figures
     elif typed := units_of(results).get(start):
-        factor, shown_in = as_typed(1.0, symbol, typed)
-    return (f"{words(start)} [{shown_in}]" if symbol else words(name)), factor
+        factor, display_unit = as_typed(1.0, symbol, typed)
+    return (f"{words(start)} [{display_unit}]" if symbol else words(name)), factor
 
 
 def _outcomes(mechanism: Mechanism, counts: Mapping[str, int]) -> Table:

@@ -8,7 +8,7 @@ from .._types import Figure
 from ..mechanisms.run import Run
 from ..run.simulate import simulate
 
-YES, PARTLY, NO, OPEN = "borne out", "in part", "not borne out", "cannot be judged"
+YES, PARTLY, NO, OPEN = "confirmed", "in part", "not confirmed", "cannot be judged"
 Row = dict[str, str | float | int]
 NEAR = 0.03  # relative: what still counts as a printed number, or as another one
 NONE = "none"  # in a row, for what its run does not have
@@ -57,7 +57,7 @@ Rows = dict[str, tuple[Row, ...]]
 class ClaimVerdict(NamedTuple):
     """``said``: what the model shows, with its numbers; ``verdict``: `YES`, `PARTLY`, `NO` or `OPEN`."""
 
-    said: str
+    finding: str
     verdict: str
 
 
@@ -171,6 +171,6 @@ def verdicts_of(claims: Sequence[Claim], studied: Sequence[Studied]) -> list[dic
     """Judge claim by claim: what the text says, what the model says, and whether they agree."""
     rows = {one.study.name: one.rows for one in studied}
     return [
-        {"claim": c.claim, "section": c.where, "model": v.said, "verdict": v.verdict}
+        {"claim": c.claim, "section": c.where, "model": v.finding, "verdict": v.verdict}
         for c, v in ((claim, claim.judge(rows)) for claim in claims)
     ]

@@ -152,7 +152,7 @@ def judge(
     verdicts = tuple(verdict for verdict, _ in findings)
     worst = max(verdicts)
     # The first of the worst ones stands for all: quantities come in the order asked for.
-    reason = next(said for verdict, said in findings if verdict == worst)
+    reason = next(finding for verdict, finding in findings if verdict == worst)
     if worst == Verdict.trusted:
         reason = f"two tolerances and differences of tight solves agree within {np.max(error):.1g} of each elasticity"
     return Certificate(error, *parts, peaks, verdicts, worst, reason, evidence.thorough, evidence.solves)
@@ -181,11 +181,11 @@ def _judged(
     source = ("by its change with the tolerance", "by differences of tight solves", "as far as differences can tell")
     # One difference along all parameters accuses none of them in particular.
     whose = f"{name} by {paths[worst]}" if thorough or loudest == 0 else f"an elasticity of {name}"
-    said = f"{whose} may be off by {share}, {source[loudest]}"
+    finding = f"{whose} may be off by {share}, {source[loudest]}"
     if error[k, worst] > HOPELESS:
-        return Verdict.refused, said
+        return Verdict.refused, finding
     if error[k, worst] > TRUSTED:
-        return Verdict.check, said
+        return Verdict.check, finding
     if name in ("peak_force", "peak_time") and peaks is not None and abs(peaks.swap_change) < KINK:
         return Verdict.check, (
             f"{name} has a kink nearby: impact {peaks.runner_up_impact + 1} comes within"

@@ -36,8 +36,8 @@ def pareto(
         "pareto.csv", "pareto.png", "pareto.txt", "pareto.json", *designs, resumable=folders, resume=resume
     )
     settings = vars(study.tuning)
-    said = lambda done, total: note(f"{done} of {total} points of the front are done")  # noqa: E731
-    keeping = {"folder": request.output, "resume": resume, "save": False, "finished": said, **given(client=scheduler)}
+    report = lambda done, total: note(f"{done} of {total} points of the front are done")  # noqa: E731
+    keeping = {"folder": request.output, "resume": resume, "save": False, "finished": report, **given(client=scheduler)}
     try:
         front = tuning(
             lambda report: compute(problem, names, number, **settings, **keeping, report=report),
@@ -49,4 +49,4 @@ def pareto(
         return INTERRUPTED
     made = request.made(study, resume)
     files.save_and_show(lambda: front_files(front, made), front, lambda: table_json("points", *front_rows(front)))
-    return OK if front.kept.any() else fail("no design was found that keeps to the limits", LIMITS_BROKEN)
+    return OK if front.non_dominated.any() else fail("no design was found that keeps to the limits", LIMITS_BROKEN)

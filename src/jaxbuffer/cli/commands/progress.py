@@ -46,14 +46,14 @@ def tuning(work: Callable[[Callable[[Record], None]], T], success: str | None = 
 
     ``success``: how runs should end; ``most`` evaluations that there can be.
     """
-    begin = said = time.monotonic()
+    begin = latest = time.monotonic()
 
     def line(it: Record) -> None:
-        nonlocal said
+        nonlocal latest
         now = time.monotonic()
-        if now - begin > PERIOD and now - said < PERIOD:
+        if now - begin > PERIOD and now - latest < PERIOD:
             return
-        said = now
+        latest = now
         minutes, seconds = divmod(int(now - begin), 60)
         _line(f"{minutes}:{seconds:02d}, {in_words(it, success, most)}")
 

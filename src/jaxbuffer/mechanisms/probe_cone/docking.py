@@ -1,0 +1,145 @@
+"""What a run says of docking beyond the crossing of the capture plane: how it crossed, what is left.
+
+All of it is differentiable; what a run does not have (no crossing, no latch, not yet at rest) is NaN.
+"""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from ..._types import Scalar
+from ...elements import BufferForce
+from ...hybrid import Kind, Log
+from ..assembled import Assembled
+from ..layout import EvaluatedState
+from .assembly import P, T
+from .capture import Docking
+from .outcome import Outcome
+
+DOUBLINGS, NEWTON_STEPS = 60, 30  # of a stroke from 1e-9 m on, and towards the stroke whose energy is known
+
+
+class PlaneCrossing(NamedTuple):
+    """Where the tip crossed the capture plane, or else the run's end.
+
+    ``at``: the posture there, which moves with the parameters; ``time`` [s]; ``occurred``: whether it crossed.
+    """
+
+    at: EvaluatedState
+    time: Float[Array, ""]
+    occurred: Bool[Array, ""]
+
+
+def latched(mechanism: Assembled, log: Log) -> Bool[Array, ""]:
+    """Return whether the latches began to close."""
+    latch = mechanism.evaluated(mechanism.evaluate(log.rows[_last(log), 0]), "latch")
+    return jnp.asarray(False) if latch is None else latch.since > 0.0
+
+
+def crossing(mechanism: Assembled, log: Log, code: Int[Array, ""]) -> PlaneCrossing:
+    """Return where the tip crossed the capture plane.
+
+    ``code``: of the outcome. Without latches a captured run ends there; with them it is the touchdown of theirs.
+    """
+    last = _last(log)
+    end = log.rows[last, 0]
+    if mechanism.element("latch") is None:
+        return PlaneCrossing(mechanism.evaluate(end), log.time[last], code == Outcome.captured)
+    which = mechanism.contact_names.index("latch")
+    mine = (log.kind == Kind.TOUCHDOWN) & (log.which == which) & (jnp.arange(log.kind.shape[0]) < log.count)
+    slot, listed = jnp.argmax(mine), jnp.any(mine)
+    row = log.rows[slot, 0]
+    late = mechanism.time_to_contact(row, jnp.asarray(which))
+    # Its own change counts only with the time left to the crossing, as in `ContactSystem.saltation`.
+    rate = jax.lax.stop_gradient(mechanism.derivative(0.0, row, log.active[slot]))
+    state = jnp.where(listed, row + rate * late, end)
+    # A log that overflowed does not have the entry; the state says when the latches began to close.
+    since = mechanism.evaluated(mechanism.evaluate(end), "latch").since
+    return PlaneCrossing(mechanism.evaluate(state), log.time[last] - since, listed | (since > 0.0))
+
+
+def docking(
+    mechanism: Assembled, start: EvaluatedState, log: Log, code: Int[Array, ""], latch_force: Scalar
+) -> Docking:
+    """Read off what a run says of docking. ``latch_force``: the largest one [N]."""
+    last = _last(log)
+    end, active = mechanism.evaluate(log.rows[last, 0]), log.active[last]
+    # At the start no contact is deep, so that none stores energy.
+    before, left = mechanism.relative_energy(start, jnp.zeros_like(active)), mechanism.relative_energy(end, active)
+    cross = crossing(mechanism, log, code)
+    # A factor, so that derivatives are NaN as well.
+    known = jnp.where(cross.occurred, 1.0, jnp.nan)
+    tip, cone, probe = mechanism.evaluated(cross.at, "throat").tip, cross.at.kin.frame(T), cross.at.kin.frame(P)
+    rate = _tip_rate(cross.at)
+    unlatched = jnp.where(latched(mechanism, log), 1.0, jnp.nan)
+    passive = mechanism.parts.design.passive.mass
+    push = (end.kin.frame(T).velocity - start.kin.frame(T).velocity) * passive
+    return Docking(
+        latch_time=cross.time * unlatched,
+        settling_time=(log.time[last] - cross.time) * jnp.where(code == Outcome.held, 1.0, jnp.nan),
+        latch_share=_latch_share(mechanism, end, latch_force, code == Outcome.torn),
+        relative_energy=left / before,
+        energy_left=left,
+        arrest_stroke=arrest_stroke(mechanism, left),
+        lateral_miss=tip.y * known,
+        lateral_miss_rate=rate * known,
+        attitude_miss=(probe.angle - cone.angle) * known,
+        attitude_miss_rate=(probe.spin - cone.spin) * known,
+        impulse=jnp.sqrt(push.dot(push) + 1e-30),
+    )
+
+
+def _tip_rate(at: EvaluatedState) -> Scalar:
+    """Return how fast the tip's y in the axes of T changes [m/s]."""
+    cone = at.kin.frame(T)
+    centre = at.contacts[0].centre
+    return cone.unturn(centre.velocity - cone.velocity_at(centre.place - cone.origin)).y
+
+
+def arrest_stroke(mechanism: Assembled, energy: Float[Array, ""]) -> Float[Array, ""]:
+    """Return the stroke at which axial spring and end stop store an energy [m], √(2 E/k_A) of a linear spring without a
+    stop (M179)."""
+    # At zero the root below has no finite slope, and rounding may leave less than that.
+    energy = jnp.maximum(energy, 1e-30)
+    axial, stop = mechanism.element("buffer").force, mechanism.element("stop")
+    if stop is None and not isinstance(axial, BufferForce):
+        return jnp.sqrt(2.0 * energy / axial.stiffness)
+
+    def stored(stroke: Array) -> Array:
+        spring = axial.spring_energy(stroke) if isinstance(axial, BufferForce) else 0.5 * axial.stiffness * stroke**2
+        return jnp.asarray(spring if stop is None else spring + stop.law.energy(stroke - stop.place))
+
+    def step(_: int, stroke: Array) -> Array:
+        value, force = jax.jvp(stored, (stroke,), (jnp.ones(()),))
+        return stroke - (value - energy) / force
+
+    # The energy is convex in the stroke: from above Newton's method comes down to the root without overshooting it.
+    above = jax.lax.fori_loop(0, DOUBLINGS, lambda _, s: jnp.where(stored(s) < energy, 2.0 * s, s), jnp.asarray(1e-9))
+    root = jax.lax.fori_loop(0, NEWTON_STEPS, step, jax.lax.stop_gradient(above))
+    return step(0, jax.lax.stop_gradient(root))  # whose derivative is that of the root
+
+
+def _latch_share(mechanism: Assembled, end: EvaluatedState, largest: Scalar, torn: Bool[Array, ""]) -> Float[Array, ""]:
+    """Return the largest force of the latches over their strength [-].
+
+    Of torn ones it is above 1: with the force to which the mass that they hold would have stretched them, had they
+    held. It is 1 where they just tear, and its slope leads out of that.
+    """
+    latch, at = mechanism.element("latch"), mechanism.evaluated(end, "latch")
+    if latch is None or latch.strength is None:
+        return jnp.zeros(())
+    force = latch.force(at, jnp.ones(2))
+    size = jnp.sqrt(force.dot(force) + 1e-24)
+    pull = force * (-1.0 / size)
+    blocks = {P: at.held.along(pull), T: at.opposite.along(-pull)}
+    mass = mechanism.system.effective_mass(end.kin, mechanism.system.direction(blocks))
+    speed = jnp.maximum(at.velocity.dot(pull), 0.0)
+    stretched = jnp.sqrt(size**2 + latch.stiffness * mass * speed**2)
+    return jnp.where(torn, stretched, largest) / latch.strength
+
+
+def _last(log: Log) -> Int[Array, ""]:
+    """Return the entry of the run's end."""
+    return jnp.maximum(log.count - 1, 0)
