@@ -17,7 +17,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import minimize_scalar
 
 import jaxbuffer as jb
-from jaxbuffer.mechanisms.slider_crank.system import slider_crank
+from jaxbuffer.mechanisms.slider_crank.assembly import slider_crank
 
 LONGEST, FIRST = 2e-5, 1e-7  # [s] no step is longer, since a contact may come and go within one; the first one
 UNWATCHED = 1e3  # scales by which the error in losses and work counts less than that of the motion

@@ -410,10 +410,10 @@ def _foot_on_pin() -> None:
 
 
 def _drive_power() -> None:
-    from jaxbuffer.multibody import System
+    from jaxbuffer.elements import Drive
 
-    power = System.drive_power
-    System.drive_power = lambda self, kin, multipliers: -power(self, kin, multipliers)
+    rates = Drive.reaction_rates
+    Drive.reaction_rates = lambda self, at, multipliers: [-power for power in rates(self, at, multipliers)]
 
 
 def _drive_stands() -> None:

@@ -9,9 +9,24 @@ from numpy.testing import assert_allclose
 from jaxbuffer import InputError
 from jaxbuffer.contact import BallPair, Hole, KelvinVoigt, RegularisedCoulomb, Segment
 from jaxbuffer.contact.laws import Hertz, HuntCrossley
-from jaxbuffer.elements import BallContact, Buffer, BufferForce, EndStop, Latch, Oscillators, Pin, SpringDamper, Thrust
+from jaxbuffer.elements import (
+    BallContact,
+    Buffer,
+    BufferForce,
+    Drive,
+    EndStop,
+    Integral,
+    Latch,
+    Motor,
+    Oscillators,
+    Pin,
+    Sensor,
+    SpringDamper,
+    Thrust,
+    deepest,
+)
 from jaxbuffer.mechanisms.assembled import Assembled
-from jaxbuffer.multibody import AxialSpringDamper, Body, System, TorsionalSpringDamper
+from jaxbuffer.multibody import AxialSpringDamper, Body, DrivenAngle, System, TorsionalSpringDamper
 
 Q = jnp.array([0.0, 0.0, 0.1, 1.0, 0.2, -0.05, 0.5, 1.0, 0.3])
 V = jnp.array([0.2, -0.1, 0.3, -0.1, 0.15, -0.2, 0.05, -0.3, 0.4])
@@ -26,6 +41,15 @@ LATCH = Latch(
 )
 BUSH = BallPair(0.02, Hole(0.0, 0.0, 0.021), jnp.ones(1), Hertz(1e5), RegularisedCoulomb(0.0, 1.0))
 PIN = Pin(BallContact(0, 2, BUSH, (0.3, 0.2), (-0.2, -0.6)))
+
+
+def faster(time):
+    """The angle of the third body against the first: that of the start, and then faster and faster."""
+    return 0.2 + 0.1 * time + 3.0 * time**2
+
+
+DRIVE = Drive(DrivenAngle(0, 2, faster))
+MOTOR = Motor(1, 7.0, 4.0, carrier=0, angle=-0.1)
 ELEMENTS = {
     "buffer": (Buffer(AXIAL),),
     "real buffer": (Buffer(REAL, name="real", lost_in="damper"),),
@@ -33,6 +57,8 @@ ELEMENTS = {
     "latch": (LATCH,),
     "thrust": (Thrust(1, 7.0, 2.0, axis=(0.6, 0.8)),),
     "pin": (PIN,),
+    "drive": (DRIVE,),
+    "motor": (MOTOR,),
     "torsional spring": (SpringDamper(TorsionalSpringDamper(0, 2, 5.0, 0.3)),),
     "all": (
         Buffer(AXIAL),
@@ -42,6 +68,8 @@ ELEMENTS = {
         PIN,
         SpringDamper(TorsionalSpringDamper(0, 2, 5.0, 0.3)),
         Oscillators((0, 2), (3.0, 8.0), ("first", "second")),
+        Drive(DrivenAngle(0, 2, faster), watched=()),
+        MOTOR,
     ),
 }
 
@@ -152,3 +180,72 @@ def test_oscillators_are_known_to_steps_also_where_nothing_else_is_stiff():
     assembled = mechanism((Oscillators((0, 2), (3.0, 8.0), ("first", "second")),))
     state, active = assembled.start()
     assert float(assembled.linearisation(0.0, state, active).fastest()) == pytest.approx(4.0 * 2.0 * np.pi * 8.0)
+
+
+def test_a_drives_torque_is_that_on_the_body_it_turns():
+    """I θ̈ = M on a body that only the drive acts on, and the power is M ω; both drives share one name of energy."""
+    assembled = mechanism((DRIVE, Drive(DrivenAngle(-1, 1, lambda time: -0.05 - 0.2 * time), watched=(), name="other")))
+    state, closed = assembled.start()
+    rate = assembled.derivative(0.0, state, closed)
+    torque = dict(zip(assembled.observed, assembled.observables(state, rate, closed), strict=True))
+    assert_allclose(torque["drive_torque"], 0.1 * rate[17], rtol=1e-12)
+    assert_allclose(torque["braking_torque"], -torque["drive_torque"])
+    assert_allclose(rate[17] - rate[11], 6.0, rtol=1e-12, err_msg="of the angle that is prescribed")
+    put_in = state.at[assembled.layout.places["element 0"]].set(2.0).at[assembled.layout.places["element 1"]].set(0.5)
+    assert float(assembled.energy_at(assembled.evaluate(put_in), closed).drives) == -2.5
+    assert_allclose(assembled.part(rate, "element 0"), torque["drive_torque"] * 0.1, rtol=1e-12)
+
+
+def test_a_motor_has_its_torque_at_rest_and_none_at_its_no_load_speed():
+    """The third body is carried by the first, against which the second turns by -0.5 rad/s."""
+    assembled = mechanism((MOTOR,))
+    at, closed = assembled.first_evaluation()
+    torque = dict(zip(assembled.observed, assembled.observables_at(at, at.state, closed), strict=True))
+    assert_allclose(torque["drive_torque"], 7.0 * (1.0 + 0.5 / 4.0), rtol=1e-14)
+    assert_allclose(assembled.energy_at(at, closed).drives, -7.0 * (-0.05 - 0.1 + 0.1), rtol=1e-12)
+    lost = assembled.part(assembled.derivative(0.0, at.state, closed), "lost")[-1]
+    assert_allclose(lost, 7.0 / 4.0 * 0.25, rtol=1e-12)
+    idle = assembled.evaluate(at.state.at[14].set(4.3))
+    assert_allclose(assembled.observables_at(idle, at.state, closed), [0.0, 0.0], atol=1e-14)
+
+
+def speed_of(kin, body):
+    return kin.v[3 * body]
+
+
+def jolt_of(kin, acceleration, body):
+    return acceleration[3 * body + 1]
+
+
+def test_sensors_see_motion_accelerations_and_depths_and_integrals_add_up():
+    touching = ball(0, 1, None)
+    sensors = (
+        Sensor(speed_of, 1, name="speed"),
+        Sensor(jolt_of, 1, of_acceleration=True, rounding=1e-12, name="jolt"),
+        Sensor(deepest, (touching,), least=0.0, name="depth"),
+        Sensor(speed_of, 0, watched=False, name="shown"),
+        Integral(speed_of, 2, scale=1e-3, name="way"),
+    )
+    assembled = mechanism((Buffer(AXIAL), *sensors), (touching,))
+    at, closed = assembled.first_evaluation()
+    rate = assembled.derivative(0.0, at.state, closed)
+    assert assembled.observed == ("contact 1", "buffer_force", "stroke", "speed", "jolt", "depth", "way")
+    assert assembled.rate_observables() == (False, False, False, False, True, False, False)
+    assert assembled.least_maxima == {"depth": 0.0}
+    seen = dict(zip(assembled.observed, assembled.observables_at(at, rate, closed), strict=True))
+    assert_allclose([seen["speed"], seen["way"]], [-0.1, 0.0])
+    assert_allclose([seen["jolt"], seen["depth"]], [rate[13], -assembled.gaps_at(at)[0][0]])
+    assert_allclose(assembled.part(rate, "element 5"), 0.05, err_msg="the integrand")
+    others = assembled.snapshot_at(at, closed).others
+    assert_allclose([others["shown"], others["speed"], others["jolt"]], [0.2, -0.1, rate[13]])
+    assert_allclose(assembled.negligible()[3:5], [-np.inf, 1e-12])
+    assert_allclose(assembled.scales()[assembled.layout.places["element 5"]], 1e-3)
+
+
+def test_a_joint_that_moves_by_itself_is_no_joint_of_the_system():
+    """Whose mechanism would keep neither the time nor what the joint puts in; that of a mechanism may be used again."""
+    with pytest.raises(InputError, match=r"prescribes a motion: give it as Drive\(joint\) among the elements"):
+        Assembled(System((Body(2.0, 0.3),), (DrivenAngle(-1, 0, faster),)), Q[:3], V[:3])
+    assembled = mechanism((DRIVE,))
+    again = Assembled(assembled.system, Q, V, elements=assembled.elements)
+    assert len(again.system.joints) == len(assembled.system.joints) == 1

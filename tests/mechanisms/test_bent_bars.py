@@ -5,9 +5,9 @@ from types import SimpleNamespace
 import jax.numpy as jnp
 import pytest
 
-from jaxbuffer import SliderCrank, replace
-from jaxbuffer.mechanisms.bar_drop.system import BAR, bar_deflection
-from jaxbuffer.mechanisms.slider_crank.system import ROD, bending_rod, rod_deflection, rod_stress
+from jaxbuffer import BarDrop, SliderCrank, replace
+from jaxbuffer.mechanisms.bar_drop.assembly import BAR, bar_deflection
+from jaxbuffer.mechanisms.slider_crank.sensors import ROD, rod_deflection, rod_stress
 
 FREE_MIDDLE, FREE_END = -1.2157, 2.0  # of a free beam's first mode, ∫ φ² dξ = 1 (Blevins, table 8-1)
 CLAMPED_MIDDLE = 1.5882  # of a clamped beam's: φ'' of the free one over β²
@@ -16,21 +16,22 @@ BENT = 1e-4  # m
 
 
 def bent(body, modes):
-    """A posture in which one body is bent by `BENT` in its first mode."""
+    """The motion of bodies of which one is bent by `BENT` in its first mode."""
     modal = {body: (jnp.zeros(modes).at[0].set(BENT), jnp.zeros(modes))}
-    return SimpleNamespace(kin=SimpleNamespace(modal=lambda k: modal[k]))
+    return SimpleNamespace(modal=lambda k: modal[k])
 
 
 def test_the_bars_middle_against_its_ends():
-    found = bar_deflection(30)(None, bent(BAR, 30), None)
+    bar = replace(BarDrop(), {"bar.modes": 30}).bar
+    found = bar_deflection(bent(BAR, 30), bar.middle_off_ends)
     assert float(found) == pytest.approx(BENT * (FREE_END - FREE_MIDDLE), rel=1e-4)
 
 
 def test_the_rods_middle_against_its_ends_and_its_stress():
     """E h/2 w'': the depth h is that of the section."""
     design = replace(SliderCrank(), {"rod.depth": 0.012, "rod.modes": 30})
-    mechanism, at = SimpleNamespace(parts=bending_rod(design.rod)), bent(ROD, 30)
+    rod, kin = design.rod.bent, bent(ROD, 30)
     length, young = float(design.rod.length), float(design.rod.young_modulus)
-    assert float(rod_deflection(mechanism, at, None)) == pytest.approx(BENT * (FREE_END - FREE_MIDDLE), rel=1e-4)
+    assert float(rod_deflection(kin, rod)) == pytest.approx(BENT * (FREE_END - FREE_MIDDLE), rel=1e-4)
     expected = young * 0.006 * BETA**2 * CLAMPED_MIDDLE * BENT / length**2
-    assert float(rod_stress(mechanism, at, None)) == pytest.approx(expected, rel=1e-3)  # 30 modes come that near
+    assert float(rod_stress(kin, rod)) == pytest.approx(expected, rel=1e-3)  # 30 modes come that near

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
-from jaxbuffer.mechanisms.slider_crank.bending import limits, rise_time, rod_period
+from jaxbuffer.mechanisms.slider_crank.bending import rise_time, rod_period
+from jaxbuffer.mechanisms.slider_crank.summary import bending_validity
 from jaxbuffer.multibody.flexible import free_bar
 
 
@@ -24,8 +25,8 @@ def test_a_force_takes_the_time_of_its_spring():
     """Two bodies of 0.14 kg and the rod's 0.212 kg on a spring of 1e8 N/m: √(m/k)."""
     mass = 1.0 / (1.0 / 0.14 + 1.0 / (7850.0 * 0.015**2 * 0.12))
     assert float(rise_time(design(2), 1e4, 1e-4)) == pytest.approx(np.sqrt(mass / 1e8), rel=1e-12)
-    assert limits(design(0), 1e4, 1e-4) == []
-    (limit,) = limits(design(2), np.array([1.0, 1e6]), 1e-4)
+    assert bending_validity(design(0), 1e4, 1e-4) == []
+    (limit,) = bending_validity(design(2), np.array([1.0, 1e6]), 1e-4)
     assert list(limit.passed) == [False, True]
 
 

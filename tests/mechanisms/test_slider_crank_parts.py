@@ -9,16 +9,9 @@ import pytest
 
 from jaxbuffer import InputError, SliderCrank, SliderCrankScenario, replace
 from jaxbuffer.mechanisms.slider_crank import SLIDER_CRANK
+from jaxbuffer.mechanisms.slider_crank.assembly import flanks, ideal_motion, slider_crank
 from jaxbuffer.mechanisms.slider_crank.design import check_fit
-from jaxbuffer.mechanisms.slider_crank.system import (
-    depth,
-    driven_torque,
-    eccentricity,
-    flanks,
-    ideal_motion,
-    slider_acceleration,
-    slider_crank,
-)
+from jaxbuffer.mechanisms.slider_crank.sensors import off_centre_across, off_centre_along, slider_acceleration
 from jaxbuffer.plane import Vector
 
 ASKED = ("rod_deflection", "rod_stress", "torque_ripple", "contact_share")
@@ -49,11 +42,11 @@ def test_a_rod_that_is_no_longer_than_its_crank_is_refused():
 
 
 def test_a_round_bush_is_seen_along_a_unit_tangent():
-    """And what the drives put in stands after nine coordinates, nine velocities and three losses."""
+    """And what the drive puts in stands after nine coordinates, nine velocities and three losses."""
     design = replace(SliderCrank(), {"piston_pin.joint": "clearance", "crank_pin.joint": "clearance"})
     mechanism = slider_crank(design, SliderCrankScenario())
     assert [float(contact.pair.side) for contact in mechanism.contacts] == [1.0, 1.0]
-    assert mechanism.layout.places["drives"].start == 9 + 9 + 3
+    assert mechanism.layout.places["element 0"].start == 9 + 9 + 3
 
 
 def test_it_turns_at_5000_revolutions_a_minute():
@@ -112,18 +105,10 @@ def test_where_it_starts_is_the_textbooks_slider_crank(angle):
 
 
 def test_what_is_seen_of_a_slider_crank():
-    """The slider is the third of three bodies: its acceleration follows nine coordinates and six velocities."""
-    mechanism = SimpleNamespace(coordinates=9, drive_power=lambda rate: rate[3])
-    rate = jnp.zeros(20).at[9 + 6].set(-4.0).at[3].set(12.0)
-    centre, origin = (
-        [SimpleNamespace(place=Vector(*place)) for place in places]
-        for places in (((0.0, 1.0), (5.0, 7.0)), ((9.0, 9.0), (3.0, 4.0)))
-    )
-    pins = [SimpleNamespace(centre=pin, origin=bush) for pin, bush in zip(centre, origin, strict=True)]
-    at = SimpleNamespace(kin=SimpleNamespace(v=jnp.zeros(9).at[2].set(3.0)), contacts=pins)
-    assert float(slider_acceleration(mechanism, at, rate)) == 4.0
-    assert float(driven_torque(mechanism, at, rate)) == 4.0
-    assert eccentricity(1, 1.0, "x")(mechanism, at, rate) == 2.0
-    assert eccentricity(1, -1.0, "y")(mechanism, at, rate) == -3.0
-    mechanism = SimpleNamespace(gaps_at=lambda at: (jnp.array([0.5, -0.2]), None))
-    assert float(depth(mechanism, at, rate)) == pytest.approx(0.2)
+    """The slider is the third of three bodies: its acceleration follows those of two others."""
+    assert float(slider_acceleration(None, jnp.zeros(9).at[6].set(-4.0), None)) == 4.0
+    centre, origin = (SimpleNamespace(place=Vector(*place)) for place in ((5.0, 7.0), (3.0, 4.0)))
+    ball = SimpleNamespace(centre=centre, origin=origin)
+    contact = SimpleNamespace(evaluate=lambda kin: ball)
+    assert off_centre_along(None, (1.0, contact)) == 2.0
+    assert off_centre_across(None, (-1.0, contact)) == -3.0

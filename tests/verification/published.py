@@ -4,6 +4,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from helpers import four_bar, sprung_slider_crank
+from jaxbuffer.elements import Integral
 from jaxbuffer.mechanisms.assembled import Assembled
 from jaxbuffer.multibody import (
     GROUND,
@@ -18,14 +19,15 @@ from jaxbuffer.multibody import (
 )
 
 
-def kinetic_energy(system: System, kin: Kinematics):
+def kinetic_energy(kin: Kinematics, system: System):
     return system.kinetic_energy(kin)
 
 
 def sundials_slider_crank(stiffness, damping) -> Assembled:
     """SUNDIALS, IDAS example idasSlCrank_FSA_dns, with the integral of its kinetic energy."""
     mechanism = sprung_slider_crank(stiffness, damping)
-    return Assembled(mechanism.system, mechanism.q, mechanism.v, integrals=(kinetic_energy,))
+    energy = Integral(kinetic_energy, mechanism.system, watched=False)
+    return Assembled(mechanism.system, mechanism.q, mechanism.v, elements=(energy,))
 
 
 def spinning_four_bar() -> Assembled:

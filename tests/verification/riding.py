@@ -18,7 +18,7 @@ def options(rtol=1e-10, events=4096):
 
 
 class Ride:
-    """A finished run: events by kind, the last state with its integrals."""
+    """A finished run: events by kind, and the last state."""
 
     def __init__(self, mechanism: Assembled, result):
         log, count = result.log, int(result.log.count)
@@ -28,7 +28,6 @@ class Ride:
         self.states = np.asarray(log.rows[:count, 0])
         n = mechanism.system.coordinates
         self.q, self.v = self.states[-1, :n], self.states[-1, n : 2 * n]
-        self.integral = np.asarray(mechanism.integral(self.states[-1]))
 
     def times(self, kind: Kind):
         return self.time[self.kind == kind]

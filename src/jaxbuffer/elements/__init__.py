@@ -8,12 +8,17 @@ from .ball_contact import BallState as BallState
 from .ball_contact import ContactForces as ContactForces
 from .buffer import Buffer as Buffer
 from .buffer import BufferForce as BufferForce
+from .drive import Drive as Drive
+from .drive import Motor as Motor
 from .element import Element as Element
 from .element import Magnitudes as Magnitudes
 from .element import Switch as Switch
 from .latch import Latch as Latch
 from .oscillators import Oscillators as Oscillators
 from .pin import Pin as Pin
+from .sensor import Integral as Integral
+from .sensor import Sensor as Sensor
+from .sensor import deepest as deepest
 from .spring_damper import SpringDamper as SpringDamper
 from .stop import EndStop as EndStop
 from .thrust import Thrust as Thrust

@@ -9,7 +9,7 @@ from jaxtyping import Array, Float
 
 from .._types import Scalar
 from ..hybrid import Followers
-from ..multibody import Kinematics, Load, SpringDirection, System
+from ..multibody import Joint, Kinematics, Load, SpringDirection, System
 from ..plane import Vector
 from .stiff_terms import ContactTerm
 
@@ -41,7 +41,7 @@ class Magnitudes(NamedTuple):
 
 
 class Element(eqx.Module):
-    """A physical part between bodies: a buffer, a stop, a latch, a thrust, a pin with play, an oscillator.
+    """A physical part between bodies, such as a buffer, a latch or a drive, or a sensor of their motion.
 
     `jaxbuffer.mechanisms.assembled.Assembled` joins elements to a mechanism. It keeps each element's numbers in the
     state, its switches among the contacts, and the energy that it loses, and hands them back: ``own`` are the numbers,
@@ -82,6 +82,11 @@ class Element(eqx.Module):
         """Return whether the state's rate jumps where a switch closes."""
         return bool(self.switches)
 
+    @property
+    def driving_joint(self) -> Joint | None:
+        """Return the joint by which the element prescribes a motion over time; None if it prescribes none."""
+        return None
+
     # --- one instant --------------------------------------------------------------------------------------------------
 
     def evaluate(self, kin: Kinematics, own: Own) -> Any:
@@ -99,6 +104,11 @@ class Element(eqx.Module):
 
     def rates(self, at: Any, closed: Closed) -> list[Scalar]:
         """Return the rates of `variables`."""
+        return []
+
+    def reaction_rates(self, at: Any, multipliers: Float[Array, " rows"]) -> list[Scalar]:
+        """Return the rates of those `variables`, the last ones, that go with the reaction of the `driving_joint`.
+        ``multipliers``: that joint's, an entry a row (M16)."""
         return []
 
     def after_closing(self, at: Any, own: Own, closing: Closed) -> Own:
@@ -162,8 +172,23 @@ class Element(eqx.Module):
         """Return the values of `observed`, by name."""
         return {}
 
+    @property
+    def observed_of_rate(self) -> tuple[str, ...]:
+        """Return the names of what is watched besides `observed` and depends on accelerations or rates."""
+        return ()
+
+    def observables_of_rate(self, at: Any, acceleration: Array, own_rate: Own) -> Mapping[str, Scalar]:
+        """Return the values of `observed_of_rate`, by name. ``acceleration``: q̈; ``own_rate``: rates of `variables`."""
+        return {}
+
+    @property
+    def least_maxima(self) -> Mapping[str, float]:
+        """Return what the largest values of some of what is watched are at least, by name."""
+        return {}
+
     def negligible(self) -> Mapping[str, Scalar]:
-        """Return the value that is rounding where nothing acts, of some of `observed`; of all others it is zero."""
+        """Return the value that is rounding where nothing acts, of some of what is watched; of all others it is
+        zero."""
         return {}
 
     def recorded(self, at: Any, closed: Closed) -> Mapping[str, Scalar]:

@@ -26,7 +26,6 @@ from .system import ONSET, ContactSystem, SmoothMemory
 
 DEEPEST = 0.99  # of a ball's radius
 HYSTERESIS, FRICTION = "hysteresis", "friction"  # where contacts lose energy
-DRIVES = "drives"  # among what is stored: the energy that they put in, counted negative
 
 Quantity = Callable[[System, Kinematics], Scalar]
 
@@ -53,22 +52,22 @@ class Exerted(NamedTuple):
 class Assembled(ContactSystem):
     """A mechanism ready to be stepped through time from a consistent start.
 
-    **Arguments:** ``system``: bodies, joints and force elements; ``q``, ``v``: positions and velocities at t = 0, on
-    the constraints; ``contacts``: balls that have impacts; ``elements``: further parts, see `jaxbuffer.elements`;
-    ``closed``: which contacts, and then which of the elements' switches, are closed at t = 0 (default: none);
-    ``integrals``: quantities whose integrals over time are wanted, zero at t = 0; ``ends``: quantities whose crossing
-    of zero upwards ends the run (so do elements, and a ball's centre that comes to its flank: "failed_penetration");
-    ``end_names``: of each, the name of the outcome that it stands for, among the mechanism's outcomes ("ended" unless
-    given); ``quiet``: if given, the run ends as "held" where all that closes once has closed and the energy of relative
-    motion is below this share of that at t = 0 (M177); ``size``: magnitudes that matter of the coordinates and of the
-    velocities, one for all or one for each; ``speed`` [m/s]: that velocities are of the order of (default: the second
-    of ``size``); ``shown``: further observables; ``recorded``: what a history shows besides; ``parts``: whatever these
-    need to know; ``energy_size`` [J]: magnitude of the energy; if given, steps must also keep the energy balance;
-    ``momentum_size`` [kg m/s]: that of the momentum, where the ground takes no part; ``memory_time`` [s]: if given, no
-    event sets the contacts' memory: it follows the approach speed while the contact is open (M61); ``first_memory``
-    [m/s]: the contacts' memory at t = 0; ``stored_in``, ``lost_in``: names of the energies that the system itself
-    stores and loses (None: it loses none); ``listed``: names of energies, stored and lost, that are listed also where
-    no part has them; ``rings``: whether reactions may rise suddenly, as where a body bends or a pin bounces.
+    **Arguments:** ``system``: bodies, joints and force elements; the elements' driving joints are added to its own;
+    ``q``, ``v``: positions and velocities at t = 0, on the constraints; ``contacts``: balls that have impacts;
+    ``elements``: further parts, see `jaxbuffer.elements`; ``closed``: which contacts, and then which of the elements'
+    switches, are closed at t = 0 (default: none); ``ends``: quantities whose crossing of zero upwards ends the run (so
+    do elements, and a ball's centre that comes to its flank: "failed_penetration"); ``end_names``: of each, the name of
+    the outcome that it stands for, among the mechanism's outcomes ("ended" unless given); ``quiet``: if given, the run
+    ends as "held" where all that closes once has closed and the energy of relative motion is below this share of that
+    at t = 0 (M177); ``size``: magnitudes that matter of the coordinates and of the velocities, one for all or one for
+    each; ``speed`` [m/s]: that velocities are of the order of (default: the second of ``size``); ``shown``: further
+    observables; ``recorded``: what a history shows besides; ``parts``: whatever these need to know; ``energy_size``
+    [J]: magnitude of the energy; if given, steps must also keep the energy balance; ``momentum_size`` [kg m/s]: that of
+    the momentum, where the ground takes no part; ``memory_time`` [s]: if given, no event sets the contacts' memory: it
+    follows the approach speed while the contact is open (M61); ``first_memory`` [m/s]: the contacts' memory at t = 0;
+    ``stored_in``, ``lost_in``: names of the energies that the system itself stores and loses (None: it loses none);
+    ``listed``: names of energies, stored and lost, that are listed also where no part has them; ``rings``: whether
+    reactions may rise suddenly, as where a body bends or a pin bounces.
 
     Observables are the contacts' normal forces [N], the forces of elements that open and close [N], those shown, and
     what else the elements observe.
@@ -79,7 +78,6 @@ class Assembled(ContactSystem):
     v: Float[Array, " coordinates"]
     contacts: tuple[BallContact, ...] = ()
     closed: Any = ()
-    integrals: tuple[Quantity, ...] = eqx.field(static=True, default=())
     ends: tuple[Quantity, ...] = eqx.field(static=True, default=())
     size: tuple[Any, Any] = (1.0, 1.0)
     shown: tuple[Shown, ...] = eqx.field(static=True, default=())
@@ -97,6 +95,18 @@ class Assembled(ContactSystem):
     lost_in: str | None = eqx.field(static=True, default="dampers")
     listed: tuple[tuple[str, ...], tuple[str, ...]] = eqx.field(static=True, default=((), ()))
     rings: bool = eqx.field(static=True, default=True)
+
+    def __post_init__(self) -> None:
+        """Add the elements' driving joints to those of the system."""
+        mine = tuple(joint for element in self.elements if (joint := element.driving_joint) is not None)
+        there = sum(joint.driven for joint in self.system.joints)
+        if mine and not there:
+            self.system = self.system.with_joints(mine)
+        elif there != len(mine):  # else the system is that of a mechanism, which has the elements' joints already
+            raise InputError(
+                "a joint among the system's prescribes a motion: give it as Drive(joint) among the elements, which"
+                " keeps what it puts in"
+            )
 
     def __check_init__(self) -> None:
         """Raise `InputError` for parts that do not fit each other.
@@ -123,8 +133,7 @@ class Assembled(ContactSystem):
     @property
     def layout(self) -> Layout:
         """Return where in the state each part's numbers stand."""
-        n, driven, held = self.coordinates, self.system.driven, self.quiet is not None
-        return Layout(n, self.contacts, self.elements, len(self.loss_names), driven, held, len(self.integrals))
+        return Layout(self.coordinates, self.contacts, self.elements, len(self.loss_names), self.quiet is not None)
 
     def part(self, state: State, name: str) -> Array:
         """Return a part of the state, by its name in `Layout.places`."""
@@ -195,12 +204,16 @@ class Assembled(ContactSystem):
     @property
     def observed(self) -> tuple[str, ...]:
         forces = (*self.layout.segment_names, *self.layout.switch_forces)
-        others = (name for element in self.elements for name in element.observed if name not in forces)
+        names = (name for element in self.elements for name in (*element.observed, *element.observed_of_rate))
+        others = (name for name in names if name not in forces)
         return (*forces, *(shown.name for shown in self.shown), *others)
 
     @property
     def least_maxima(self) -> Mapping[str, float]:
-        return {shown.name: shown.least for shown in self.shown if shown.least > -math.inf}
+        least = {shown.name: shown.least for shown in self.shown}
+        for element in self.elements:
+            least |= element.least_maxima
+        return {name: value for name, value in least.items() if value > -math.inf}
 
     def negligible(self) -> Float[Array, " observables"]:
         sizes: dict[str, Scalar] = {
@@ -215,6 +228,7 @@ class Assembled(ContactSystem):
 
     def rate_observables(self) -> tuple[bool, ...]:
         rated = {shown.name for shown in self.shown if shown.of_rate}
+        rated.update(name for element in self.elements for name in element.observed_of_rate)
         return tuple(name in rated for name in self.observed)
 
     @property
@@ -252,8 +266,8 @@ class Assembled(ContactSystem):
     def kinematics(self, state: State) -> Kinematics:
         """Return the frames of the bodies."""
         places = self.layout.places
-        # Time enters by the drives' constraints alone.
-        time = state[places["drives"]][1] if self.system.driven else 0.0
+        # Time enters by the driving joints alone.
+        time = state[places["time"]][0] if self.layout.driven else 0.0
         return self.system.kinematics(state[places["q"]], state[places["v"]], time)
 
     def evaluate(self, state: State) -> EvaluatedState:
@@ -265,14 +279,6 @@ class Assembled(ContactSystem):
         )
         return EvaluatedState(state, kin, contacts, elements)
 
-    def integral(self, state: State) -> Float[Array, " integrals"]:
-        """Return the integrals so far."""
-        return self.part(state, "integrals")
-
-    def drive_power(self, rate: State) -> Scalar:
-        """Return what the drives put in [W]. ``rate``: of the state."""
-        return self.part(rate, "drives")[0]
-
     def start(self) -> tuple[State, Closed]:
         at, closed = self.first_evaluation()
         return at.state, closed
@@ -281,9 +287,9 @@ class Assembled(ContactSystem):
         kin = self.system.kinematics(self.q, self.v)
         own = [element.start(kin) for element in self.elements]
         spins = [kin.point(self.contacts[k].body, self.contacts[k].point).spin for k in self.layout.spin_inertias]
-        before = len(self.loss_names) + 2 * self.system.driven + int(self.quiet is not None)
+        before, time = len(self.loss_names) + int(self.quiet is not None), jnp.zeros(int(self.layout.driven))
         moving = [self.q, self.v, *([stacked(spins)] if spins else []), jnp.zeros(before)]
-        without_memory = jnp.concatenate([*moving, *own, jnp.zeros(len(self.integrals))])
+        without_memory = jnp.concatenate([*moving, *own, time])
         closed = self._start_closed(self.evaluate(jnp.concatenate([without_memory, jnp.ones(self.impact_contacts)])))
         state = jnp.concatenate([without_memory, self._start_memory(kin, closed)])
         at = self.evaluate(state)
@@ -356,20 +362,27 @@ class Assembled(ContactSystem):
             self.contacts[k].spin_moment(at.contacts[k], exerted.contacts[k]) / inertia
             for k, inertia in self.layout.spin_inertias.items()
         ]
-        # A drive's constraint depends on time, which is a state beside the energy that it puts in.
-        drives = [self.system.drive_power(at.kin, exerted.motion.multipliers), 1.0] if self.system.driven else []
+        time = [1.0] * self.layout.driven
         first_energy = [0.0] * (self.quiet is not None)
-        switches = self.layout.of_elements(active)
-        own = [
-            rate
-            for element, *part in zip(self.elements, at.elements, switches, strict=True)
-            for rate in element.rates(*part)
-        ]
-        integrals = [quantity(self.system, at.kin) for quantity in self.integrals]
         lost = self._losses(at, active, exerted)
-        rest = [*spins, *(lost[name] for name in self.loss_names), *drives, *first_energy, *own, *integrals]
+        own = self._element_rates(at, active, exerted)
+        rest = [*spins, *(lost[name] for name in self.loss_names), *first_energy, *own, *time]
         memory = jnp.zeros(self.impact_contacts) if (smooth := self.smooth_memory(at)) is None else smooth.rate
         return jnp.concatenate([at.kin.v, exerted.motion.acceleration, stacked(rest), memory])
+
+    def _element_rates(self, at: EvaluatedState, active: Closed, exerted: Exerted) -> list[Scalar]:
+        """Return the rates of the elements' numbers."""
+        rates: list[Scalar] = []
+        # The driving joints stand behind all others, and so do their multipliers.
+        others = [joint for joint in self.system.joints if not joint.driven] if self.layout.driven else []
+        first = sum(len(joint.rows(at.kin)) for joint in others)
+        for element, it, closed in zip(self.elements, at.elements, self.layout.of_elements(active), strict=True):
+            rates += element.rates(it, closed)
+            if element.driving_joint is not None:
+                last = first + len(element.driving_joint.rows(at.kin))
+                rates += element.reaction_rates(it, exerted.motion.multipliers[first:last])
+                first = last
+        return rates
 
     def _losses(self, at: EvaluatedState, active: Closed, exerted: Exerted) -> dict[str, Scalar]:
         """Return the power that is lost, by where it is [W]."""
@@ -447,22 +460,25 @@ class Assembled(ContactSystem):
         return row([forces.normal for forces in self.contact_forces(at, active)])
 
     def observables_at(self, at: EvaluatedState, rate: State, active: Closed) -> Float[Array, " observables"]:
-        values = self._element_observables(at, active)
+        values = self._element_observables(at, rate, active)
         values |= {shown.name: shown.of(self, at, rate) for shown in self.shown}
         others = [values[name] for name in self.observed[self.impact_contacts :]]
         return row([self.normal_force_at(at, active), *([stacked(others)] if others else [])])
 
-    def _element_observables(self, at: EvaluatedState, active: Closed) -> dict[str, Scalar]:
+    def _element_observables(self, at: EvaluatedState, rate: State, active: Closed) -> dict[str, Scalar]:
         values: dict[str, Scalar] = {}
-        for element, *part in zip(self.elements, at.elements, self.layout.of_elements(active), strict=True):
-            values |= element.observables(*part)
+        acceleration, closed = self.part(rate, "v"), self.layout.of_elements(active)
+        for k, (element, it) in enumerate(zip(self.elements, at.elements, strict=True)):
+            values |= element.observables(it, closed[k])
+            if element.observed_of_rate:
+                values |= element.observables_of_rate(it, acceleration, self.part(rate, f"element {k}"))
         return values
 
     def snapshot_at(self, at: EvaluatedState, active: Closed) -> Snapshot:
         exerted = self.exerted(at, active)
         rate = self._rate(at, active, exerted)
         approaches = [it.approach for it in at.contacts]
-        others = self._element_observables(at, active)
+        others = self._element_observables(at, rate, active)
         for element, *part in zip(self.elements, at.elements, self.layout.of_elements(active), strict=True):
             others |= element.recorded(*part)
         # Those recorded come last: where a size is watched, the history has the value with its sign.
@@ -494,10 +510,10 @@ class Assembled(ContactSystem):
         return stored
 
     def supplied(self, state: State) -> dict[str, Scalar]:
-        """Return the energy that drives and elements have put in from outside so far, by name [J]."""
-        supplied: dict[str, Scalar] = {DRIVES: self.part(state, "drives")[0]} if self.system.driven else {}
+        """Return the energy that elements have put in from outside so far, by name [J]."""
+        supplied: dict[str, Scalar] = {}
         for k, element in enumerate(self.elements):
-            supplied |= element.supplied(self.part(state, f"element {k}"))
+            supplied = _added(supplied, element.supplied(self.part(state, f"element {k}")))
         return supplied
 
     def relative_energy(self, at: EvaluatedState, active: Closed) -> Float[Array, ""]:
@@ -510,7 +526,7 @@ class Assembled(ContactSystem):
         always_stored, always_lost = (dict.fromkeys(names, jnp.zeros(())) for names in self.listed)
         # What came from outside is counted negative, so that the total stays constant (M76).
         put_in = {name: -energy for name, energy in self.supplied(at.state).items()}
-        stored = always_stored | self.stored(at, active) | put_in
+        stored = _added(always_stored | self.stored(at, active), put_in)
         lost = always_lost | dict(zip(self.loss_names, self.part(at.state, "lost"), strict=True))
         return Energy({name: jnp.asarray(energy) for name, energy in stored.items()}, lost)
 
@@ -545,11 +561,11 @@ class Assembled(ContactSystem):
         magnitudes = Magnitudes(speed, energy, momentum)
         # A ball that rolls at the typical speed spins at that over its radius.
         rest: list[Scalar] = [speed / self.contacts[k].pair.radius for k in self.layout.spin_inertias]
-        rest += [energy] * len(self.loss_names) + [energy, 1.0] * self.system.driven
+        rest += [energy] * len(self.loss_names)
         rest += [energy] * (self.quiet is not None)
         for element in self.elements:
             rest += element.scales(magnitudes)
-        rest += [1.0] * len(self.integrals) + [speed] * self.impact_contacts
+        rest += [1.0] * self.layout.driven + [speed] * self.impact_contacts
         return jnp.concatenate([place, motion, stacked(rest)])
 
     def impact_step(self, state: State) -> Float[Array, ""]:

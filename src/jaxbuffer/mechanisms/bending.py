@@ -2,7 +2,8 @@
 
 import functools
 import math
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -41,18 +42,35 @@ def highest_of_plate(which: tuple[int, ...], support: str) -> float:
     return float(plate_strip(UNIT, which[-1:], support=support).modes.frequencies()[0])
 
 
-def too_few(part: str, modes: int, highest: Any, time: Any) -> ValidityLimit:
-    """Return how the highest mode's period [s], ``highest``, compares with a force's ``time`` [s]: if it is slower, the
+class BendingPart(NamedTuple):
+    """A part that bends.
+
+    - ``name``: of the part.
+    - ``modes``: in how many.
+    - ``highest``: the period of the highest of them [s].
+    - ``remark``: on their number, for a summary.
+    """
+
+    name: str
+    modes: int
+    highest: Any
+    remark: str = ""
+
+
+def mode_limits(parts: Sequence[BendingPart], time: Any) -> list[ValidityLimit]:
+    """Return how the highest mode's period of each part compares with a force's ``time`` [s]: if it is slower, the
     modes are too few."""
-    warning = f"the {part}'s {modes} modes are too few for the peak: the highest is slower than the force"
-    return ValidityLimit(warning, highest / np.maximum(time, 1e-300))
+    warning = "the {0.name}'s {0.modes} modes are too few for the peak: the highest is slower than the force"
+    return [ValidityLimit(warning.format(part), part.highest / np.maximum(time, 1e-300)) for part in parts]
 
 
-def modes_line(part: str, modes: str, highest: Any) -> str:
-    """Return a summary's line: number of modes of a part, and the highest's period [s]."""
-    return f"  {f'{part} modes':24} {modes}; period of the highest {1e6 * float(highest):.3g} µs"
-
-
-def force_line(time: Any) -> str:
-    """Return the line that goes with it: how long the force took [s]."""
-    return f"  {'force rises within':24} {1e6 * float(time):.3g} µs"
+def mode_lines(parts: Sequence[BendingPart], time: Any = None) -> list[str]:
+    """Return a summary's lines: each part's number of modes and the period of the highest, and if there are any, how
+    long the force took, ``time`` [s]; None: nothing touched."""
+    lines = []
+    for part in parts:
+        period_text = f"period of the highest {1e6 * float(part.highest):.3g} µs"
+        lines.append(f"  {f'{part.name} modes':24} {part.modes}{part.remark}; {period_text}")
+    if lines and time is not None:
+        lines.append(f"  {'force rises within':24} {1e6 * float(time):.3g} µs")
+    return lines

@@ -28,33 +28,28 @@ class Layout(NamedTuple):
     - ``coordinates``: how many there are.
     - ``contacts``, ``elements``: the parts, in their order.
     - ``losses``: how many energies lost are kept apart.
-    - ``driven``: whether there are drives.
     - ``held``: whether a run may end as held, for which the first energy is kept.
-    - ``integrals``: how many there are.
     """
 
     coordinates: int
     contacts: tuple[BallContact, ...]
     elements: tuple[Element, ...]
     losses: int
-    driven: bool
     held: bool
-    integrals: int
 
     @property
     def places(self) -> dict[str, slice]:
         """Return where each part of the state stands: coordinates, velocities, spins of balls that spin freely, energy
-        lost, the energy that drives put in with the time, the relative energy at t = 0, each element's numbers,
-        integrals, and the contacts' memory."""
+        lost, the relative energy at t = 0, each element's numbers, the time where a motion over time is prescribed, and
+        the contacts' memory."""
         lengths = {
             "q": self.coordinates,
             "v": self.coordinates,
             "spins": len(self.spin_inertias),
             "lost": self.losses,
-            "drives": 2 * self.driven,
             "first energy": int(self.held),
             **{f"element {k}": len(element.variables) for k, element in enumerate(self.elements)},
-            "integrals": self.integrals,
+            "time": int(self.driven),
             "memory": self.segments,
         }
         places, first = {}, 0
@@ -62,6 +57,11 @@ class Layout(NamedTuple):
             places[name] = slice(first, first + length)
             first += length
         return places
+
+    @property
+    def driven(self) -> bool:
+        """Return whether an element prescribes a motion over time, which therefore stands in the state."""
+        return any(element.driving_joint is not None for element in self.elements)
 
     @property
     def spin_inertias(self) -> dict[int, Scalar]:

@@ -11,6 +11,7 @@ from .forces import Load as Load
 from .forces import SpringDirection as SpringDirection
 from .forces import TorsionalSpringDamper as TorsionalSpringDamper
 from .forces import load_at as load_at
+from .forces import turn_at as turn_at
 from .initial import assemble as assemble
 from .joints import ConstantSpeed as ConstantSpeed
 from .joints import DrivenAngle as DrivenAngle

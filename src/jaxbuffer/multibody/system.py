@@ -167,16 +167,9 @@ class System(eqx.Module):
         """Return the (coordinates,) x with M x + Φ_qᵀ λ = ``force`` and Φ_q x = ``rhs`` (M17)."""
         return solve_augmented(self.mass_matrix(kin), SparseRows.of(self._entries(self._rows(kin))), force, rhs)[0]
 
-    @property
-    def driven(self) -> bool:
-        """Return whether a joint prescribes a motion over time."""
-        return any(joint.driven for joint in self.joints)
-
-    def drive_power(self, kin: Kinematics, multipliers: Float[Array, " rows"]) -> Scalar:
-        """Return the power that the drives put in [W], λ·Φ_t (M107). ``multipliers``: λ, (rows,)."""
-        rows = enumerate(self._rows(kin))
-        # Only a drive's row has a rate that is not Python's 0.
-        return sum((multipliers[k] * row.rate for k, row in rows if not isinstance(row.rate, float)), jnp.zeros(()))
+    def with_joints(self, joints: tuple[Joint, ...]) -> "System":
+        """Return the system with further joints, behind its own."""
+        return System(self.bodies, (*self.joints, *joints), self.forces, self.stabilisation)
 
     def direction(self, blocks: Mapping[int, Block]) -> Float[Array, " coordinates"]:
         """Join blocks (u, v, θ, modal coordinates) by body into one vector, zero for all other bodies."""

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from typing import ClassVar
 
 import numpy as np
-from jaxtyping import Array, Bool
+from jaxtyping import Array, Bool, Float
 
 from ..._types import Scalar
 from ...contact import hertz_stiffness, law_choice, laws_with
@@ -24,6 +24,7 @@ from ...fields import (
     whole,
 )
 from ...multibody.flexible import Bar as UniformBar
+from ...multibody.flexible import FlexibleBar, free_bar, plate_strip
 from ..run import DesignOf
 from .run import BarDropRun
 
@@ -65,6 +66,19 @@ class Bar(Part):
     def rod(self) -> UniformBar:
         """Return the bar as a uniform one of circular section."""
         return UniformBar.circle(self.length, self.diameter, self.density, self.young_modulus)
+
+    @property
+    def bent(self) -> FlexibleBar:
+        """Return the bar in modes of a free one, whose axes keep its centre of mass and angular momentum."""
+        return free_bar(self.rod, self.modes - 2, damping_ratio=self.damping_ratio)
+
+    @property
+    def middle_off_ends(self) -> Float[np.ndarray, " modes"]:
+        """Return how far the bar's middle is off the line through its ends, per unit of each modal coordinate [-]."""
+        # The mode shapes of a free uniform bar do not depend on its dimensions.
+        shapes = free_bar(UniformBar.circle(1.0, 1.0, 1.0, 1.0), self.modes - 2).shapes
+        start, middle, end = shapes.lateral(np.array([0.0, 0.5, 1.0]), 0)
+        return middle - 0.5 * (start + end)
 
 
 class Impact(Part):
@@ -184,6 +198,16 @@ class Plate(Part):
     def strip(self) -> UniformBar:
         """Return the plate as a uniform bar of rectangular section."""
         return UniformBar.rectangle(self.length, self.width, self.thickness, self.density, self.young_modulus)
+
+    @property
+    def moving_modes(self) -> tuple[int, ...]:
+        """Return which of its modes move its middle, counted from 1: every other one."""
+        return tuple(range(1, self.modes + 1, 2))
+
+    @property
+    def bent(self) -> FlexibleBar:
+        """Return the plate in those of its modes that move where it is struck."""
+        return plate_strip(self.strip, self.moving_modes, support=self.support, damping_ratio=self.damping_ratio)
 
 
 class BarDrop(DesignOf[BarDropRun]):

@@ -20,8 +20,8 @@ from ..drawing import (
     stations,
     with_stations,
 )
+from .assembly import BAR, PLATE, ball_on_plate
 from .design import BarDrop
-from .system import BAR, PLATE, ball_on_plate, bending_bar, bending_plate
 
 CLOSER = 4.0  # half of the detail's width, in radii of the ball
 
@@ -62,9 +62,9 @@ def with_bending(design: BarDrop, history: Any) -> Float[np.ndarray, "steps fram
     frames = np.asarray(history.position)
     bodies = frames.shape[1]
     if design.bar.modes:
-        frames = with_stations(frames, history, bodies, bending_bar(design), BAR)
+        frames = with_stations(frames, history, bodies, design.bar.bent, BAR)
     if design.plate.modes:
-        before = bending_bar(design).modes.size if design.bar.modes else 0
-        frames = with_stations(frames, history, bodies, bending_plate(design), PLATE, before)
+        before = design.bar.bent.modes.size if design.bar.modes else 0
+        frames = with_stations(frames, history, bodies, design.plate.bent, PLATE, before)
         frames[:, -len(stations(0)) :, 1] -= 0.5 * float(design.plate.thickness)  # the frame lies in the plate's top
     return frames

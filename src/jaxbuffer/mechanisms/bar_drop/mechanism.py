@@ -5,10 +5,10 @@ from ...errors import InputError
 from ...fields import replace
 from ..mechanism import Defaults, Mechanism
 from ..registry import register
+from .assembly import bar_drop
 from .design import BarDrop, BarDropScenario, check_fit, valid
 from .quantities import QUANTITIES
 from .run import dropped
-from .system import bar_drop
 from .view import VIEW
 
 MEMORY_TIME = 2e-4  # s, a hundredth of the time between two of its impacts

@@ -4,12 +4,13 @@ from typing import Any
 
 import numpy as np
 
+from ..bending import mode_limits, mode_lines
 from ..energy import energy_unit
 from ..picture import Level, Panel, PanelCurve
 from ..plain_summary import plain_summary
 from ..validity import BEYOND_LAW, ValidityLimit
 from ..view import Names, View
-from .bending import limits, mode_lines
+from .bending import bending_parts, rise_time
 from .design import BarDrop, BarDropScenario
 from .drawing import drawing
 from .run import BarDropRun
@@ -28,7 +29,7 @@ def validity(design: BarDrop, peak_force: Any, penetration: Any = None) -> list[
         return []
     share = np.asarray(penetration) / (DEEP * np.asarray(design.bar.ball_radius))
     deep = ValidityLimit(f"{BEYOND_LAW}the ball goes deeper into the plate than a tenth of its radius", share)
-    return [deep, *limits(design, peak_force, penetration)]
+    return [deep, *mode_limits(bending_parts(design), rise_time(design, peak_force, penetration))]
 
 
 def warnings(run: BarDropRun) -> list[str]:
@@ -42,7 +43,8 @@ def summary(run: BarDropRun) -> str:
     """Return the plain summary, with the number of modes that it was computed with below the peak."""
     lines = plain_summary(run).splitlines()
     below = next((k + 1 for k, line in enumerate(lines) if line.startswith("  time of the peak")), len(lines))
-    return "\n".join([*lines[:below], *mode_lines(run), *lines[below:]])
+    time = rise_time(run.design, float(run.peak_force), float(run.maxima["penetration"]))
+    return "\n".join([*lines[:below], *mode_lines(bending_parts(run.design), time), *lines[below:]])
 
 
 def record(run: BarDropRun) -> dict[str, dict[str, Any]]:

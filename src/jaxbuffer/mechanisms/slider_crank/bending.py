@@ -1,12 +1,10 @@
-"""The modes in which rod and slider bend: whether they are fast enough for a peak."""
+"""The modes in which rod and slider bend, and the time that they are held against."""
 
 from typing import Any
 
 import numpy as np
 
-from ..bending import build_up, force_line, highest_of_free, modes_line, period, too_few
-from ..run import Run
-from ..validity import ValidityLimit
+from ..bending import BendingPart, build_up, highest_of_free, period
 from . import shapes
 from .design import SliderCrank
 from .shapes import highest_period
@@ -28,26 +26,11 @@ def rod_period(design: SliderCrank) -> Any:
     return period(design.rod.bar, highest_of_free(design.rod.modes))
 
 
-def bending_parts(design: SliderCrank) -> list[tuple[str, int, Any]]:
-    """Return each part that bends: its name, how many modes, the period of the highest [s]."""
-    slider, parts = design.slider, [("rod", design.rod.modes, rod_period(design))] if design.rod.modes else []
+def bending_parts(design: SliderCrank) -> list[BendingPart]:
+    """Return rod and slider, as far as they bend."""
+    rod, slider, parts = design.rod, design.slider, []
+    if rod.modes:
+        parts.append(BendingPart("rod", rod.modes, rod_period(design)))
     if slider.modes:
-        parts.append(("slider", slider.modes, highest_period(slider, shapes.SLIDER, slider.scale)))
+        parts.append(BendingPart("slider", slider.modes, highest_period(slider, shapes.SLIDER, slider.scale)))
     return parts
-
-
-def limits(design: SliderCrank, peak_force: Any, penetration: Any) -> list[ValidityLimit]:
-    """Return how each part's highest mode's period compares with the time that the force takes to its peak."""
-    parts = bending_parts(design)
-    if not parts or penetration is None:
-        return []
-    time = rise_time(design, peak_force, penetration)
-    return [too_few(name, modes, highest, time) for name, modes, highest in parts]
-
-
-def mode_lines(run: Run, penetration: float) -> list[str]:
-    """Return the number of modes of each part that bends, and the highest's period beside the time the force took."""
-    lines = [modes_line(name, str(modes), highest) for name, modes, highest in bending_parts(run.design)]
-    if lines and int(run.impact_count):
-        lines.append(force_line(rise_time(run.design, float(run.peak_force), penetration)))
-    return lines

@@ -8,7 +8,7 @@ from jaxtyping import Array, Bool
 from ...errors import InputError, check_type, concrete, inside
 from ...fields import NON_NEGATIVE, POSITIVE, Number, Part, absent, all_of, choice, chosen, mesh, number, on, whole
 from ...multibody import Body
-from ...multibody.flexible import Bar
+from ...multibody.flexible import Bar, FlexibleBar, free_bar
 from ..run import DesignOf, Run
 from . import shapes
 from .pins import CrankPin, PistonPin
@@ -124,6 +124,13 @@ class Rod(Part):
     def form(self) -> PlanarBody:
         """Return the rod as a planar shape."""
         return shaped(self, shapes.ROD, self.size)
+
+    @property
+    def bent(self) -> FlexibleBar | PlanarBody:
+        """Return the rod in modes of a free bar or shape, whose axes keep its centre of mass and angular momentum."""
+        if self.shape is not None:
+            return self.form
+        return free_bar(self.bar, self.modes - 2, damping_ratio=self.damping_ratio)
 
     @property
     def ends(self) -> Places:

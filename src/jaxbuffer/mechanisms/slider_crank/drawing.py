@@ -25,10 +25,11 @@ from ..drawing import (
     with_stations,
 )
 from . import shapes
+from .assembly import flanks
 from .design import SliderCrank
 from .pins import Pin
+from .sensors import CRANK, ROD, SLIDER
 from .shapes import PlanarBody, outlines
-from .system import CRANK, ROD, SLIDER, bending_rod, flanks
 
 BODIES = 3
 Motion = Callable[[Any], Float[np.ndarray, "steps frames 3"]]  # from a history to the frames
@@ -78,7 +79,7 @@ def drawing(design: SliderCrank, bodies: tuple[str, ...] = ()) -> Drawing:
 
 def bent(design: SliderCrank) -> Motion:
     """Return a function of a history that gives the bodies' frames, and those of stations along a rod that bends."""
-    bar = bending_rod(design.rod) if bends(design) else None
+    bar = design.rod.bent if bends(design) else None
     if bar is None or isinstance(bar, PlanarBody):
         return as_they_are
     return lambda history: with_stations(as_they_are(history), history, BODIES, bar, ROD)

@@ -3,9 +3,9 @@
 from ...fields import replace
 from ..mechanism import Defaults, Mechanism
 from ..registry import register
+from .assembly import slider_crank
 from .design import SliderCrank, SliderCrankScenario, check_fit, valid
 from .quantities import QUANTITIES
-from .system import slider_crank
 from .view import VIEW
 
 MEMORY_TIME = 1e-6  # s: bounces follow each other within 1e-4 s

@@ -5,11 +5,11 @@ from typing import Any
 import numpy as np
 
 from ...value_text import degrees_text
+from ..bending import mode_limits, mode_lines
 from ..plain_summary import plain_summary
 from ..run import Run
 from ..validity import BEYOND_LAW, ValidityLimit
-from .bending import limits as bending_limits
-from .bending import mode_lines
+from .bending import bending_parts, rise_time
 from .design import SliderCrank, SliderCrankScenario
 from .pins import ADAMS, Pin
 from .quantities import deepest
@@ -31,8 +31,17 @@ def loose(design: SliderCrank) -> tuple[Pin, ...]:
 
 def validity(design: SliderCrank, peak_force: Any, penetration: Any = None) -> list[ValidityLimit]:
     """Return how near the peak forces [N] come to the contact laws' limits, and the rod's modes to being too few."""
-    few = bending_limits(design, peak_force, penetration) if loose(design) else []
+    few = bending_validity(design, peak_force, penetration) if loose(design) else []
     return contact_validity(design, peak_force) + few
+
+
+def bending_validity(design: SliderCrank, peak_force: Any, penetration: Any) -> list[ValidityLimit]:
+    """Return how each part's highest mode compares with the time that the force [N] takes to its peak, ``penetration``
+    [m] deep; nothing where that depth is not known."""
+    parts = bending_parts(design)
+    if not parts or penetration is None:
+        return []
+    return mode_limits(parts, rise_time(design, peak_force, penetration))
 
 
 def contact_validity(design: SliderCrank, peak_force: Any) -> list[ValidityLimit]:
@@ -57,7 +66,7 @@ def warnings(run: Run) -> list[str]:
         lines.append("an exponent below 1 is no elastic contact's: its stiffness falls as the pin goes deeper")
     limits = contact_validity(run.design, run.peak_force)
     lines += [limit.beyond for limit in limits if limit.passed]
-    few = bending_limits(run.design, run.peak_force, deepest(run)) if int(run.impact_count) else []
+    few = bending_validity(run.design, run.peak_force, deepest(run)) if int(run.impact_count) else []
     return lines + [f"{limit.beyond}, by a factor of {float(limit.share):.3g}" for limit in few if limit.passed]
 
 
@@ -80,4 +89,7 @@ def with_modes(run: Run, text: str) -> str:
         return text
     lines = text.splitlines()
     below = next((k + 1 for k, line in enumerate(lines) if line.startswith("  time of the peak")), len(lines))
-    return "\n".join([*lines[:below], *mode_lines(run, float(np.asarray(deepest(run)))), *lines[below:]])
+    parts, time = bending_parts(run.design), None
+    if parts and int(run.impact_count):
+        time = rise_time(run.design, float(run.peak_force), float(np.asarray(deepest(run))))
+    return "\n".join([*lines[:below], *mode_lines(parts, time), *lines[below:]])
