@@ -38,7 +38,7 @@ BEGUN = {  # what a command keeps while it runs, and the files of its results
     "front": ("least-*/log.jsonl", ("pareto.json",)),
 }
 # Entries that have other names by now: a page would leave them out and so say less than the result.
-RENAMED = ("require_success", "asked", "rows_asked", "display_unit", "borne_out", "above_lower_bound [-]")
+RENAMED = ("must_succeed", "asked", "rows_asked", "shown_in", "borne_out", "above_floor [-]")
 BESIDE = {"sweep": "sweep.json", "motion": "motion.json", "force": "force.json"}  # of something else in the folder
 
 
