@@ -9,10 +9,14 @@ from .ball_contact import ContactForces as ContactForces
 from .buffer import Buffer as Buffer
 from .buffer import BufferForce as BufferForce
 from .element import Element as Element
+from .element import EnergyShare as EnergyShare
 from .element import Magnitudes as Magnitudes
 from .element import Switch as Switch
 from .latch import Latch as Latch
 from .oscillators import Oscillators as Oscillators
+from .picture import Level as Level
+from .picture import Panel as Panel
+from .picture import PanelCurve as PanelCurve
 from .pin import Pin as Pin
 from .spring_damper import SpringDamper as SpringDamper
 from .stop import EndStop as EndStop

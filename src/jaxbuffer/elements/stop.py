@@ -1,6 +1,6 @@
 """A stop at either end of an axial element's way (M28, M174)."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -9,7 +9,10 @@ from .._types import Scalar
 from ..contact import KelvinVoigt
 from ..multibody import AxialSpringDamper, Kinematics, Load, MaterialPoint, SpringDirection, load_at
 from ..plane import Vector
-from .element import Closed, Element, Own, Switch
+from .element import Closed, Element, EnergyShare, Own, Switch
+from .telling import largest, reached
+
+USUAL = {"stop": "end stop", "rebound": "rebound stop"}  # what stops of these names are called
 
 
 class StopState(NamedTuple):
@@ -89,6 +92,19 @@ class EndStop(Element):
 
     def observables(self, at: StopState, closed: Closed) -> dict[str, Scalar]:
         return {name: self.force(at, closed) for name in self.observed}
+
+    @property
+    def words(self) -> str:
+        return USUAL.get(self.name, super().words)
+
+    def summary(self, run: Any) -> list[tuple[str, str]]:
+        force = f"{self.name}_force"
+        most = f", at most {largest(run, force):.6g} N{reached(run, force)}" if self.watched else ""
+        return [(self.words, f"from {1e3 * float(self.place):.6g} mm on{most}")]
+
+    @property
+    def shares(self) -> tuple[EnergyShare, ...]:
+        return (EnergyShare(self.words, f"in the {self.words}", (self.name, f"{self.name}_damper")),)
 
     def springs(self, at: StopState, closed: Closed) -> tuple[SpringDirection, ...]:
         # Where the damper would pull, the force is cut off at zero and answers to nothing.

@@ -10,6 +10,7 @@ from ..._types import Scalar
 from ...errors import InputError, suggest
 from .adams import AdamsImpact as AdamsImpact
 from .adams import step as step
+from .base import BEYOND_LAW as BEYOND_LAW
 from .base import METHODS
 from .base import ContactLaw as ContactLaw
 from .cylindrical import PIN_IN_HOLE_LAWS as PIN_IN_HOLE_LAWS
