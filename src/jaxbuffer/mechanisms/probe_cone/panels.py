@@ -66,9 +66,10 @@ def _energy(capture: Capture) -> Panel:
 
 
 def energy_shares(capture: Capture) -> list[EnergyShare]:
-    """Return what the parts have of a capture's energy: first what every capture lists."""
+    """Return what the parts have of a capture's energy: first what every capture lists, in that order."""
     shares = [share for element in capture.elements for share in element.shares]
-    return sorted(shares, key=lambda share: share.names[-1] not in LISTED[1])
+    order = dict(zip(LISTED[1], range(len(LISTED[1])), strict=True))
+    return sorted(shares, key=lambda share: order.get(share.names[-1], len(order)))
 
 
 def relative_motion(history: Any) -> np.ndarray:
