@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from jaxbuffer import replace, table2
-from jaxbuffer.mechanisms.probe_cone.assembly import pin_law
-from jaxbuffer.mechanisms.probe_cone.law_validity import Validity, _of_play, validity
+from jaxbuffer.mechanisms.probe_cone.assembly import pin_in_bush, pin_law
+from jaxbuffer.mechanisms.probe_cone.law_validity import Validity, validity
 from jaxbuffer.mechanisms.probe_cone.margins import throat
 
 
@@ -36,9 +36,10 @@ def test_the_pin_may_touch_a_small_area_of_its_bush(share, told):
     design = replace(table2(), {"hinge.play": 2e-4})
     pin, bush = float(design.hinge.pin_radius), float(design.hinge.bush_radius)
     limit = float(pin_law(design).elastic(0.1 * pin * 2e-4 / bush))
-    lines = _of_play(SimpleNamespace(design=design, peak_hinge_force=jnp.asarray(share * limit)))
-    assert len(lines) == told
-    assert _of_play(SimpleNamespace(design=table2(), peak_hinge_force=jnp.asarray(limit))) == []
+    run = SimpleNamespace(mechanism=SimpleNamespace(quantities={}), maxima={"hinge_force": jnp.asarray(share * limit)})
+    assert len(pin_in_bush(design).warnings(run)) == told
+    run.maxima.clear()
+    assert pin_in_bush(design).warnings(run) == [], "where the force is not watched nothing is known"
 
 
 def log(rows, times, count):
@@ -50,7 +51,7 @@ def test_the_way_beyond_the_capture_plane_goes_on_at_the_last_speed():
     """0.3 m before it, and 0.1 m/s nearer: 4 s later 0.1 m beyond."""
     mechanism = SimpleNamespace(
         parts=SimpleNamespace(scenario=SimpleNamespace(start="contact")),
-        element=lambda name: None,
+        all_of=lambda kind: [],
         posture=lambda state: state,
         evaluated=lambda at, name: SimpleNamespace(before=at[0], receding=at[1]),
     )

@@ -3,7 +3,7 @@
 By the stroke s and its rate ṡ it pushes the probe out with F_s(s) + F_d(ṡ) + F_f tanh(ṡ/v_f) (M171 to M173).
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax
@@ -12,7 +12,9 @@ import jax.numpy as jnp
 from .._types import Scalar
 from ..fields import MonotoneCubic
 from ..multibody import AxialSpringDamper, Kinematics, Load, SpringDirection, load_at
-from .element import ROUNDED_LENGTH, Closed, Element, Own
+from .element import ROUNDED_LENGTH, Closed, Element, EnergyShare, Own
+from .picture import Level, Panel, PanelCurve
+from .telling import largest, reached
 
 
 class BufferForce(AxialSpringDamper):
@@ -189,12 +191,34 @@ class Buffer(Element):
     def stiff_force(self, at: BufferState, closed: Closed) -> Scalar:
         return jnp.abs(self.force.tension(at.kin))
 
+    def summary(self, run: Any) -> list[tuple[str, str]]:
+        force, of = f"{self.name}_force", "" if self.longest_stroke is None else f" of {_mm(self.longest_stroke)}"
+        return [
+            (f"peak {self.words} force", f"{largest(run, force):.6g} N{reached(run, force)}"),
+            (self.stroke.replace("_", " "), f"{_mm(largest(run, self.stroke))}{of}{reached(run, self.stroke)}"),
+        ]
+
+    def panels(self, run: Any) -> list[Panel]:
+        most = largest(run, self.stroke)
+        curve = PanelCurve("", 1e3 * run.history.others[self.stroke])
+        title = self.stroke.replace("_", " ").capitalize()
+        return [Panel(title, "stroke [mm]", (curve,), (Level(f"largest, {_mm(most, 4)}", 1e3 * most), Level("", 0.0)))]
+
+    @property
+    def shares(self) -> tuple[EnergyShare, ...]:
+        friction = f"{self.words}'s friction"
+        return (EnergyShare(friction, f"lost in the {friction}", (self.rubbed_in,)),) if self._rubs else ()
+
     @property
     def tolerance_share(self) -> float:
         """Return less than one with measured curves: between two of their pieces the second derivative jumps."""
         force = self.force
         measured = isinstance(force, BufferForce) and not (force.spring_curve is None and force.damper_curve is None)
         return PIECES if measured else 1.0
+
+
+def _mm(length: Scalar, digits: int = 6) -> str:
+    return f"{1e3 * float(length):.{digits}g} mm"
 
 
 PIECES = 0.2  # see `Buffer.tolerance_share`

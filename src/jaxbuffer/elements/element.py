@@ -11,6 +11,7 @@ from .._types import Scalar
 from ..hybrid import Followers
 from ..multibody import Joint, Kinematics, Load, SpringDirection, System
 from ..plane import Vector
+from .picture import Panel
 from .stiff_terms import ContactTerm
 
 ROUNDED_LENGTH = 1e-13  # m, rad: what rounding makes of positions of the order of a metre
@@ -30,6 +31,19 @@ class Switch(NamedTuple):
     name: str
     one_way: bool = False
     force: str | None = None
+
+
+class EnergyShare(NamedTuple):
+    """What an element has of a run's energy.
+
+    - ``place``: where the energy was lost, in words: "end stop".
+    - ``label``: of a curve of all of it: "in the end stop".
+    - ``names``: of the energies that count, of which the last one is what was lost.
+    """
+
+    place: str
+    label: str
+    names: tuple[str, ...]
 
 
 class Magnitudes(NamedTuple):
@@ -194,6 +208,30 @@ class Element(eqx.Module):
     def recorded(self, at: Any, closed: Closed) -> Mapping[str, Scalar]:
         """Return what a history shows besides, by name; it replaces an observable of the same name, for a sign, say."""
         return {}
+
+    # --- what people are told and shown of a run ----------------------------------------------------------------------
+
+    @property
+    def words(self) -> str:
+        """Return what the element is called in texts."""
+        return self.name.replace("_", " ")
+
+    def summary(self, run: Any) -> list[tuple[str, str]]:
+        """Return lines of a run's summary, each as its heading and its text."""
+        return []
+
+    def panels(self, run: Any) -> list[Panel]:
+        """Return panels of a figure of a run that has a history."""
+        return []
+
+    def warnings(self, run: Any) -> list[str]:
+        """Return a line for each limit of validity that a run exceeds."""
+        return []
+
+    @property
+    def shares(self) -> tuple[EnergyShare, ...]:
+        """Return what the element has of a run's energy."""
+        return ()
 
     # --- time stepping ------------------------------------------------------------------------------------------------
 

@@ -3,7 +3,7 @@
 They stand for equipment. What one feels is the largest absolute acceleration of its mass until the run ends.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -14,6 +14,7 @@ from ..errors import InputError
 from ..hybrid import Followers
 from ..multibody import Kinematics
 from .element import ROUNDED_LENGTH, Closed, Element, Magnitudes, Own
+from .telling import largest
 
 
 class OscillatorState(NamedTuple):
@@ -98,6 +99,13 @@ class Oscillators(Element):
     def negligible(self) -> dict[str, Scalar]:
         sizes = ROUNDED_LENGTH * self.rates_of_axes[::2] ** 2
         return dict(zip(self.names, sizes, strict=True))
+
+    def summary(self, run: Any) -> list[tuple[str, str]]:
+        felt = [
+            f"{name.partition('_')[0]} {largest(run, name):.4g} m/s² at {float(frequency):.4g} Hz"
+            for name, frequency in zip(self.names, self.frequencies, strict=True)
+        ]
+        return [("shock", ", ".join(felt))]
 
     def followers(self, first: int) -> Followers:
         shaken_by = tuple(3 * body + axis for body in self.bodies for axis in range(2))

@@ -1,14 +1,23 @@
 """A pin with play in a bush of another body (M109)."""
 
+import math
+from typing import Any
+
 import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._types import Scalar
+from ..contact import Hole
+from ..contact.laws import BEYOND_LAW
 from ..multibody import Kinematics, Load, System
 from .ball_contact import BallContact, BallState, ContactForces
-from .element import Closed, Element, Own, Switch
+from .element import Closed, Element, EnergyShare, Own, Switch
+from .picture import Level, Panel, PanelCurve
 from .stiff_terms import ContactTerm
+from .telling import largest
+
+SMALL = 0.1  # of the pin's radius squared: up to here the area that it touches counts as small
 
 
 class Pin(Element):
@@ -61,6 +70,43 @@ class Pin(Element):
 
     def recorded(self, at: BallState, closed: Closed) -> dict[str, Scalar]:
         return {f"{self.stored_in}_gap": at.approach.gap[0]}
+
+    def _sizes(self, run: Any) -> tuple[float, float, float]:
+        """Return the radii of pin and bush, and how deep the largest force presses the pin into it, NaN where that is
+        not watched [m]."""
+        pair, force = self.contact.pair, largest(run, f"{self.stored_in}_force")
+        assert isinstance(pair.shape, Hole)
+        depth = float(pair.law.depth(force)) if math.isfinite(force) else math.nan
+        return float(pair.radius), float(pair.shape.radius), depth
+
+    def summary(self, run: Any) -> list[tuple[str, str]]:
+        pin, bush, depth = self._sizes(run)
+        into = f"; the pin goes up to {1e6 * depth:.3g} µm into it" if math.isfinite(depth) else ""
+        return [(f"play in the {self.stored_in}", f"{1e3 * (bush - pin):.4g} mm{into}")]
+
+    def panels(self, run: Any) -> list[Panel]:
+        gap = PanelCurve("", 1e6 * run.history.others[f"{self.stored_in}_gap"])
+        return [
+            Panel(f"{self.stored_in.capitalize()}, from the pin to its bush", "gap [µm]", (gap,), (Level("", 0.0),))
+        ]
+
+    def warnings(self, run: Any) -> list[str]:
+        """Return a line if the pin goes beyond Hertz's contact, which holds while the radius of the area it touches is
+        small against the pin's: √(R δ) ≤ √(0.1) R_pin, with R of M54."""
+        pin, bush, depth = self._sizes(run)
+        square = pin * bush / (bush - pin) * depth
+        if not square > SMALL * pin**2:
+            return []
+        return [
+            f"{BEYOND_LAW}the pin touches its bush on an area with a radius of {1e3 * math.sqrt(square):.3g} mm,"
+            f" not small against its own of {1e3 * pin:.3g} mm; the play is too small for Hertz's law"
+        ]
+
+    @property
+    def shares(self) -> tuple[EnergyShare, ...]:
+        return (
+            EnergyShare(f"{self.stored_in}'s play", f"in the {self.stored_in}'s play", (self.stored_in, self.lost_in)),
+        )
 
     def contact_term(self, system: System, at: BallState, closed: Closed) -> ContactTerm:
         return self.contact.term(system, at, jnp.ones(1), closed)

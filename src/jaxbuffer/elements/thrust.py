@@ -1,6 +1,6 @@
 """A thrust that pushes a body along an axis of its own for a while (M178)."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -70,6 +70,10 @@ class Thrust(Element):
 
     def impulse(self, own: Own) -> tuple[Vector, Scalar]:
         return Vector(own[2], own[3]), own[4]
+
+    def summary(self, run: Any) -> list[tuple[str, str]]:
+        work = -float(run.energy.stored[self.name])  # what was put in is counted negative
+        return [(self.words, f"{float(self.size):.6g} N for {float(self.time):.6g} s, which put in {work:.6g} J")]
 
     def settled(self, at: ThrustState) -> Scalar:
         return at.time >= self.time

@@ -154,6 +154,10 @@ class Part(Portable):
 
         return part_text(self)
 
+    def has(self, name: str) -> bool:
+        """Return whether a field that may be left out has a value."""
+        return getattr(self, name) is not None
+
     def check_together(self) -> None:
         """Raise `InputError` where fields, each good in itself, don't go together."""
 

@@ -3,7 +3,7 @@
 import math
 from collections import Counter
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -28,6 +28,7 @@ DEEPEST = 0.99  # of a ball's radius
 HYSTERESIS, FRICTION = "hysteresis", "friction"  # where contacts lose energy
 
 Quantity = Callable[[System, Kinematics], Scalar]
+E = TypeVar("E", bound=Element)
 
 
 class Shown(NamedTuple):
@@ -142,6 +143,10 @@ class Assembled(ContactSystem):
     def element(self, name: str) -> Any:
         """Return the element of a name, None where there is none."""
         return next((element for element in self.elements if element.name == name), None)
+
+    def all_of(self, kind: type[E]) -> list[E]:
+        """Return the elements of a class."""
+        return [element for element in self.elements if isinstance(element, kind)]
 
     def evaluated(self, at: EvaluatedState, name: str) -> Any:
         """Return the element of a name as it is in an evaluated state, None where there is none."""

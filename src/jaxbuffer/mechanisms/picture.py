@@ -1,42 +1,14 @@
-"""What to draw of a run over time, as data: the drawing itself is output's."""
+"""What to draw of a run, as data: panels, and meshes at an instant."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
-from jax import Array
 
-
-class PanelCurve(NamedTuple):
-    """Values over the history's time, or over ``along``, with their name in the legend; ``dashed``."""
-
-    label: str
-    values: np.ndarray | Array
-    dashed: bool = False
-    along: np.ndarray | Array | None = None
-
-
-class Level(NamedTuple):
-    """A horizontal line at a value, with its name in the legend; ``limit``: something not to be passed."""
-
-    label: str
-    value: float
-    limit: bool = False
-
-
-class Panel(NamedTuple):
-    """Curves in one panel: its title, the vertical axis' label with its unit; ``stacked``: whether they add up;
-    ``path``: the horizontal axis' label of curves in a plane, "" of curves over time; ``whole``: shown from the start
-    of the run on, also where the contacts begin late; ``to_end``: shown to its end, also where they end early."""
-
-    title: str
-    axis: str
-    curves: tuple[PanelCurve, ...]
-    levels: tuple[Level, ...] = ()
-    stacked: bool = False
-    path: str = ""
-    whole: bool = False
-    to_end: bool = False
+from ..elements.picture import Level as Level
+from ..elements.picture import Panel as Panel
+from ..elements.picture import PanelCurve as PanelCurve
+from ..value_text import with_unit
 
 
 class Meshed(NamedTuple):
@@ -52,3 +24,11 @@ class Meshed(NamedTuple):
     nodes: np.ndarray
     cells: np.ndarray
     values: Mapping[str, np.ndarray]
+
+
+def reach(values: np.ndarray, largest: float, unit: str) -> str:
+    """Return what a title says of a curve that can change sign: its ends with their signs, the larger one to be the
+    run's ``largest`` size, which lies between two steps."""
+    low, high = float(np.min(values, initial=0.0)), float(np.max(values, initial=0.0))
+    low, high = (-largest, high) if -low > high else (low, largest)
+    return f", from {low:.3g} to {with_unit(high, unit, 3)}"

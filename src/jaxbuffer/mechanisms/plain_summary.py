@@ -9,8 +9,8 @@ from ..fields import get
 
 
 def plain_summary(run: Any) -> str:
-    """Return outcome, the quantities that sweeps have, energy and what numerical error did, in lines of text; units
-    included."""
+    """Return outcome, the quantities that sweeps have, what the elements say, energy and what numerical error did, in
+    lines of text; units included."""
     mechanism, outcome, view = run.mechanism, run.outcome, run.mechanism.view
     if outcome.failed:
         return f"{view.title}: {outcome.reason} (after {int(run.attempts)} steps; {view.label(run.scenario)})"
@@ -22,6 +22,7 @@ def plain_summary(run: Any) -> str:
     for name in mechanism.meant(lambda path: get(run.design, path)):
         quantity = mechanism.quantities[name]
         lines.append(f"  {quantity.title or name:24} {quantity.in_words(float(np.asarray(quantity.of(run))))}")
+    lines += [f"  {heading:24} {text}" for element in run.elements for heading, text in element.summary(run)]
     # NumPy's numbers, so that sums compile nothing.
     energy, balance = jax.tree.map(np.asarray, (run.energy, run.balance))
     lost = ", ".join(f"{name.replace('_', ' ')} {float(value):.3g}" for name, value in energy.lost.items())

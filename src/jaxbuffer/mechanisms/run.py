@@ -1,5 +1,6 @@
 """A simulated run of any mechanism."""
 
+import functools
 from collections import Counter
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 
@@ -15,7 +16,7 @@ from ..fields import Part, Portable
 from ..hybrid import Kind, Log, Result, moving
 from ..labelled.arrays import frame
 from ..labelled.saved import Saved
-from ..programs.cache import Static
+from ..programs.cache import Static, stored
 from ..tables import summary_html
 from .cautions import cautions
 from .energy import Balance, Energy
@@ -29,6 +30,7 @@ from .quantity import LOAD_UNITS, OfImpact, check_quantities, of_impact
 from .registry import mechanism_of
 from .run_arrays import history_columns, run_dataset
 
+QUICK = 0.3  # s, to compile what assembles a mechanism
 TOGETHER = 8  # impacts whose loads are computed in one call
 ROUNDING = 1e-6  # relative, of a maximum that is evaluated again with derivatives
 
@@ -184,6 +186,29 @@ class Run(Portable, Saved):
 
         return {name: reached(name) for name in self.maxima}
 
+    @property
+    def switch_times(self) -> dict[str, float]:
+        """Return when each contact and each switch of an element closed first [s], by name; of those that did not,
+        nothing."""
+        log = self._located
+        if log is None or not int(log.count):
+            return {}
+        given = (self.design, self.scenario, self.stabilisation)
+        names = eqx.filter_eval_shape(self.mechanism.system, *given).contact_names
+        count = min(int(log.count), int(log.room))
+        kind, which, time = (np.asarray(it)[:count] for it in (log.kind, log.which, log.time))
+        closing = kind == Kind.TOUCHDOWN
+        first = {name: time[closing & (which == k)] for k, name in enumerate(names)}
+        return {name: float(times[0]) for name, times in first.items() if times.size}
+
+    @property
+    def elements(self) -> tuple[Any, ...]:
+        """Return the elements of the mechanism that was run, which say what they have to say of it; none of one that is
+        not assembled from any."""
+        if self.mechanism.stepper is not None:
+            return ()
+        return tuple(_elements((self.design, self.scenario, self.stabilisation)))
+
     def quantity(self, name: str) -> Float[Array, ""]:
         """Return a quantity of the mechanism's catalogue by name, or of an impact, as in "impact.3.peak_force".
 
@@ -302,6 +327,15 @@ class Run(Portable, Saved):
 
     def _repr_html_(self) -> str:
         return summary_html(repr(self))
+
+
+@functools.partial(stored, seconds=QUICK)
+def _elements(parameters: tuple[Any, Any, Any]) -> Any:
+    """Return the elements of a mechanism in numbers: assembled one operation after the other, it would compile a dozen
+    programs."""
+    elements = getattr(mechanism_of(parameters[0]).system(*parameters), "elements", ())
+    # A function among the fields of a user's element is no result of a program.
+    return eqx.filter(elements, eqx.is_array_like)
 
 
 R = TypeVar("R", bound=Run)

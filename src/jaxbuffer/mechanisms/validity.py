@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 
-BEYOND_LAW = "outside the contact law's validity: "
+from ..contact.laws import BEYOND_LAW as BEYOND_LAW
 
 
 class ValidityLimit(NamedTuple):

@@ -70,12 +70,12 @@ class View:
     - ``contradictions``: of a design in a scenario, both with plain numbers, a line for each thing that their geometry
       rules out, such as a tip that misses the cone;
     - ``limitations``: what the model leaves out, a line each, and where it is told; ``warnings``: a line for each limit
-      that a run exceeds; ``validity``: the same limits for many runs, from design, peak forces [N] and penetrations
-      [m];
+      that a run exceeds, by default those of its elements; ``validity``: the same limits for many runs, from design,
+      peak forces [N] and penetrations [m];
     - ``chaotic``: whether small differences grow until later impacts cannot be known, so that the command line tells
       how many of them are (`jb.horizon`);
-    - ``panels``: what to draw of a run; ``meshes``: its elements at some times of a run, or at a few telling ones;
-      ``drawing``: what a design looks like, from it and its bodies' names.
+    - ``panels``: what to draw of a run, by default what its elements show; ``meshes``: its elements at some times of a
+      run, or at a few telling ones; ``drawing``: what a design looks like, from it and its bodies' names.
     """
 
     title: str = "Run"
@@ -92,10 +92,10 @@ class View:
     larger_force: Callable[[Any], str] = lambda run: ""
     contradictions: Callable[[Any, Any], list[str]] = lambda design, scenario: []
     limitations: tuple[str, ...] = ()
-    warnings: Callable[[Any], list[str]] = lambda run: []
+    warnings: Callable[[Any], list[str]] = lambda run: [line for it in run.elements for line in it.warnings(run)]
     validity: Callable[..., list[ValidityLimit]] = lambda design, peak_force, penetration=None: []
     chaotic: bool = False
-    panels: Callable[[Any], list[Panel]] = lambda run: []
+    panels: Callable[[Any], list[Panel]] = lambda run: [panel for it in run.elements for panel in it.panels(run)]
     meshes: Callable[..., list[Meshed]] = lambda run, times=None: []
     drawing: Callable[[Any, tuple[str, ...]], Drawing] = plain_drawing
 

@@ -2,6 +2,7 @@
 
 from .adams import AdamsImpact as AdamsImpact
 from .adams import step as step
+from .base import BEYOND_LAW as BEYOND_LAW
 from .base import ContactLaw as ContactLaw
 from .cylindrical import PIN_IN_HOLE_LAWS as PIN_IN_HOLE_LAWS
 from .cylindrical import Liu as Liu

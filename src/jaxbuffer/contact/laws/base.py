@@ -13,6 +13,9 @@ from .impact import free_impact
 METHODS = ("elastic", "energy", "force", "time_scale")  # that each law has of its own
 
 
+BEYOND_LAW = "outside the contact law's validity: "  # with which what is said of a run beyond it begins
+
+
 class ContactLaw(eqx.Module):
     """Base of the laws. None of them pulls: a negative sum of spring and damper counts as zero.
 

@@ -23,6 +23,7 @@ from ...elements import (
     Latch,
     Oscillators,
     Pin,
+    RubberBlock,
     SpringDamper,
     Thrust,
 )
@@ -43,7 +44,7 @@ from ...plane import Vector
 from ..assembled import Assembled, Shown
 from ..layout import EvaluatedState
 from ..system import slowest_touchdown
-from .bending import bending_probe, modal_scales
+from .bending import Bending, bending_probe, modal_scales
 from .buffer import Buffer as BufferPart
 from .design import Design, Scenario
 from .throat import Throat
@@ -52,6 +53,8 @@ S, B, P, T = range(4)  # bodies, in the order of the coordinates
 LOWER, UPPER = 0, 1  # flanks
 FLANKS = 2
 CONTACTS = ("lower", "upper")  # their names
+# Energies, stored and lost, that every capture lists, whatever it has.
+LISTED = (("kinetic", "spring", "contact", "stop"), ("stop_damper", "hinge_play", "bending"))
 SIDE = np.array([1.0, -1.0])  # σ: +1 lower, -1 upper flank
 # With latches there are long implicit steps, and Newton's method does not know of Baumgarte's terms: with the full gain
 # it fails at steps that accuracy would allow.
@@ -113,7 +116,7 @@ def assemble(design: Design, scenario: Scenario, stabilisation: Scalar = 20.0) -
     **Arguments:** ``design``; ``scenario``; ``stabilisation``: Baumgarte's gain [1/s].
     """
     probe, speed, mass = probe_masses(design), scenario.approach_speed, design.active.mass
-    latched, smooth, bending = design.latch.stiffness is not None, design.contact.memory == "smooth", probe.bending
+    latched, smooth, bending = design.latch.has("stiffness"), design.contact.memory == "smooth", probe.bending
     system = assemble_system(design, probe, GAIN_WITH_LATCH * stabilisation if latched else stabilisation)
     q, v = start_motion(design, scenario, probe)
     tip = tip_in_cone(design, scenario, probe)
@@ -140,11 +143,11 @@ def assemble(design: Design, scenario: Scenario, stabilisation: Scalar = 20.0) -
         momentum_size=mass * speed,
         memory_time=design.contact.memory_time if smooth else None,
         shown=shown_of(design, scenario),
-        recorded=RECORDED if design.buffer.stop_stiffness is not None else (*RECORDED, NO_STOP),
+        recorded=RECORDED if design.buffer.has("stop_stiffness") else (*RECORDED, NO_STOP),
         parts=Parts(design, scenario, probe),
         stored_in="spring",
         lost_in=None if bending is None else "bending",
-        listed=(("kinetic", "spring", "contact", "stop"), ("stop_damper", "hinge_play", "bending")),
+        listed=LISTED,
         rings=bending is not None,
     )
 
@@ -160,7 +163,7 @@ def elements_of(design: Design, scenario: Scenario, probe: Masses) -> tuple[Elem
         tip_point=probe.tip_centre,
         tip_body=P,
         cone_body=T,
-        captures=latch.stiffness is None,
+        captures=not latch.has("stiffness"),
     )
     torsional = TorsionalSpringDamper(S, B, stiffness=buffer.k_T, damping=buffer.c_T)
     elements: list[Element] = [
@@ -168,16 +171,21 @@ def elements_of(design: Design, scenario: Scenario, probe: Masses) -> tuple[Elem
         Buffer(axial, buffer.longest_stroke),
         SpringDamper(torsional, lost_in="torsional_damper", name="hinge spring"),
     ]
-    if buffer.stop_stiffness is not None:
-        elements.append(EndStop(axial, KelvinVoigt(buffer.stop_stiffness, buffer.stop_damping), buffer.end))
-    if hinge.play is not None:
+    if buffer.has("stop_stiffness"):
+        law = KelvinVoigt(buffer.stop_stiffness, buffer.stop_damping)
+        if buffer.has("stop_thickness"):
+            law = RubberBlock(law.linear_stiffness, law.damping, buffer.stop_thickness)
+        elements.append(EndStop(axial, law, buffer.end))
+    if design.probe.has("bending_stiffness"):
+        elements.append(Bending())
+    if hinge.has("play"):
         elements.append(pin_in_bush(design))
-    if buffer.rebound_stiffness is not None:
+    if buffer.has("rebound_stiffness"):
         law = KelvinVoigt(buffer.rebound_stiffness, buffer.rebound_damping)
         elements.append(EndStop(axial, law, buffer.rebound_gap, rebound=True, watched=False, name="rebound"))
-    if latch.stiffness is not None:
+    if latch.has("stiffness"):
         elements.append(latches(design, probe, throat.plane))
-    if scenario.thrust is not None:
+    if scenario.has("thrust"):
         elements.append(Thrust(S, scenario.thrust, scenario.thrust_time))
     if shock.frequencies:
         carriers = {"active": S, "passive": T}
@@ -204,7 +212,7 @@ def assemble_system(design: Design, probe: Masses, stabilisation: Scalar) -> Sys
             Body(design.passive.mass, design.passive.inertia),
         ),
         # With play the contact of the pin holds the hinge, in place of the joint (M109).
-        joints=(guide,) if design.hinge.play is not None else (hinge, guide),
+        joints=(guide,) if design.hinge.has("play") else (hinge, guide),
         stabilisation=stabilisation,
     )
 
@@ -392,9 +400,9 @@ NO_STOP = Shown("stop_force", lambda mechanism, at, rate: jnp.zeros(()))  # a hi
 
 def shown_of(design: Design, scenario: Scenario) -> tuple[Shown, ...]:
     """Return what is watched beside the elements' own observables."""
-    bending = () if design.probe.bending_stiffness is None else (BENDING,)
+    bending = (BENDING,) if design.probe.has("bending_stiffness") else ()
     # Without a latch, and from the touch, nothing but the tip acts on the passive vehicle.
-    acted_on = design.latch.stiffness is not None or scenario.start == "free"
+    acted_on = design.latch.has("stiffness") or scenario.start == "free"
     return (HINGE_FORCE, HINGE_ANGLE, *bending, *((PASSIVE_FORCE,) if acted_on else ()))
 
 

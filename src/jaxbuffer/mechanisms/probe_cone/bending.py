@@ -1,25 +1,32 @@
 """A probe that bends: its modes (M108), its frequencies, and the design that has a given one."""
 
+from typing import Any
+
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
 from ..._types import Scalar
+from ...elements import Element, EnergyShare, Panel, PanelCurve
 from ...errors import InputError, check_single, check_type
 from ...fields import NON_NEGATIVE, POSITIVE, replace
 from ...multibody.flexible import Bar, FlexibleBar, cantilever_bar
+from ...value_text import percent_text
+from ..picture import reach
 from .design import Design
 from .parts import BENDING_MODES, Probe
 
 CLOSER = 0.1  # of the natural scale: errors of a mode that rings add up over thousands of steps
 ONE = "{} is one number"
+BENT = 0.1  # of the probe's length: up to here the bending is linear
+WAVES = 1.0  # of the highest mode, in the first impact
 
 
 def bending_probe(probe: Probe) -> FlexibleBar | None:
     """Return the rod, clamped at its rear end, with the tip at its front end (M108); None for a probe that does not
     bend."""
-    if probe.bending_stiffness is None:
+    if not probe.has("bending_stiffness"):
         return None
     rod = Bar(
         probe.length,
@@ -94,3 +101,42 @@ def with_bending(design: Design, frequency: float, damping_ratio: float = 0.02, 
         "probe.bending_damping": damping_ratio / (np.pi * frequency),
     }
     return replace(unit, values)
+
+
+class Bending(Element):
+    """What is told of a probe that bends; the probe itself is a body of the mechanism."""
+
+    name: str = eqx.field(static=True, default="bending")
+
+    def summary(self, run: Any) -> list[tuple[str, str]]:
+        probe, frequencies = run.design.probe, np.asarray(bending_frequencies(run.design))
+        damped = percent_text(np.pi * frequencies[0] * float(probe.bending_damping), ".3g")
+        modes = f"{probe.bending_modes} modes, {frequencies[0]:.4g} to {frequencies[-1]:.4g} Hz"
+        return [
+            (self.name, f"at most {1e3 * float(run.bending):.4g} mm at the tip; {modes}, the first damped to {damped}")
+        ]
+
+    def panels(self, run: Any) -> list[Panel]:
+        off = 1e3 * np.asarray(run.history.bending)
+        title = f"Bending of the probe{reach(off, 1e3 * float(run.bending), 'mm')}"
+        return [Panel(title, "tip off the axis [mm]", (PanelCurve("", 1e3 * run.history.bending),))]
+
+    def warnings(self, run: Any) -> list[str]:
+        probe, lines = run.design.probe, []
+        length, bent = float(probe.length), float(run.bending)
+        if bent > BENT * length:
+            lines.append(
+                f"outside the linear theory of bending: the tip bends {1e3 * bent:.3g} mm off the probe's axis, more"
+                f" than a tenth of its length of {1e3 * length:.3g} mm"
+            )
+        highest, duration = float(bending_frequencies(run.design)[-1]), float(run.first_impact.duration)
+        if highest * duration < WAVES:
+            lines.append(
+                f"too few modes: the highest, {highest:.4g} Hz, is too slow to follow impacts of {1e3 * duration:.3g}"
+                f" ms; peak forces will change with probe.bending_modes = {probe.bending_modes}"
+            )
+        return lines
+
+    @property
+    def shares(self) -> tuple[EnergyShare, ...]:
+        return (EnergyShare(self.name, f"lost in {self.name}", (self.name,)),)

@@ -10,6 +10,7 @@ from ..._types import Scalar
 from ...errors import InputError, check_entries, concrete, inside
 from ...fields import NON_NEGATIVE, POSITIVE, Curve, Number, Part, choice, curve, number, on
 
+STOPS = {"stop": "an end stop", "rebound": "a rebound stop"}
 DAMPER = ("damper_curve", "c_A2", "rebound_factor")  # what the axial damper may have besides c_A
 
 
@@ -34,6 +35,7 @@ class Buffer(Part):
       meet. Without an end stop a run that gets there ends as "bottomed" (M66).
     - ``stop_stiffness`` k_s [N/m], ``stop_damping`` c_s [N s/m]: an end stop that pushes the probe out again while the
       stroke exceeds s_m (M28). Only ``free_length`` ends that run. None: no end stop.
+    - ``stop_thickness`` h [m]: of an end stop of rubber, which stiffens from k_s on (M183). None: it is linear.
     - ``damping``: "physical" damps L̇ (M23); "published" damps the whole rate of the separation (M24), which does not
       conserve angular momentum.
     """
@@ -54,6 +56,9 @@ class Buffer(Part):
     )
     stop_damping: Number = number(
         0.0, "N s/m", **NON_NEGATIVE, needs=on("stop_stiffness"), doc="damping c_s of the end stop"
+    )
+    stop_thickness: Number = number(
+        None, "m", **POSITIVE, needs=on("stop_stiffness"), doc="thickness h of an end stop of rubber; not set: linear"
     )
     spring_curve: Curve | None = curve(
         ("stroke", "m"),
@@ -100,31 +105,28 @@ class Buffer(Part):
     )
 
     def check_together(self) -> None:
-        if self.max_stroke is not None:
+        if self.has("max_stroke"):
             above = "; it ends where the spring's ends meet, at buffer.free_length"
             length = self.free_length
             check_entries("buffer.max_stroke", self.max_stroke, "m", 0.0, length, too_high=above, high_open=False)
-        damping = concrete(self.stop_damping)
-        if self.stop_stiffness is None and damping is not None and np.any(damping != 0.0):
-            shown = f"buffer.stop_damping = {float(damping.flat[np.argmax(damping)]):g} N s/m"
-            raise InputError(f"{shown} needs an end stop: give buffer.stop_stiffness [N/m] too")
-        damping = concrete(self.rebound_damping)
-        if self.rebound_stiffness is None and damping is not None and np.any(damping != 0.0):
-            shown = f"buffer.rebound_damping = {float(damping.flat[np.argmax(damping)]):g} N s/m"
-            raise InputError(f"{shown} needs a rebound stop: give buffer.rebound_stiffness [N/m] too")
+        for stop, name in STOPS.items():
+            damping = concrete(getattr(self, f"{stop}_damping"))
+            if not self.has(f"{stop}_stiffness") and damping is not None and np.any(damping != 0.0):
+                shown = f"buffer.{stop}_damping = {float(damping.flat[np.argmax(damping)]):g} N s/m"
+                raise InputError(f"{shown} needs {name}: give buffer.{stop}_stiffness [N/m] too")
         self._check_curves()
 
     def _check_curves(self) -> None:
         """Raise `InputError` where a curve is given together with the numbers that it stands for, or with the paper's
         damping."""
         for measured, names in (("spring_curve", ("k_A",)), ("damper_curve", ("c_A", "c_A2"))):
-            both = [name for name in names if getattr(self, name) is not None]
-            if getattr(self, measured) is not None and both:
+            both = [name for name in names if self.has(name)]
+            if self.has(measured) and both:
                 raise InputError(
                     f"buffer.{measured} and buffer.{both[0]} are given together; the curve stands for"
                     f" {' and '.join(names)}: keep one of them"
                 )
-        if self.damping == "published" and (more := [name for name in DAMPER if getattr(self, name) is not None]):
+        if self.damping == "published" and (more := [name for name in DAMPER if self.has(name)]):
             raise InputError(
                 f'buffer.damping = "published" has the paper\'s damper alone, which buffer.{more[0]} is no part of:'
                 ' leave it out, or set damping to "physical"'
@@ -132,22 +134,21 @@ class Buffer(Part):
 
     def in_range(self) -> Iterator[Bool[Array, ""]]:
         yield from super().in_range()
-        if self.max_stroke is not None:
+        if self.has("max_stroke"):
             yield inside(self.max_stroke, high=self.free_length, **POSITIVE)
-        if self.stop_stiffness is None:
-            # Without a stop its damping must be zero, as `check_together` has it.
-            yield inside(self.stop_damping, low=0.0, high=0.0)
-        if self.rebound_stiffness is None:
-            yield inside(self.rebound_damping, low=0.0, high=0.0)
+        for stop in STOPS:
+            if not self.has(f"{stop}_stiffness"):
+                # Without a stop its damping must be zero, as `check_together` has it.
+                yield inside(getattr(self, f"{stop}_damping"), low=0.0, high=0.0)
 
     @property
     def end(self) -> Scalar:
         """Return the stroke at which the buffer is at its end or its end stop, if there is one, begins to push [m]
         (M28)."""
-        return self.free_length if self.max_stroke is None else self.max_stroke
+        return self.max_stroke if self.has("max_stroke") else self.free_length
 
     @property
     def longest_stroke(self) -> Scalar:
         """Return the stroke that ends a run as "bottomed" [m] (M66): with an end stop that is where the spring's ends
         meet."""
-        return self.end if self.stop_stiffness is None else self.free_length
+        return self.free_length if self.has("stop_stiffness") else self.end

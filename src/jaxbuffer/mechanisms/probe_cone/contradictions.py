@@ -37,7 +37,7 @@ def _ball_in_throat(design: Design) -> Iterator[str]:
         f"{sizes}: the ball does not pass the throat; it comes to rest on the throat's edge, at most"
         f" {1e3 * reach:.3g} mm behind the capture plane, where the model counts it as captured"
     )
-    if design.latch.stiffness is not None and float(design.latch.depth) > reach:
+    if design.latch.has("stiffness") and float(design.latch.depth) > reach:
         yield (
             f"latch.depth {1e3 * float(design.latch.depth):.4g} mm: the ball cannot reach a seat that is more than"
             f" {1e3 * reach:.3g} mm behind the capture plane"
@@ -47,7 +47,7 @@ def _ball_in_throat(design: Design) -> Iterator[str]:
 def _miss(design: Design, scenario: Scenario) -> Iterator[str]:
     """Yield a line if the tip of a free start flies past the cone, by the straight flight and steady turning of both
     sides."""
-    if scenario.start != "free" or (scenario.thrust is not None and float(scenario.thrust) < 0.0):
+    if scenario.start != "free" or (scenario.has("thrust") and float(scenario.thrust) < 0.0):
         return
     cone, radius = design.cone, float(design.probe.tip_radius)
     length, angle = float(cone.length), float(cone.half_angle)
@@ -82,7 +82,7 @@ def _flight(design: Design, scenario: Scenario, start: float) -> tuple[np.ndarra
     # The active vehicle turns about its centre of mass, which is this far behind the tip at the spring's free length.
     behind = float(design.active.hinge_offset) + float(design.buffer.free_length) + float(design.probe.length)
     pushed = np.zeros_like(time)
-    if scenario.thrust is not None and scenario.thrust_time is not None:
+    if scenario.has("thrust"):
         for_time, push = float(scenario.thrust_time), float(scenario.thrust) / float(design.active.mass)
         pushing = np.minimum(time, for_time)
         pushed = push * pushing * (time - 0.5 * pushing)

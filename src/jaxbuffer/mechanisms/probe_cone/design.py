@@ -69,7 +69,7 @@ class Design(DesignOf[Capture]):
     @property
     def contact_stiffness(self) -> Scalar:
         """Return K [N/m^1.5], as given or from the materials (M53)."""
-        if self.contact.stiffness is not None:
+        if self.contact.has("stiffness"):
             return self.contact.stiffness
         modulus, ratio = self.contact.young_modulus, self.contact.poisson_ratio
         return hertz_stiffness(self.probe.tip_radius, modulus, ratio, modulus, ratio)
@@ -154,10 +154,8 @@ class Scenario(Part):
                     f"scenario.{name} = {float(value[value != default].flat[0]):g} {symbol} belongs to"
                     f' scenario.start = "{"contact" if free else "free"}"; here it is "{self.start}"'
                 )
-        if (self.thrust is None) != (self.thrust_time is None):
-            given, missing = (
-                ("thrust", "thrust_time [s]") if self.thrust_time is None else ("thrust_time", "thrust [N]")
-            )
+        if self.has("thrust") != self.has("thrust_time"):
+            given, missing = ("thrust", "thrust_time [s]") if self.has("thrust") else ("thrust_time", "thrust [N]")
             raise InputError(f"scenario.{given} needs scenario.{missing} too")
 
     def in_range(self) -> Iterator[Bool[Array, ""]]:

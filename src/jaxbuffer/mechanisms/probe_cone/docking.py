@@ -10,7 +10,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from ..._types import Scalar
-from ...elements import BufferForce
+from ...elements import BufferForce, EndStop, Latch
 from ...hybrid import Kind, Log
 from ..assembled import Assembled
 from ..layout import EvaluatedState
@@ -34,8 +34,9 @@ class PlaneCrossing(NamedTuple):
 
 def latched(mechanism: Assembled, log: Log) -> Bool[Array, ""]:
     """Return whether the latches began to close."""
-    latch = mechanism.evaluated(mechanism.evaluate(log.rows[_last(log), 0]), "latch")
-    return jnp.asarray(False) if latch is None else latch.since > 0.0
+    end = mechanism.evaluate(log.rows[_last(log), 0])
+    closing = [mechanism.evaluated(end, latch.name).since > 0.0 for latch in mechanism.all_of(Latch)]
+    return jnp.any(jnp.stack(closing)) if closing else jnp.asarray(False)
 
 
 def crossing(mechanism: Assembled, log: Log, code: Int[Array, ""]) -> PlaneCrossing:
@@ -45,7 +46,7 @@ def crossing(mechanism: Assembled, log: Log, code: Int[Array, ""]) -> PlaneCross
     """
     last = _last(log)
     end = log.rows[last, 0]
-    if mechanism.element("latch") is None:
+    if not mechanism.all_of(Latch):
         return PlaneCrossing(mechanism.evaluate(end), log.time[last], code == Outcome.captured)
     which = mechanism.contact_names.index("latch")
     mine = (log.kind == Kind.TOUCHDOWN) & (log.which == which) & (jnp.arange(log.kind.shape[0]) < log.count)
@@ -103,13 +104,14 @@ def arrest_stroke(mechanism: Assembled, energy: Float[Array, ""]) -> Float[Array
     stop (M179)."""
     # At zero the root below has no finite slope, and rounding may leave less than that.
     energy = jnp.maximum(energy, 1e-30)
-    axial, stop = mechanism.element("buffer").force, mechanism.element("stop")
-    if stop is None and not isinstance(axial, BufferForce):
+    axial = mechanism.element("buffer").force
+    stops = [stop for stop in mechanism.all_of(EndStop) if not stop.rebound]
+    if not stops and not isinstance(axial, BufferForce):
         return jnp.sqrt(2.0 * energy / axial.stiffness)
 
     def stored(stroke: Array) -> Array:
         spring = axial.spring_energy(stroke) if isinstance(axial, BufferForce) else 0.5 * axial.stiffness * stroke**2
-        return jnp.asarray(spring if stop is None else spring + stop.law.energy(stroke - stop.place))
+        return jnp.asarray(sum((stop.law.energy(stroke - stop.place) for stop in stops), start=spring))
 
     def step(_: int, stroke: Array) -> Array:
         value, force = jax.jvp(stored, (stroke,), (jnp.ones(()),))
@@ -127,17 +129,22 @@ def _latch_share(mechanism: Assembled, end: EvaluatedState, largest: Scalar, tor
     Of torn ones it is above 1: with the force to which the mass that they hold would have stretched them, had they
     held. It is 1 where they just tear, and its slope leads out of that.
     """
-    latch, at = mechanism.element("latch"), mechanism.evaluated(end, "latch")
-    if latch is None or latch.strength is None:
-        return jnp.zeros(())
+    for latch in mechanism.all_of(Latch):
+        if latch.strength is not None:
+            return jnp.where(torn, _stretched(mechanism, end, latch), largest) / latch.strength
+    return jnp.zeros(())
+
+
+def _stretched(mechanism: Assembled, end: EvaluatedState, latch: Latch) -> Scalar:
+    """Return the force to which the mass that a latch holds would stretch it [N]."""
+    at = mechanism.evaluated(end, latch.name)
     force = latch.force(at, jnp.ones(2))
     size = jnp.sqrt(force.dot(force) + 1e-24)
     pull = force * (-1.0 / size)
     blocks = {P: at.held.along(pull), T: at.opposite.along(-pull)}
     mass = mechanism.system.effective_mass(end.kin, mechanism.system.direction(blocks))
     speed = jnp.maximum(at.velocity.dot(pull), 0.0)
-    stretched = jnp.sqrt(size**2 + latch.stiffness * mass * speed**2)
-    return jnp.where(torn, stretched, largest) / latch.strength
+    return jnp.sqrt(size**2 + latch.stiffness * mass * speed**2)
 
 
 def _last(log: Log) -> Int[Array, ""]:

@@ -43,12 +43,12 @@ def drawing(design: Design, bodies: tuple[str, ...] = ()) -> Drawing:
     front, rear = float(masses.front), float(masses.rear)
     tip, half = float(design.probe.tip_radius), float(design.buffer.cylinder_length) / 2.0
     tall, hinge = 0.5 * CYLINDER_WIDTH * tip, Spot(B, half)
-    stop = [] if design.buffer.stop_stiffness is None else [_stop(design, half, tall)]
+    stop = [_stop(design, half, tall)] if design.buffer.has("stop_stiffness") else []
     wide, bending = ROD_WIDTH * tip, masses.bending
     rod = RodShape(Spot(P, -rear), Spot(TIP), wide, "probe")
     bent = Band(stations(TIP + 1), wide, "probe", clamped=True)
     behind = TIP + 1 + (0 if bending is None else len(stations(TIP + 1)))  # the frames of the latches
-    latched = design.latch.stiffness is not None
+    latched = design.latch.has("stiffness")
     shapes = (
         active(design),
         *passive(design),

@@ -46,6 +46,6 @@ def _field(scenario: Scenario, name: str, shown: str) -> str:
 
 
 def _thrust(scenario: Scenario) -> str:
-    if scenario.thrust is None or scenario.thrust_time is None:
+    if not scenario.has("thrust"):
         return ""
     return f", thrust {float(scenario.thrust):.4g} N for {float(scenario.thrust_time):.4g} s"

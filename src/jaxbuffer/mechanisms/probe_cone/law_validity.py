@@ -1,5 +1,5 @@
-"""Whether an answer lies within what the model is good for: small penetrations, materials that do not yield, little
-bending by modes that are fast enough, a pin that touches its bush on a small area, latches that add little energy."""
+"""Whether an answer lies within what the model is good for: small penetrations, materials that do not yield, latches
+that add little energy, and what the elements know of themselves."""
 
 from typing import Any, NamedTuple
 
@@ -8,15 +8,12 @@ from jaxtyping import Array, Float
 
 from ...contact.laws import hertz_pressure, yield_pressure
 from ..validity import BEYOND_LAW, ValidityLimit
-from .assembly import pin_law, tip_on_flanks
-from .bending import bending_frequencies
+from .assembly import tip_on_flanks
 from .capture import Capture
 from .design import Design
 from .latch_energy import closing_warnings
 
 DEEP = 0.1  # of the tip's radius: up to here the contact counts as small against the ball
-BENT = 0.1  # of the probe's length: up to here the bending is linear
-WAVES = 1.0  # of the highest mode, in the first impact
 
 
 class Validity(NamedTuple):
@@ -84,39 +81,5 @@ def warnings(capture: Capture) -> list[str]:
             f"{BEYOND_LAW}the materials yield, {1e-6 * reached:.4g} MPa of contact pressure at"
             f" the peak being {float(ratios.pressure):.3g} times where a yield stress of {1e-6 * stress:.4g} MPa allows"
         )
-    return [*lines, *_of_bending(capture), *_of_play(capture), *closing_warnings(capture)]
-
-
-def _of_bending(capture: Capture) -> list[str]:
-    probe, lines = capture.design.probe, []
-    if probe.bending_stiffness is None:
-        return []
-    length, bent = float(probe.length), float(capture.bending)
-    if bent > BENT * length:
-        lines.append(
-            f"outside the linear theory of bending: the tip bends {1e3 * bent:.3g} mm off the probe's axis, more than a"
-            f" tenth of its length of {1e3 * length:.3g} mm"
-        )
-    highest, duration = float(bending_frequencies(capture.design)[-1]), float(capture.first_impact.duration)
-    if highest * duration < WAVES:
-        lines.append(
-            f"too few modes: the highest, {highest:.4g} Hz, is too slow to follow impacts of {1e3 * duration:.3g} ms;"
-            f" peak forces will change with probe.bending_modes = {probe.bending_modes}"
-        )
-    return lines
-
-
-def _of_play(capture: Capture) -> list[str]:
-    """Return a line if the hinge's pin goes beyond Hertz's contact, which holds while the radius of the area it touches
-    is small against the pin's, as for the tip: √(R δ) ≤ √(0.1) R_pin, with R of M54."""
-    hinge = capture.design.hinge
-    if hinge.play is None:
-        return []
-    pin, depth = float(hinge.pin_radius), float(pin_law(capture.design).depth(capture.peak_hinge_force))
-    area = float(np.sqrt(pin * float(hinge.bush_radius) / float(hinge.play) * depth))
-    if area**2 <= DEEP * pin**2:
-        return []
-    return [
-        f"{BEYOND_LAW}the pin touches its bush on an area with a radius of {1e3 * area:.3g} mm,"
-        f" not small against its own of {1e3 * pin:.3g} mm; the play is too small for Hertz's law"
-    ]
+    of_parts = (line for element in capture.elements for line in element.warnings(capture))
+    return [*lines, *of_parts, *closing_warnings(capture)]

@@ -4,7 +4,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from ..._types import Scalar
-from ...elements import BufferForce
+from ...elements import BufferForce, EndStop, Latch
 from ...hybrid import Log
 from ..assembled import Assembled
 from .docking import PlaneCrossing
@@ -22,7 +22,7 @@ def throat(mechanism: Assembled, log: Log, cross: PlaneCrossing, duration: Scala
     last = jnp.maximum(log.count - 1, 0)
     end = mechanism.evaluated(mechanism.evaluate(log.rows[last, 0]), "throat")
     # With latches a run goes on beyond the plane: how the tip crossed it counts, not where the latches hold it.
-    if mechanism.element("latch") is None:
+    if not mechanism.all_of(Latch):
         return end.before, _through(mechanism, end, -(end.before + end.receding * (duration - log.time[last])))
     there = mechanism.evaluated(cross.at, "throat")
     return end.before, _through(mechanism, end, -(there.before + there.receding * (duration - cross.time)))
@@ -55,6 +55,8 @@ def stroke_margin(
         force = -axial.tension(at.kin)
     else:
         force = buffer.k_A * buffer.longest_stroke + buffer.c_A * speed
-    if (stop := mechanism.element("stop")) is not None:
-        force = force + stop.force(mechanism.evaluated(at, "stop"), mechanism.closed_switches(log.active[last], "stop"))
+    for stop in mechanism.all_of(EndStop):
+        if not stop.rebound:
+            closed = mechanism.closed_switches(log.active[last], stop.name)
+            force = force + stop.force(mechanism.evaluated(at, stop.name), closed)
     return jnp.where(bottomed, -0.5 * mass * speed**2 / force, buffer.longest_stroke - stroke)

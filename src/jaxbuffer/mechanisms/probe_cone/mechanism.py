@@ -26,11 +26,11 @@ LATCHED = {  # defaults of designs with a latch: how hard it is held, and how lo
 def smooth(design: Design, scenario: Scenario) -> Design:
     """Return the design with the contact law that needs no events. **Raises:** `InputError` for what does: a latch,
     whose closing begins at one, and a thrust, which ends at one."""
-    for name, number in (("latch.stiffness", design.latch.stiffness), ("scenario.thrust", scenario.thrust)):
-        if number is not None:
+    for part, number in ((design.latch, "stiffness"), (scenario, "thrust")):
+        if part.has(number):
             raise InputError(
-                f"{name} is given, which diffrax.diffeqsolve cannot solve: it locates no events on the way; leave it"
-                " out, or take a solver with events: automatic, implicit or explicit"
+                f"{part.section}.{number} is given, which diffrax.diffeqsolve cannot solve: it locates no events on the"
+                " way; leave it out, or take a solver with events: automatic, implicit or explicit"
             )
     return replace(design, {"contact.memory": "smooth"})
 

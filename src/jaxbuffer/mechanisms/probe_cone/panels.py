@@ -4,10 +4,12 @@ from typing import Any
 
 import numpy as np
 
-from ...value_text import with_unit
+from ...elements import Buffer, EndStop, EnergyShare
 from ..energy import energy_unit
-from ..picture import Level, Panel, PanelCurve
+from ..picture import Level, Panel, PanelCurve, reach
+from .assembly import LISTED
 from .capture import Capture
+from .latch_energy import CLOSING
 
 NOT_ELASTIC = ("kinetic", "latch_closing", "thrust")  # of what a history calls stored
 
@@ -15,9 +17,10 @@ NOT_ELASTIC = ("kinetic", "latch_closing", "thrust")  # of what a history calls 
 def panels(capture: Capture) -> list[Panel]:
     """Return panels of gap and distance to capture, energy, stroke, hinge angle and latch force of a capture with a
     history."""
-    history = capture.history
-    assert history is not None
-    more = [panel for panel in (_latch(capture), _bending(capture), _play(capture)) if panel is not None]
+    history: Any = capture.history
+    # A buffer and its stops share a panel; of the others those come first that tell of the time after the impacts.
+    others = (it for it in capture.elements if not isinstance(it, (Buffer, EndStop)))
+    more = sorted((panel for it in others for panel in it.panels(capture)), key=lambda panel: not panel.to_end)
     gaps = Panel(
         "Gap and distance to capture",
         "distance [mm]",
@@ -30,56 +33,21 @@ def panels(capture: Capture) -> list[Panel]:
     )
     turned, most = np.degrees(np.asarray(history.hinge_angle)), float(np.degrees(capture.hinge_angle))
     angle = Panel(
-        f"Hinge angle{_reach(turned, most, '°')}",
+        f"Hinge angle{reach(turned, most, '°')}",
         "hinge angle [°]",
         (PanelCurve("", np.degrees(history.hinge_angle)),),
         (Level("", 0.0),),
     )
     rest = [_energy(capture), _stroke(capture), angle, *more]
-    if capture.design.latch.stiffness is None:
-        return [gaps, *rest]
     # Latched vehicles come to rest long after the last impact.
-    return [gaps, *(panel._replace(whole=True, to_end=True) for panel in rest)]
-
-
-def _reach(values: np.ndarray, largest: float, unit: str) -> str:
-    """Return what a title says of a curve that can change sign: its ends with their signs, the larger one to be the
-    run's ``largest`` size, which lies between two steps."""
-    low, high = float(np.min(values, initial=0.0)), float(np.max(values, initial=0.0))
-    low, high = (-largest, high) if -low > high else (low, largest)
-    return f", from {low:.3g} to {with_unit(high, unit, 3)}"
-
-
-def _latch(capture: Capture) -> Panel | None:
-    latch, largest = capture.design.latch, float(capture.peak_latch_force)
-    if latch.stiffness is None:
-        return None
-    levels = [Level(f"largest, {largest:.4g} N", largest)]
-    if latch.strength is not None and largest > 0.5 * float(latch.strength):
-        levels.append(Level(f"strength, {float(latch.strength):.4g} N", float(latch.strength), limit=True))
-    force = PanelCurve("", capture.history.latch_force)  # type: ignore[union-attr]
-    return Panel("Latch force", "latch force [N]", (force,), (*levels, Level("", 0.0)))
-
-
-def _bending(capture: Capture) -> Panel | None:
-    if capture.design.probe.bending_stiffness is None:
-        return None
-    off = 1e3 * np.asarray(capture.history.bending)  # type: ignore[union-attr]
-    title = f"Bending of the probe{_reach(off, 1e3 * float(capture.bending), 'mm')}"
-    return Panel(title, "tip off the axis [mm]", (PanelCurve("", 1e3 * capture.history.bending),))  # type: ignore[union-attr]
-
-
-def _play(capture: Capture) -> Panel | None:
-    if capture.design.hinge.play is None:
-        return None
-    gap = PanelCurve("", 1e6 * capture.history.hinge_gap)  # type: ignore[union-attr]
-    return Panel("Hinge, from the pin to its bush", "gap [µm]", (gap,), (Level("", 0.0),))
+    long = any(panel.to_end for panel in more)
+    return [gaps, *(panel._replace(whole=long, to_end=long) for panel in rest)]
 
 
 def _energy(capture: Capture) -> Panel:
     """Return a panel of what each part has of the energy of relative motion (M177), and what each has taken of it."""
-    design, history = capture.design, capture.history
-    energy = history.energy  # type: ignore[union-attr]
+    history: Any = capture.history
+    energy = history.energy
     parts = {
         "relative motion": np.maximum(relative_motion(history), 0.0),
         "springs": energy.spring,
@@ -87,24 +55,21 @@ def _energy(capture: Capture) -> Panel:
         "lost in friction": energy.friction,
         "in contact": energy.contact + energy.hysteresis,
     }
-    if design.buffer.stop_stiffness is not None:
-        parts["in the end stop"] = energy.stop + energy.stop_damper
-    if design.hinge.play is not None:
-        parts["in the hinge's play"] = energy.hinge + energy.hinge_play
-    if design.probe.bending_stiffness is not None:
-        parts["lost in bending"] = energy.bending
-    if design.buffer.friction is not None:
-        parts["lost in the buffer's friction"] = energy.buffer_friction
-    if design.buffer.rebound_stiffness is not None:
-        parts["in the rebound stop"] = energy.rebound + energy.rebound_damper
-    if design.latch.stiffness is not None:
-        parts["in the latches"] = energy.latch + energy.latch_damper
+    for share in energy_shares(capture):
+        parts[share.label] = sum(np.asarray(getattr(energy, name)) for name in share.names)
     # The panel stacks them, so that the unit is that of their sum.
     largest = float(np.max(np.sum([np.asarray(values) for values in parts.values()], axis=0)))
     unit, many = energy_unit(largest)
     curves = tuple(PanelCurve(name, many * np.asarray(value)) for name, value in parts.items())
-    closing = "" if design.latch.stiffness is None else ", latches put in some as they close"
+    closing = ", latches put in some as they close" if CLOSING in energy.stored else ""
     return Panel(f"Energy without that of the common motion{closing}", f"energy [{unit}]", curves, stacked=True)
+
+
+def energy_shares(capture: Capture) -> list[EnergyShare]:
+    """Return what the parts have of a capture's energy: first what every capture lists, in that order."""
+    shares = [share for element in capture.elements for share in element.shares]
+    order = dict(zip(LISTED[1], range(len(LISTED[1])), strict=True))
+    return sorted(shares, key=lambda share: order.get(share.names[-1], len(order)))
 
 
 def relative_motion(history: Any) -> np.ndarray:
@@ -115,11 +80,19 @@ def relative_motion(history: Any) -> np.ndarray:
 
 
 def _stroke(capture: Capture) -> Panel:
-    buffer, largest = capture.design.buffer, 1e3 * float(capture.stroke)
-    end = 1e3 * float(buffer.end)
-    what = "the buffer's end" if buffer.stop_stiffness is None else "the end stop"
+    largest = 1e3 * float(capture.stroke)
+    # With a stop its place is shown, not the end behind it.
+    ends = [("the end stop", it.place) for it in end_stops(capture)]
+    ends = ends or [("the buffer's end", capture.design.buffer.longest_stroke)]
     levels = [Level(f"largest, {largest:.4g} mm", largest)]
-    if largest > 0.5 * end:
-        levels.append(Level(f"{what}, {end:.4g} mm", end, limit=True))
+    for what, place in ends:
+        end = 1e3 * float(place)
+        if largest > 0.5 * end:
+            levels.append(Level(f"{what}, {end:.4g} mm", end, limit=True))
     stroke = PanelCurve("", 1e3 * capture.history.stroke)  # type: ignore[union-attr]
     return Panel("Buffer stroke", "stroke [mm]", (stroke,), (*levels, Level("", 0.0)))
+
+
+def end_stops(capture: Capture) -> list[EndStop]:
+    """Return the stops at the end of the buffer's way in."""
+    return [it for it in capture.elements if isinstance(it, EndStop) and not it.rebound]

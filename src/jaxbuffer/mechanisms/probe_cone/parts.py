@@ -128,18 +128,18 @@ class Hinge(Part):
     )
 
     def check_together(self) -> None:
-        if self.play is not None:
+        if self.has("play"):
             check_entries("hinge.play", self.play, "m", 0.0, self.bush_radius, too_high="; below hinge.bush_radius")
 
     def in_range(self) -> Iterator[Bool[Array, ""]]:
         yield from super().in_range()
-        if self.play is not None:
+        if self.has("play"):
             yield inside(self.play, high=self.bush_radius, high_open=True, **POSITIVE)
 
     @property
     def pin_radius(self) -> Scalar:
         """Return the pin's radius [m], the bush's less the play."""
-        return self.bush_radius - (0.0 if self.play is None else self.play)
+        return self.bush_radius - (self.play if self.has("play") else 0.0)
 
 
 class Latch(Part):
@@ -202,7 +202,7 @@ class Latch(Part):
     )
 
     def check_together(self) -> None:
-        if self.strength is None:
+        if not self.has("strength"):
             return
         preload, strength, closing = (concrete(x) for x in (self.preload, self.strength, self.closing_time))
         if preload is not None and strength is not None and np.any(below := strength <= preload):
@@ -219,7 +219,7 @@ class Latch(Part):
 
     def in_range(self) -> Iterator[Bool[Array, ""]]:
         yield from super().in_range()
-        if self.strength is not None:
+        if self.has("strength"):
             yield inside(self.strength, low=self.preload, low_open=True)
             yield inside(self.closing_time, **POSITIVE)
 
@@ -342,7 +342,7 @@ class Contact(Part):
             shown = f"contact.exponent = {float(exponent.flat[0]):g}"
             if self.law != "adams":
                 raise InputError(f"{shown}: only contact.law = 'adams' has an exponent other than {HERTZ_EXPONENT}")
-            if self.stiffness is None:
+            if not self.has("stiffness"):
                 raise InputError(f"{shown} needs contact.stiffness in N/m^exponent: Hertz's is in N/m^{HERTZ_EXPONENT}")
         if self.memory == "smooth" and law_class(self.law).jumps:
             raise InputError(
@@ -351,5 +351,5 @@ class Contact(Part):
 
     def in_range(self) -> Iterator[Bool[Array, ""]]:
         yield from super().in_range()
-        if self.law != "adams" or self.stiffness is None:
+        if not (self.law == "adams" and self.has("stiffness")):
             yield inside(self.exponent, low=HERTZ_EXPONENT, high=HERTZ_EXPONENT)

@@ -36,7 +36,7 @@ def unfinished(problem: Any, evaluation: Any) -> list[str]:
 
     Limits on what is left at capture say that somebody has thought of it: then none.
     """
-    if problem.design.latch.stiffness is not None or set(LEFT) & set(problem.limits.at_most):
+    if problem.design.latch.has("stiffness") or set(LEFT) & set(problem.limits.at_most):
         return []
     column = {name: evaluation.quantities[:, k] for k, name in enumerate(problem.names)}
     needed = np.where(evaluation.succeeded, column["arrest_stroke"], -np.inf)

@@ -37,5 +37,8 @@ class Shock(Part):
     def frequencies(self) -> dict[str, Scalar]:
         """Return the frequencies that are set [Hz], by the names of their quantities."""
         slots = [(vehicle, k + 1) for vehicle in VEHICLES for k in range(SLOTS)]
-        known = {f"{vehicle}_shock_{slot}": getattr(self, f"{vehicle}_{slot}") for vehicle, slot in slots}
-        return {name: frequency for name, frequency in known.items() if frequency is not None}
+        return {
+            f"{vehicle}_shock_{slot}": getattr(self, f"{vehicle}_{slot}")
+            for vehicle, slot in slots
+            if self.has(f"{vehicle}_{slot}")
+        }

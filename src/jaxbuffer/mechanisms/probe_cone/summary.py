@@ -3,16 +3,18 @@
 import jax
 import numpy as np
 
+from ...elements import Buffer, Element, EndStop, Latch, Thrust
+from ...elements.telling import when
 from ...value_text import percent_text
 from ..energy import energy_text
 from ..quantity import NEGLIGIBLE
-from .assembly import CONTACTS, pin_law
-from .bending import bending_frequencies
+from .assembly import CONTACTS
 from .capture import Capture
 from .label import scenario_label
 from .latch_energy import closing_words
 from .law_validity import warnings
 from .outcome import Outcome
+from .panels import end_stops, energy_shares
 from .vehicle_forces import larger_than_contact
 
 
@@ -34,11 +36,8 @@ def summary(capture: Capture) -> str:
         f"  peak hinge force     {_force(capture, 'hinge_force')}",
         f"  peak buffer force    {_force(capture, 'buffer_force')}{_stop(capture)}",
         f"  stroke               {_stroke(capture)}",
-        f"  hinge angle          {np.degrees(float(capture.hinge_angle)):.6g} deg{_when(at['hinge_angle'])}",
-        *_bending(capture),
-        *_play(capture),
-        *_latch(capture),
-        *_shock(capture),
+        f"  hinge angle          {np.degrees(float(capture.hinge_angle)):.6g} deg{when(at['hinge_angle'])}",
+        *(line for element in capture.elements for line in _of_part(capture, element)),
         f"  penetration          at most {1e6 * float(capture.penetration):.3g} µm into a flank",
         f"  capture margin       {_margin(capture)}",
         f"  energy left          {_energy_left(capture)}",
@@ -52,21 +51,17 @@ def summary(capture: Capture) -> str:
     return "\n".join([*lines, *(f"  {line}" for line in warnings(capture))])
 
 
-def _when(time: float) -> str:
-    return f" at {time:.6g} s" if np.isfinite(time) else ""
-
-
 def _force(capture: Capture, name: str) -> str:
     """Return the largest value of a force and when it occurs; "0 N" where it is only rounding."""
     force = float(capture.quantity(f"peak_{name}"))
-    return "0 N" if force < NEGLIGIBLE["N"] else f"{force:.6g} N{_when(capture.maximum_times[name])}"
+    return "0 N" if force < NEGLIGIBLE["N"] else f"{force:.6g} N{when(capture.maximum_times[name])}"
 
 
 def _stroke(capture: Capture) -> str:
     stroke, limits = float(capture.stroke), _stroke_limits(capture)
     if stroke < NEGLIGIBLE["m"]:
         return f"0 mm{limits}"
-    return f"{1e3 * stroke:.6g} mm{limits}{_when(capture.maximum_times['stroke'])}"
+    return f"{1e3 * stroke:.6g} mm{limits}{when(capture.maximum_times['stroke'])}"
 
 
 def _peak(capture: Capture) -> str:
@@ -95,29 +90,24 @@ def _first_impact(capture: Capture) -> list[str]:
     ]
 
 
-def _latch(capture: Capture) -> list[str]:
-    """Return when the latches closed, what they exerted, and how the tip met them."""
-    latch, docking = capture.design.latch, capture.docking
-    if latch.stiffness is None or not np.isfinite(float(docking.latch_time)):
+def _of_part(capture: Capture, element: Element) -> list[str]:
+    """Return the lines of one part; buffer, stops and thrust are told of in lines of the whole."""
+    if isinstance(element, (Buffer, EndStop, Thrust)):
         return []
-    settled = "" if capture.outcome != Outcome.held else f", held {float(docking.settling_time):.4g} s later"
-    strength = "" if latch.strength is None else f" of {float(latch.strength):.6g} N strength"
+    lines = element.summary(capture)
+    if lines and isinstance(element, Latch):
+        lines += _at_the_latches(capture)
+    return [f"  {heading:20} {text}" for heading, text in lines]
+
+
+def _at_the_latches(capture: Capture) -> list[tuple[str, str]]:
+    """Return how the tip met the latches, and what their closing put in."""
+    docking = capture.docking
+    miss = f"{1e3 * float(docking.lateral_miss):.4g} mm off the axis"
     return [
-        f"  latched              at {float(docking.latch_time):.6g} s{settled}; latch force at most"
-        f" {float(capture.peak_latch_force):.6g} N{strength}{_when(capture.maximum_times.get('latch_force', np.nan))}",
-        f"  tip at the latches   {1e3 * float(docking.lateral_miss):.4g} mm off the axis,"
-        f" {np.degrees(float(docking.attitude_miss)):.4g} deg against it",
-        *(f"  energy of the latch  {text}" for text in (closing_words(capture),) if text),
+        ("tip at the latches", f"{miss}, {np.degrees(float(docking.attitude_miss)):.4g} deg against it"),
+        *(("energy of the latch", text) for text in (closing_words(capture),) if text),
     ]
-
-
-def _shock(capture: Capture) -> list[str]:
-    """Return what equipment on the vehicles feels, if its frequencies are named."""
-    felt = [
-        f"{name.partition('_')[0]} {float(capture.quantity(name)):.4g} m/s² at {float(frequency):.4g} Hz"
-        for name, frequency in capture.design.shock.frequencies.items()
-    ]
-    return [f"  shock                {', '.join(felt)}"] if felt else []
 
 
 def _energy_before(capture: Capture) -> str:
@@ -143,39 +133,9 @@ def _energy_left(capture: Capture) -> str:
     return f"{left} at the start; it may take up to {1e3 * needed:.4g} mm of stroke{beyond}"
 
 
-def _bending(capture: Capture) -> list[str]:
-    probe = capture.design.probe
-    if probe.bending_stiffness is None:
-        return []
-    frequencies = np.asarray(bending_frequencies(capture.design))
-    return [
-        f"  bending              at most {1e3 * float(capture.bending):.4g} mm at the tip; {probe.bending_modes} modes,"
-        f" {frequencies[0]:.4g} to {frequencies[-1]:.4g} Hz, the first damped to"
-        f" {percent_text(np.pi * frequencies[0] * float(probe.bending_damping), '.3g')}"
-    ]
-
-
-def _play(capture: Capture) -> list[str]:
-    hinge = capture.design.hinge
-    if hinge.play is None:
-        return []
-    depth = float(pin_law(capture.design).depth(capture.peak_hinge_force))
-    return [f"  play in the hinge    {1e3 * float(hinge.play):.4g} mm; the pin goes up to {1e6 * depth:.3g} µm into it"]
-
-
 def _other_losses(capture: Capture) -> str:
-    energy, design = capture.energy, capture.design
-    there = {
-        "end stop": (design.buffer.stop_stiffness, "stop_damper"),
-        "hinge's play": (design.hinge.play, "hinge_play"),
-        "bending": (design.probe.bending_stiffness, "bending"),
-        "buffer's friction": (design.buffer.friction, "buffer_friction"),
-        "rebound stop": (design.buffer.rebound_stiffness, "rebound_damper"),
-        "latch": (design.latch.stiffness, "latch_damper"),
-    }
-    return "".join(
-        f", {name} {float(getattr(energy, loss)):.3g}" for name, (given, loss) in there.items() if given is not None
-    )
+    lost = capture.energy.lost
+    return "".join(f", {it.place} {float(lost[it.names[-1]]):.3g}" for it in energy_shares(capture))
 
 
 def _which_impact(capture: Capture) -> str:
@@ -187,24 +147,19 @@ def _which_impact(capture: Capture) -> str:
 
 
 def _stop(capture: Capture) -> str:
-    if capture.design.buffer.stop_stiffness is None:
-        return ""
-    return f", end stop {float(capture.peak_stop_force):.6g} N"
+    return "".join(f", {stop.words} {float(capture.peak_stop_force):.6g} N" for stop in end_stops(capture))
 
 
 def _stroke_limits(capture: Capture) -> str:
-    buffer = capture.design.buffer
-    whole = f" of {1e3 * float(buffer.longest_stroke):.6g} mm"
-    return whole if buffer.stop_stiffness is None else f"{whole}, end stop from {1e3 * float(buffer.end):.6g} mm on"
+    stops = (f", {stop.words} from {1e3 * float(stop.place):.6g} mm on" for stop in end_stops(capture))
+    return f" of {1e3 * float(capture.design.buffer.longest_stroke):.6g} mm{''.join(stops)}"
 
 
 def _bottomed(capture: Capture) -> str:
     """Return what would keep the buffer from its end. By how much it is too short is not said: after the end come
     further impacts, of vehicles that are far heavier than the probe, and no number of this run tells of them."""
-    buffer = capture.design.buffer
-    longer = (
-        "buffer.free_length" if buffer.max_stroke is None or buffer.stop_stiffness is not None else "buffer.max_stroke"
-    )
+    ends_before = capture.design.buffer.has("max_stroke") and not end_stops(capture)
+    longer = "buffer.max_stroke" if ends_before else "buffer.free_length"
     return f"none: raise {longer}, buffer.k_A or buffer.c_A; only a run that does not bottom says what stroke it needs"
 
 

@@ -16,7 +16,7 @@ from .vehicle_forces import larger_than_contact
 
 def names(design: Design) -> Names:
     """Return what the parts of a design are called; a hinge with play has no rows."""
-    hinge = {} if design.hinge.play is not None else {"hinge x": "N", "hinge y": "N"}
+    hinge = {} if design.hinge.has("play") else {"hinge x": "N", "hinge y": "N"}
     return Names(
         bodies=("active", "cylinder", "probe", "passive"),
         contacts=CONTACTS,

@@ -1,0 +1,60 @@
+"""What elements say of a run, in a mechanism that has no words of its own for them."""
+
+from types import SimpleNamespace
+
+import jax.numpy as jnp
+import numpy as np
+
+from jaxbuffer.contact import KelvinVoigt
+from jaxbuffer.elements import Buffer, EndStop, EnergyShare, Latch, Oscillators, SpringDamper, Thrust
+from jaxbuffer.multibody import AxialSpringDamper, TorsionalSpringDamper
+
+ARM = AxialSpringDamper(0, 1, (0.0, 0.0), (0.0, 0.0), 300.0, 4.0, free_length=0.2)
+BUFFER = Buffer(ARM, name="left_arm", stroke="left_stroke")
+STOP = EndStop(ARM, KelvinVoigt(1e4, 0.0), 0.05, name="left_stop")
+LATCH = Latch(1, 0, (0.0, 0.0), plane=0.3, seat=(0.2, 0.0), stiffness=5e3, strength=40.0)
+
+
+def run(**quantities):
+    """A made-up run whose latches closed at 2 s and that was held at 5 s."""
+    return SimpleNamespace(
+        mechanism=SimpleNamespace(quantities=quantities),
+        quantity=quantities.get,
+        maxima={"left_arm_force": 12.5, "left_stroke": 0.04, "left_stop_force": 7.0, "latch_force": 31.0, "rack": 3.0},
+        maximum_times={"left_stroke": 1.5},
+        switch_times={"latch": 2.0},
+        end_time=jnp.asarray(5.0),
+        outcome=SimpleNamespace(name="held"),
+        energy=SimpleNamespace(stored={"thrust": -0.3}),
+        history=SimpleNamespace(others={"left_stroke": np.array([0.0, 0.04]), "latch_force": np.array([0.0, 31.0])}),
+    )
+
+
+def test_each_element_has_lines_with_headings_of_its_own_name():
+    assert BUFFER.summary(run()) == [("peak left arm force", "12.5 N"), ("left stroke", "40 mm at 1.5 s")]
+    assert STOP.summary(run()) == [("left stop", "from 50 mm on, at most 7 N")]
+    assert LATCH.summary(run()) == [
+        ("latched", "at 2 s, held 3 s later; latch force at most 31 N of 40 N strength"),
+    ]
+    assert Thrust(0, 2.0, 0.5).summary(run()) == [("thrust", "2 N for 0.5 s, which put in 0.3 J")]
+    assert Oscillators((0,), (8.0,), ("rack",)).summary(run()) == [("shock", "rack 3 m/s² at 8 Hz")]
+
+
+def test_quantities_of_the_mechanism_come_before_observables():
+    """They may know more, as of a latch that never closed, or of a log without room for it."""
+    ((_, text),) = LATCH.summary(run(latch_time=1.0, peak_latch_force=30.0))
+    assert text.startswith("at 1 s") and "at most 30 N" in text
+    assert LATCH.summary(run(latch_time=np.nan)) == []
+
+
+def test_what_an_element_draws_and_has_of_the_energy():
+    (stroke,), (force,) = BUFFER.panels(run()), LATCH.panels(run())
+    assert stroke.title == "Left stroke" and not stroke.to_end
+    np.testing.assert_allclose(stroke.curves[0].values, [0.0, 40.0])
+    assert force.to_end and [level.label for level in force.levels] == ["largest, 31 N", "strength, 40 N", ""]
+    assert STOP.shares == (EnergyShare("left stop", "in the left stop", ("left_stop", "left_stop_damper")),)
+
+
+def test_an_element_without_words_says_nothing():
+    spring = SpringDamper(TorsionalSpringDamper(0, 1, 5.0, 0.3))
+    assert (spring.summary(run()), spring.panels(run()), spring.warnings(run()), spring.shares) == ([], [], [], ())
