@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
-from jaxbuffer.fields.record import from_json
 from jaxbuffer.labelled.netcdf import content, read
+from jaxbuffer.labelled.record import part_from_json
 
 PEAK, CONTACT = 1831.464, 0.2114478  # N, s: the bar drop's peak of mechanisms.md, section 1, by SciPy
 
@@ -77,7 +77,7 @@ def test_a_file_holds_the_same_and_stands_on_its_own(drop):
     assert content(data) == content(data), "the same bytes each time"
     back = read_back(data)
     assert back.identical(data)
-    assert from_json(jb.BarDrop(), back.attrs["design"]) == drop_design()
+    assert part_from_json(jb.BarDrop(), back.attrs["design"]) == drop_design()
     assert json.loads(back.attrs["scenario"]) == {"height [m]": 0.194, "gravity [m/s²]": 9.81}
 
 
@@ -106,5 +106,5 @@ def test_every_mechanism_has_labelled_runs(design, scenario, duration):
     assert tuple(data.body.values) == names.bodies and tuple(data.contact.values) == names.contacts
     assert data.sizes["impact"] == int(run.impact_count) > 0
     assert read_back(data).identical(data)
-    assert from_json(design(), data.attrs["design"]) == run.design
+    assert part_from_json(design(), data.attrs["design"]) == run.design
     assert "<table>" in run._repr_html_() and len(run.to_pandas()) == data.sizes["step"]

@@ -10,7 +10,7 @@ import pytest
 import jaxbuffer
 from jaxbuffer import InputError, Problem, Scenario, Variable, get, load_design, replace, save_design, table2
 from jaxbuffer.cli.entry import run
-from jaxbuffer.fields.record import from_json, json_record, record
+from jaxbuffer.labelled.record import part_from_json, part_json, part_record
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 from jaxbuffer.pages.records import same
 from jaxbuffer.study.config import apply_overrides, load
@@ -95,9 +95,9 @@ def test_runs_that_get_a_latch_by_what_varies_last_as_long_as_others_with_one():
 def test_designs_with_curves_are_written_and_read_again(study, tmp_path):
     save_design(tmp_path / "design.toml", study.design, [study.scenario])
     assert load_design(tmp_path / "design.toml") == (study.design, (study.scenario,))
-    assert from_json(table2(), json_record(study.design)) == study.design
-    assert from_json(study.design, json_record(table2())) == table2()
-    as_record = json.loads(json.dumps(record(study.design)))
+    assert part_from_json(table2(), part_json(study.design)) == study.design
+    assert part_from_json(study.design, part_json(table2())) == table2()
+    as_record = json.loads(json.dumps(part_record(study.design)))
     assert same(as_record[SPRING], study.design.buffer.spring_curve) and not same(
         None, study.design.buffer.spring_curve
     )

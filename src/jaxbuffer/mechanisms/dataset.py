@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from ..fields.record import json_record
+from ..labelled.record import part_json
 from ..version import version
 from .mechanism import Mechanism
 
@@ -12,7 +12,7 @@ def attributes(mechanism: Mechanism, design: Any, scenario: Any) -> dict[str, An
     return {
         "title": mechanism.view.title,
         "kind": mechanism.name,
-        "design": json_record(design),
-        "scenario": json_record(scenario),
+        "design": part_json(design),
+        "scenario": part_json(scenario),
         "jaxbuffer": version(),
     }

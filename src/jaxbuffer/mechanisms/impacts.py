@@ -6,7 +6,17 @@ from jaxtyping import Array, Float, Int
 from rich.table import Table
 
 from ..fields import Portable
+from ..labelled.arrays import Labelled
+from ..labelled.record import heading
 from ..tables import html, table, text
+from .quantity import IMPACT_UNITS
+
+MEANING = {
+    "time": "touchdown",
+    "approach_speed": "normal speed at touchdown",
+    "peak_force": "largest force until the contact's next touchdown",
+    "release_time": "release, NaN where the run ended in contact",
+}
 
 
 class Impacts(Portable):
@@ -35,19 +45,21 @@ class Impacts(Portable):
         """Return whether these are one run's, with numbers."""
         return not isinstance(self.count, jax.core.Tracer) and np.ndim(self.count) == 0
 
+    def labelled(self) -> dict[str, Labelled]:
+        """Return the numbers of the impacts that happened by name, an entry an impact."""
+        count = int(self.count)
+        return {
+            name: Labelled(("impact",), np.asarray(getattr(self, name))[:count], IMPACT_UNITS[name], meaning)
+            for name, meaning in MEANING.items()
+        }
+
     def _table(self) -> Table:
         """Return a table of the impacts that happened, counted from 1."""
-        count = int(self.count)
+        count, columns = int(self.count), self.labelled()
         shown = table(f"{count} impact{'' if count == 1 else 's'}")
-        columns = {
-            "contact": self.contact,
-            "time [s]": self.time,
-            "approach_speed [m/s]": self.approach_speed,
-            "peak_force [N]": self.peak_force,
-            "release_time [s]": self.release_time,
-        }
-        for heading in ("impact", *columns):
-            shown.add_column(heading, justify="right")
-        for k, row in enumerate(zip(*(np.asarray(it)[:count] for it in columns.values()), strict=True), 1):
+        for name in ("impact", "contact", *(heading(name, it.unit) for name, it in columns.items())):
+            shown.add_column(name, justify="right")
+        contacts = np.asarray(self.contact)[:count]
+        for k, row in enumerate(zip(contacts, *(it.values for it in columns.values()), strict=True), 1):
             shown.add_row(str(k), *("-" if np.isnan(value) else f"{value:.6g}" for value in row))
         return shown

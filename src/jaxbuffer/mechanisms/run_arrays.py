@@ -1,6 +1,7 @@
-"""A run as labelled arrays, and its history as a table's columns."""
+"""A run's quantities and history, listed once for its labelled arrays, the columns of its table and its record."""
 
-from typing import Any
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
 
 import jax
 import numpy as np
@@ -8,9 +9,9 @@ import numpy as np
 from .._types import Dataset
 from ..errors import InputError
 from ..labelled.arrays import Labelled, dataset
+from ..labelled.record import heading
 from .dataset import attributes
 from .history import History
-from .quantity import IMPACT_UNITS
 from .view import Names
 
 CONTACT_UNITS = {
@@ -24,14 +25,43 @@ COORDINATES = {
     "position": (("x", "m"), ("y", "m"), ("angle", "rad")),
     "velocity": (("x", "m/s"), ("y", "m/s"), ("angle", "rad/s")),
 }
-IMPACT_MEANING = {
-    "peak_force": "largest force until the contact's next touchdown",
-    "approach_speed": "normal speed at touchdown",
-    "time": "touchdown",
-    "release_time": "release, NaN where the run ended in contact",
-    "effective_energy": "kinetic energy before it along the normals of the closed contacts",
-    "compression_end": "when the contact no longer closes",
-}
+
+
+class Series(NamedTuple):
+    """A number along the steps of a run: a column of its table, and one entry of an array of its dataset, or all of it.
+
+    - ``name`` in tables; ``unit``; ``values`` (steps,);
+    - ``array``: the dataset's name for it; ``axis``: along which that has an entry for each contact, body or energy,
+      "" for none; ``description`` of the array.
+    """
+
+    name: str
+    unit: str
+    values: np.ndarray
+    array: str
+    axis: str
+    description: str
+
+
+def _series(history: History, names: Names) -> Iterator[Series]:
+    """Yield contacts, the mechanism's own numbers, motion, multipliers and energies, in the order of a table."""
+    for name, unit in CONTACT_UNITS.items():
+        for k, contact in enumerate(names.contacts):
+            values = getattr(history, name)[:, k]
+            yield Series(f"{name} {contact}", unit, values, name, "contact", name.replace("_", " "))
+    for name, unit, values in names.series(history.others):
+        yield Series(name, unit, values, f"{name}_history", "", name.replace("_", " "))
+    for name, axes in COORDINATES.items():
+        for k, body in enumerate(names.bodies):
+            for i, (axis, unit) in enumerate(axes):
+                values = getattr(history, name)[:, k, i]
+                yield Series(f"{body} {name} {axis}", unit, values, f"{name}_{axis}", "body", f"{name}: {axis}")
+    for k, (name, unit) in enumerate(names.multipliers.items()):
+        array = f"multiplier_{name.replace(' ', '_')}"
+        yield Series(f"multiplier {name}", unit, history.multipliers[:, k], array, "", name)
+    for name in history.energy.names:
+        values = getattr(history.energy, name)
+        yield Series(f"energy {name}", "J", values, "energy_history", "energy", "energy, or lost so far")
 
 
 def history_columns(run: Any) -> dict[str, np.ndarray]:
@@ -42,27 +72,14 @@ def history_columns(run: Any) -> dict[str, np.ndarray]:
     if run.history is None:
         raise InputError("the run has no history; jb.simulate(…, history=True) keeps one")
     history: Any = jax.tree.map(np.asarray, run.history)
-    names = run.mechanism.view.names(run.design)
-    columns: dict[str, Any] = {"time [s]": history.time}
-    for name, symbol in CONTACT_UNITS.items():
-        value = getattr(history, name)
-        columns |= {f"{name} {contact} [{symbol}]": value[:, k] for k, contact in enumerate(names.contacts)}
-    columns |= {f"{name} [{symbol}]": values for name, symbol, values in names.series(history.others)}
-    for name, axes in COORDINATES.items():
-        for k, body in enumerate(names.bodies):
-            columns |= {
-                f"{body} {name} {axis} [{s}]": getattr(history, name)[:, k, i] for i, (axis, s) in enumerate(axes)
-            }
-    for k, (name, symbol) in enumerate(names.multipliers.items()):
-        columns[f"multiplier {name} [{symbol}]"] = history.multipliers[:, k]
-    columns |= {f"energy {name} [J]": getattr(history.energy, name) for name in history.energy.names}
-    return {name: np.asarray(column) for name, column in columns.items()}
+    series = _series(history, run.mechanism.view.names(run.design))
+    return {heading("time", "s"): history.time} | {heading(it.name, it.unit): np.asarray(it.values) for it in series}
 
 
 def run_dataset(run: Any) -> Dataset:
     """Return a run that is solved as a dataset, as `Run.to_xarray` says."""
     mechanism, names = run.mechanism, run.mechanism.view.names(run.design)
-    variables = {**_quantities(run, names), **_impacts(run, names)}
+    variables = {**_numbers(run, names), **_impacts(run, names)}
     energies = tuple(run.energy.names)
     energy = jax.tree.map(np.asarray, run.energy)
     at_end = [float(getattr(energy, name)) for name in energies]
@@ -90,52 +107,43 @@ def _warnings(run: Any) -> list[str]:
     return [] if run.outcome.failed else run.mechanism.view.warnings(run)
 
 
-def _quantities(run: Any, names: Names) -> dict[str, Labelled]:
+def run_quantities(run: Any) -> dict[str, Labelled]:
+    """Return the quantities of a run that sweeps and records have."""
+    known = {name: run.mechanism.quantities[name] for name in run.mechanism.swept}
+    return {name: Labelled((), float(np.asarray(it.of(run))), it.unit, it.description) for name, it in known.items()}
+
+
+def _numbers(run: Any, names: Names) -> dict[str, Labelled]:
     """Return the single numbers of the whole run."""
-    mechanism = run.mechanism
-    catalogue = mechanism.quantities
-    arrays = {
-        name: Labelled(
-            (), float(np.asarray(catalogue[name].of(run))), catalogue[name].unit, catalogue[name].description
-        )
-        for name in mechanism.swept
-    }
+    contact = run.mechanism.view.contact
     # The number is -1 where nothing touches.
     largest = names.contacts[int(run.peak_contact)] if int(run.peak_contact) >= 0 else ""
     counts = {"impact_count": run.impact_count, "steps_accepted": run.accepted, "steps_attempted": run.attempts}
     return {
-        **arrays,
-        f"peak_{mechanism.view.contact}": Labelled((), largest, "", f"{mechanism.view.contact} with the largest force"),
+        **run_quantities(run),
+        f"peak_{contact}": Labelled((), largest, "", f"{contact} with the largest force"),
         **{name: Labelled((), int(count), "-", name.replace("_", " ")) for name, count in counts.items()},
     }
 
 
 def _impacts(run: Any, names: Names) -> dict[str, Labelled]:
     """Return arrays with one entry for each impact that happened."""
-    count, hits = int(run.impacts.count), run.impacts
-    contacts = [names.contacts[int(k)] for k in np.asarray(hits.contact)[:count]]
-    arrays = {"impact_contact": Labelled(("impact",), np.array(contacts, str), "", run.mechanism.view.contact)}
-    for name, unit in IMPACT_UNITS.items():
-        values = np.asarray(getattr(hits, name))[:count]
-        arrays[f"impact_{name}"] = Labelled(("impact",), values, unit, IMPACT_MEANING[name])
-    return arrays
+    contacts = [names.contacts[int(k)] for k in np.asarray(run.impacts.contact)[: int(run.impacts.count)]]
+    touched = Labelled(("impact",), np.array(contacts, str), "", run.mechanism.view.contact)
+    return {f"impact_{name}": it for name, it in ({"contact": touched} | run.impacts.labelled()).items()}
 
 
 def _history(history: History, names: Names) -> dict[str, Labelled]:
     """Return everything along the accepted steps."""
-    arrays = {
-        name: Labelled(("step", "contact"), getattr(history, name), unit, name.replace("_", " "))
-        for name, unit in CONTACT_UNITS.items()
-    }
-    bodies = len(names.bodies)
-    for name, axes in COORDINATES.items():
-        for i, (axis, unit) in enumerate(axes):
-            values = getattr(history, name)[:, :bodies, i]
-            arrays[f"{name}_{axis}"] = Labelled(("step", "body"), values, unit, f"{name}: {axis}")
-    for name, unit, values in names.series(history.others):
-        arrays[f"{name}_history"] = Labelled(("step",), values, unit, name.replace("_", " "))
-    for k, (name, unit) in enumerate(names.multipliers.items()):
-        arrays[f"multiplier_{name.replace(' ', '_')}"] = Labelled(("step",), history.multipliers[:, k], unit, name)
-    energies = np.stack([np.asarray(getattr(history.energy, name)) for name in history.energy.names], axis=1)
-    arrays["energy_history"] = Labelled(("step", "energy"), energies, "J", "energy, or lost so far")
-    return arrays
+    entries: dict[str, list[Series]] = {}
+    for it in _series(history, names):
+        entries.setdefault(it.array, []).append(it)
+    return {name: _array(series) for name, series in entries.items()}
+
+
+def _array(series: Sequence[Series]) -> Labelled:
+    """Return the array of the dataset that has these entries."""
+    first, values = series[0], np.stack([it.values for it in series], axis=1)
+    if first.axis:
+        return Labelled(("step", first.axis), values, first.unit, first.description)
+    return Labelled(("step",), values[:, 0], first.unit, first.description)

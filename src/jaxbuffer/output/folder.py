@@ -5,7 +5,6 @@ import json
 import warnings
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -13,9 +12,9 @@ from .._types import Dataset
 from ..block_store import described_identity, differing
 from ..errors import InputError
 from ..fields import Part, paths
-from ..fields.record import from_json
 from ..files import user_path
 from ..labelled.netcdf import SUFFIX, read
+from ..labelled.record import Record, part_from_json
 from ..mechanisms import all_mechanisms, mechanism_named
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
@@ -28,7 +27,6 @@ from ..tuning.store import stored_identity
 
 DESIGN = "design.toml"
 TABLES = ("sweep.nc", "sample.nc")  # the runs of a sweep and of a sample
-Record = Mapping[str, Any]
 RECORDS = {"tuned": "tuned.json", "sensitivity": "sensitivity.json", "sample": "sample.json", "front": "pareto.json"}
 COMMANDS = ("simulate", "sensitivity", "sweep", "tune", "sample", "pareto")
 MAKE = "jaxbuffer simulate STUDY.toml --output FOLDER makes some; so do sensitivity, sweep, tune, sample and pareto"
@@ -50,7 +48,8 @@ class Results:
     - ``run``: of `jaxbuffer simulate`, as `Run.to_xarray` made it, history included.
     - ``sweep``: of `jaxbuffer sweep`, as `Sweep.to_xarray` made it.
     - ``records``: the JSON files by what they are of: "run", "tuned", "sensitivity", "sweep", "sample", "front";
-      "motion" and "force" over time of a run, or "force" of a tuning.
+      "motion" and "force" over time of a run, or "force" of a tuning. They are asked with or without units:
+      ``found.records["run"]["peak_force"]``.
     - ``design``: the tuned one, or else that of the run, the sensitivities, the sweep, the sample or the front.
 
     **Example:**
@@ -66,6 +65,10 @@ class Results:
     sweep: Dataset | None = None
     records: Mapping[str, Record] = dataclasses.field(default_factory=dict)
     design: Part | None = None
+
+    def __post_init__(self) -> None:
+        records = {name: Record.of(record) for name, record in self.records.items()}
+        object.__setattr__(self, "records", records)  # the class is frozen
 
     @property
     def tuned(self) -> Record | None:
@@ -270,7 +273,7 @@ def _record(file: Path) -> Record | None:
         return None
     try:
         text = file.read_text(encoding="utf-8")
-        record = json.loads(text)
+        record = Record.from_json(text)
     except ValueError as error:  # no JSON, or no UTF-8
         raise InputError(f"{file} is damaged: {error}") from None
     if not isinstance(record, dict):
@@ -282,6 +285,6 @@ def _record(file: Path) -> Record | None:
 
 def _design(folder: Path, kind: str, design: str) -> Part:
     try:
-        return from_json(mechanism_named(kind).design(), design)
+        return part_from_json(mechanism_named(kind).design(), design)
     except (KeyError, ValueError, AttributeError) as error:
         raise InputError(f"{folder}: the design of its results is damaged or of another release: {error}") from None

@@ -14,6 +14,7 @@ from .motion import Scene, scene
 from .pulses import TIMES, force_over_time, last_contact
 from .sketch import INK, fills, is_filled, outline
 
+TIME, FORCE = "time [s]", "force [N]"  # what curves of contact forces are drawn over and against
 DIGITS = 7  # of lengths [m], angles [rad] and times [s] after the point: a tenth of a micrometre or a microsecond
 SIGNIFICANT = 6  # digits of a force or a stroke
 
@@ -41,7 +42,7 @@ def _to_end(name: str, run: Run) -> list[dict[str, Any]]:
         {
             "caption": f"{panel.title}, to the end of the run",
             "axis": panel.axis,
-            "curves": [{"name": name, "time [s]": _rounded(time), panel.axis: _significant(panel.curves[0].values)}],
+            "curves": [{"name": name, TIME: _rounded(time), panel.axis: _significant(panel.curves[0].values)}],
         }
         for panel in panels(whole)
         if panel.to_end and not panel.stacked
@@ -52,7 +53,7 @@ def _curve(run: Run) -> dict[str, list[float]]:
     """Return a run's times and forces, without those that lie between two others without any force."""
     time, force = force_over_time(run)
     idle = np.concatenate([[False], (force[:-2] == 0.0) & (force[1:-1] == 0.0) & (force[2:] == 0.0), [False]])
-    return {"time [s]": np.round(time[~idle], DIGITS).tolist(), "force [N]": _significant(force[~idle])}
+    return {TIME: np.round(time[~idle], DIGITS).tolist(), FORCE: _significant(force[~idle])}
 
 
 def _significant(values: Any) -> list[float]:

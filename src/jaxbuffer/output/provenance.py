@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..files import home
+from ..labelled.record import heading
 from ..version import version
 
 MADE = "made"  # a record's key for it
@@ -42,7 +43,7 @@ def made(
         "command": " ".join(["jaxbuffer", *map(_quoted, command)]),
         "study": study,
         "settings": dict(settings),
-        "wall_time [s]": round(seconds, 3),
+        heading("wall_time", "s"): round(seconds, 3),
         "resumed": resumed,
         **_here(),
     }

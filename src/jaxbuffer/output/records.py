@@ -1,17 +1,17 @@
 """Runs and sensitivities as rows and records, each number with its unit in the name, as in ``"stroke [m]"``."""
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import jax
 import numpy as np
 
-from ..fields.record import record
+from ..labelled.arrays import Labelled
+from ..labelled.record import heading, json_number, numbers, part_record, rows
 from ..mechanisms.cautions import cautions
-from ..mechanisms.quantity import unit_of
+from ..mechanisms.quantity import LOAD_UNITS, unit_of
 from ..mechanisms.run import Run
-from ..mechanisms.run_arrays import history_columns
+from ..mechanisms.run_arrays import history_columns, run_quantities
 from ..run.trust import Trust
 from ..sensitivities.result import Sensitivity, advice, sensitivity_rows
 from ..tuning.custom_quantity import CustomQuantity
@@ -25,13 +25,12 @@ def run_record(run: Run, constraints: Constraints | None = None, trust: Trust | 
     """Return everything but the history; impacts count from 1. ``constraints``: the study's; ``trust`` in numbers."""
     mechanism, names = run.mechanism, run.mechanism.view.names(run.design)
     limits, own = (Limits(), {}) if constraints is None else constraints
-    hits, energy, balance = jax.tree.map(np.asarray, (run.impacts, run.energy, run.balance))
-    energies = np.asarray(run.loads("effective_energy"))
-    peak_impact, catalogue = int(run.peak_impact), mechanism.quantities
+    energy, balance = jax.tree.map(np.asarray, (run.energy, run.balance))
+    peak_impact = int(run.peak_impact)
     return {
         "kind": mechanism.name,
         "outcome": run.outcome.name,
-        **{f"{name} [{catalogue[name].unit}]": json_number(catalogue[name].of(run)) for name in mechanism.swept},
+        **numbers(run_quantities(run)),
         **limits_record(limits, own),
         "limited": {n: json_number(x) for n, x in ({} if constraints is None else constraints.values(run)).items()},
         "trust": None
@@ -46,28 +45,17 @@ def run_record(run: Run, constraints: Constraints | None = None, trust: Trust | 
         "larger_force": mechanism.view.larger_force(run),
         "diagnosis": dict(mechanism.view.diagnosis(run)) if run.diagnosis else {},
         f"peak_{mechanism.view.contact}": names.contacts[int(run.peak_contact)]
-        if hits.count and int(run.peak_contact) >= 0
+        if int(run.impacts.count) and int(run.peak_contact) >= 0
         else None,
-        "maximum_times": {f"{name} [s]": json_number(time) for name, time in run.maximum_times.items()},
+        "maximum_times": {heading(name, "s"): json_number(time) for name, time in run.maximum_times.items()},
         "peak_impact": peak_impact + 1 if peak_impact >= 0 else None,
-        "impacts": [
-            {
-                "number": k + 1,
-                mechanism.view.contact: names.contacts[int(hits.contact[k])],
-                "time [s]": json_number(hits.time[k]),
-                "approach_speed [m/s]": json_number(hits.approach_speed[k]),
-                "peak_force [N]": json_number(hits.peak_force[k]),
-                "release_time [s]": json_number(hits.release_time[k]),
-                "effective_energy [J]": json_number(energies[k]),
-            }
-            for k in range(int(hits.count))
-        ],
-        "energy_at_end": {f"{name} [J]": json_number(getattr(energy, name)) for name in energy.names},
+        "impacts": _impacts(run),
+        "energy_at_end": {heading(name, "J"): json_number(getattr(energy, name)) for name in energy.names},
         "numerical_balance": {
-            "energy [-]": json_number(balance.energy),
-            "linear_momentum [-]": json_number(balance.linear_momentum),
-            "angular_momentum [-]": json_number(balance.angular_momentum),
-            "constraint_drift [m]": json_number(balance.drift),
+            heading("energy", "-"): json_number(balance.energy),
+            heading("linear_momentum", "-"): json_number(balance.linear_momentum),
+            heading("angular_momentum", "-"): json_number(balance.angular_momentum),
+            heading("constraint_drift", "m"): json_number(balance.drift),
         },
         **{
             name: {inner: json_number(value) for inner, value in values.items()}
@@ -75,10 +63,21 @@ def run_record(run: Run, constraints: Constraints | None = None, trust: Trust | 
         },
         "steps_accepted": int(run.accepted),
         "steps_attempted": int(run.attempts),
-        "design": record(run.design),
-        "scenario": record(run.scenario),
+        "design": part_record(run.design),
+        "scenario": part_record(run.scenario),
         "jaxbuffer": version(),
     }
+
+
+def _impacts(run: Run) -> list[dict[str, Any]]:
+    """Return a record for each impact."""
+    contacts, contact = run.mechanism.view.names(run.design).contacts, run.mechanism.view.contact
+    energies = Labelled(("impact",), np.asarray(run.loads("effective_energy")), LOAD_UNITS["effective_energy"])
+    touched = np.asarray(run.impacts.contact)
+    return [
+        {"number": k + 1, contact: contacts[int(touched[k])], **row}
+        for k, row in enumerate(rows(run.impacts.labelled() | {"effective_energy": energies}))
+    ]
 
 
 def limits_record(limits: Limits, own: Mapping[str, CustomQuantity]) -> dict[str, Any]:
@@ -109,12 +108,12 @@ def sensitivity_record(result: Sensitivity) -> dict[str, Any]:
     return {
         "kind": run.mechanism.name,
         "outcome": run.outcome.name,
-        **{f"{n} [{u}]": json_number(x) for n, u, x in zip(result.quantities, units, result.results, strict=True)},
+        **{heading(n, u): json_number(x) for n, u, x in zip(result.quantities, units, result.results, strict=True)},
         "derivatives": [dict(zip(header, row, strict=True)) for row in rows],
         "certificate": None if result.certificate is None else certificate_record(result),
         "advice": [" ".join(line.split()) for line in advice(result)],
-        "design": record(run.design),
-        "scenario": record(run.scenario),
+        "design": part_record(run.design),
+        "scenario": part_record(run.scenario),
         "jaxbuffer": version(),
     }
 
@@ -125,15 +124,15 @@ def certificate_record(result: Sensitivity) -> dict[str, Any]:
     peaks, mechanism = certificate.peaks, result.run.mechanism
     names = mechanism.view.names(result.run.design)
     evidence = {
-        name: {
+        heading(name, "-"): {
             quantity: dict(zip(result.paths, map(json_number, getattr(certificate, field)[k]), strict=True))
             for k, quantity in enumerate(result.quantities)
         }
         for name, field in (
-            ("estimated_error [-]", "error"),
-            ("change_with_tolerance [-]", "by_tolerance"),
-            ("distance_from_differences [-]", "by_differences"),
-            ("differences_own_uncertainty [-]", "uncertainty"),
+            ("estimated_error", "error"),
+            ("change_with_tolerance", "by_tolerance"),
+            ("distance_from_differences", "by_differences"),
+            ("differences_own_uncertainty", "uncertainty"),
         )
     }
     return {
@@ -146,26 +145,18 @@ def certificate_record(result: Sensitivity) -> dict[str, Any]:
         "active_peak": None
         if peaks is None
         else {
-            "force [N]": peaks.force,
-            "time [s]": peaks.time,
+            heading("force", "N"): peaks.force,
+            heading("time", "s"): peaks.time,
             mechanism.view.contact: names.contacts[peaks.contact],
             "impact": peaks.impact + 1,
         },
         "runner_up": None
         if peaks is None or peaks.runner_up_impact < 0
         else {
-            "force [N]": peaks.runner_up_force,
+            heading("force", "N"): peaks.runner_up_force,
             "impact": peaks.runner_up_impact + 1,
-            "margin [-]": peaks.margin,
+            heading("margin", "-"): peaks.margin,
             "swapped_by": peaks.swap_path or None,
-            "swapped_by_change [-]": json_number(peaks.swap_change),
+            heading("swapped_by_change", "-"): json_number(peaks.swap_change),
         },
     }
-
-
-def json_number(value: Any) -> float | None:
-    """Return a number as JSON has it; None where there is none or it is not finite."""
-    if value is None:
-        return None
-    real = float(value)
-    return real if math.isfinite(real) else None

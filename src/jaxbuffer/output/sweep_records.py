@@ -10,7 +10,7 @@ from ..experiments.indices import Indices
 from ..experiments.rectangle import SafeRectangle
 from ..experiments.sample import Sample
 from ..experiments.surface import Surface
-from ..fields.record import record
+from ..labelled.record import Record, heading, headings, part_record
 from ..sweeps.columns import RunTable
 from ..sweeps.result import Sweep
 from ..version import version
@@ -73,11 +73,11 @@ def _indices(indices: Indices) -> list[dict[str, Any]]:
         {
             "quantity": name,
             "number": path,
-            "first_order [-]": float(it.first[k]),
-            "first_order_interval [-]": it.first_interval[:, k].tolist(),
-            "total [-]": float(it.total[k]),
-            "total_interval [-]": it.total_interval[:, k].tolist(),
-            "confidence [-]": indices.confidence,
+            heading("first_order", "-"): float(it.first[k]),
+            heading("first_order_interval", "-"): it.first_interval[:, k].tolist(),
+            heading("total", "-"): float(it.total[k]),
+            heading("total_interval", "-"): it.total_interval[:, k].tolist(),
+            heading("confidence", "-"): indices.confidence,
             "rows": it.rows,
             "requested_rows": indices.requested_rows,
             "from": "response surface" if name in indices.surfaces else "runs",
@@ -104,14 +104,12 @@ def _surface(surface: Surface) -> dict[str, Any]:
 
 def indices_rows(indices: Indices) -> Table:
     """Return a row for each quantity and number."""
-    header = ["quantity", "number", "first_order [-]", "first_order_low [-]", "first_order_high [-]"]
-    header += ["total [-]", "total_low [-]", "total_high [-]", "rows", "from"]
-    columns = ("first_order [-]", "first_order_interval [-]", "total [-]", "total_interval [-]")
+    shares = [f"{kind}{end}" for kind in ("first_order", "total") for end in ("", "_low", "_high")]
     rows: list[Sequence[Any]] = []
-    for it in _indices(indices):
-        first, first_ends, total, total_ends = (it[name] for name in columns)
-        rows.append([it["quantity"], it["number"], first, *first_ends, total, *total_ends, it["rows"], it["from"]])
-    return header, rows
+    for it in map(Record.of, _indices(indices)):
+        numbers = [it["first_order"], *it["first_order_interval"], it["total"], *it["total_interval"]]
+        rows.append([it["quantity"], it["number"], *numbers, it["rows"], it["from"]])
+    return ["quantity", "number", *headings(dict.fromkeys(shares, "-")), "rows", "from"], rows
 
 
 def surface_rows(surfaces: Sequence[Surface]) -> Table:
@@ -129,7 +127,7 @@ def _of_many(swept: RunTable, own: dict[str, Any]) -> dict[str, Any]:
     mechanism, both = swept.mechanism, {}
     outcomes = Counter(mechanism.outcomes(int(code)).name for code in swept.code[swept.done])
     if swept.grid is not None:
-        both = {"design": record(swept.design), "scenario": record(swept.scenario)}
+        both = {"design": part_record(swept.design), "scenario": part_record(swept.scenario)}
     return {
         "kind": mechanism.name,
         **own,

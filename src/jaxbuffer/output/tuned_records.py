@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 
 from ..fields import get, unit
-from ..fields.record import record
+from ..labelled.record import heading, headings, json_number, part_record
 from ..tuning.evaluation import Evaluation
 from ..tuning.message import headline
 from ..tuning.pareto import Front, point_status
 from ..tuning.tuned import SHOWN, Tuned, tuned_warnings
 from ..value_text import with_unit
 from ..version import version
-from .records import Table, json_number, limits_record
+from .records import Table, limits_record
 
 
 def tuned_record(tuned: Tuned) -> dict[str, Any]:
@@ -22,7 +22,7 @@ def tuned_record(tuned: Tuned) -> dict[str, Any]:
     tolerance."""
     problem, (start, end) = tuned.problem, tuned.objective
     scenarios = zip(problem.cases, _cases(tuned, tuned.before), _cases(tuned, tuned.after), strict=True)
-    lower_bounds = _lower_bounds(tuned)
+    lower_bounds, lowest = _lower_bounds(tuned), None if tuned.lower_bound is None else tuned.lower_bound.lowest
     return {
         "kind": problem.mechanism.name,
         "identity": tuned.identity,
@@ -38,13 +38,11 @@ def tuned_record(tuned: Tuned) -> dict[str, Any]:
         "objective_unit": problem.objective.unit(problem.catalogue),
         "objective_before": json_number(start),
         "objective_after": json_number(end),
-        "first_order_residual [-]": json_number(tuned.residual),
-        "gradient_error [-]": json_number(tuned.gradient_error),
-        "rtol_of_check [-]": tuned.tight,
-        "above_lower_bound [-]": json_number(tuned.above_lower_bound),
-        "lowest_first_impact_within_bounds [N]": None
-        if tuned.lower_bound is None
-        else json_number(tuned.lower_bound.lowest),
+        heading("first_order_residual", "-"): json_number(tuned.residual),
+        heading("gradient_error", "-"): json_number(tuned.gradient_error),
+        heading("rtol_of_check", "-"): tuned.tight,
+        heading("above_lower_bound", "-"): json_number(tuned.above_lower_bound),
+        heading("lowest_first_impact_within_bounds", "N"): json_number(lowest),
         "captures": tuned.captures,
         "settings": dataclasses.asdict(tuned.settings),
         "variables": [
@@ -62,7 +60,7 @@ def tuned_record(tuned: Tuned) -> dict[str, Any]:
         **limits_record(problem.limits, problem.quantities),
         "scenarios": [
             {
-                **record(case.scenario),
+                **part_record(case.scenario),
                 "factors": dict(case.factors),
                 **lower_bound,
                 "before": before,
@@ -71,7 +69,7 @@ def tuned_record(tuned: Tuned) -> dict[str, Any]:
             for (case, before, after), lower_bound in zip(scenarios, lower_bounds, strict=True)
         ],
         **_scattered(tuned),
-        "design": record(tuned.design),
+        "design": part_record(tuned.design),
         "jaxbuffer": version(),
     }
 
@@ -98,7 +96,7 @@ def _scattered(tuned: Tuned) -> dict[str, Any]:
             "objective_in_the_middle": json_number(corners.middle),
             "each": [
                 {
-                    **record(case.scenario),
+                    **part_record(case.scenario),
                     "factors": dict(case.factors),
                     "objective": json_number(value),
                     "broken": broken,
@@ -114,7 +112,7 @@ def _lower_bounds(tuned: Tuned) -> list[dict[str, float | None]]:
     lower_bound = tuned.lower_bound
     if lower_bound is None:
         return [{} for _ in tuned.problem.cases]
-    names = ("lower_bound [N]", "closed_form_first_peak [N]", "T_c [J]")
+    names = headings({"lower_bound": "N", "closed_form_first_peak": "N", "T_c": "J"})
     rows = zip(lower_bound.simulated, lower_bound.closed_form, lower_bound.energy, strict=True)
     return [dict(zip(names, map(json_number, row), strict=True)) for row in rows]
 
@@ -128,9 +126,9 @@ def _cases(tuned: Tuned, point: Evaluation) -> list[dict[str, Any]]:
         {
             "outcome": problem.mechanism.outcomes(int(code)).name,
             "impacts": int(impacts),
-            "first_peak [N]": json_number(first),
-            **{f"{name} [{symbol}]": json_number(x) for (name, symbol), x in zip(units.items(), row, strict=True)},
-            **({} if margin is None else {f"{margin} [{problem.catalogue[margin].unit}]": json_number(room)}),
+            heading("first_peak", "N"): json_number(first),
+            **dict(zip(headings(units), map(json_number, row), strict=True)),
+            **({} if margin is None else {heading(margin, problem.catalogue[margin].unit): json_number(room)}),
         }
         for code, impacts, first, row, room in zip(
             point.code, point.impacts, point.first, tuned.reported(point), point.margin, strict=True
@@ -165,7 +163,7 @@ def front_record(front: Front) -> dict[str, Any]:
         "scenarios": len(front.problem.cases),
         "samples": front.problem.samples,
         "points": [dict(zip(header, row, strict=True)) for row in rows],
-        "design": record(front.problem.design),
+        "design": part_record(front.problem.design),
         "jaxbuffer": version(),
     }
 
@@ -173,10 +171,11 @@ def front_record(front: Front) -> dict[str, Any]:
 def front_rows(front: Front) -> Table:
     """Return a row for each point."""
     problem, catalogue = front.problem, front.problem.catalogue
-    header = ["point", *(f"worst {name} [{catalogue[name].unit}]" for name in front.objectives)]
-    header += [f"limit of {name} [{catalogue[name].unit}]" for name in front.objectives[1:]]
-    header += ["first_order_residual [-]", "gradient_error [-]", "converged", "standing"]
-    header += [f"{v.path} [{unit(problem.design, v.path)}]" for v in problem.variables]
+    units = {f"worst {name}": catalogue[name].unit for name in front.objectives}
+    units |= {f"limit of {name}": catalogue[name].unit for name in front.objectives[1:]}
+    units |= {"first_order_residual": "-", "gradient_error": "-", "converged": "", "standing": ""}
+    units |= {v.path: unit(problem.design, v.path) for v in problem.variables}
+    header = ["point", *headings(units)]
     rows: list[Sequence[Any]] = []
     for k, (point, values, limits) in enumerate(zip(front.points, front.values, front.limits, strict=True)):
         # A point without a limit has an infinite one, which JSON lacks.

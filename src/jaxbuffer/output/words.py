@@ -10,6 +10,7 @@ import numpy as np
 
 from .._types import Axes
 from ..fields import as_typed
+from ..labelled.record import heading
 from ..value_text import degrees_text, unit_by_size, with_unit
 from .style import BLUE, GREEN, ORANGE, PURPLE, SKY
 
@@ -44,7 +45,7 @@ def called(name: str) -> str:
 
 def field_axis(name: str, unit: str, typed: str = "") -> str:
     """Return the label of an axis over a field: "approach speed [m/s]"."""
-    return f"{called(name)} [{in_figures(unit, typed)[0]}]"
+    return heading(called(name), in_figures(unit, typed)[0])
 
 
 def value_in_words(value: float, unit: str, typed: str = "") -> str:

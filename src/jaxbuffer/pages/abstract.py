@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 
 from ..fields import ends_as_typed, unit
+from ..labelled.record import Record
 from ..mechanisms.mechanism import Mechanism
-from ..output.folder import Record, Results
+from ..output.folder import Results
 from ..value_text import change_text, percent_text, range_text, relative_change, table_text, unit_text, with_unit
 from .experiments import ON_FRONT, OPEN, STANDING, outcome_counts, reached, safe_of, swept_fields
 from .limits import (
@@ -19,7 +20,7 @@ from .limits import (
     limit_counts,
 )
 from .page import Cell
-from .records import by_name, by_quantity, ended, same, scenario_of, title, words
+from .records import by_quantity, ended, same, scenario_of, title, words
 from .sensitivities import MARKS
 
 INFEASIBLE = "no feasible design"
@@ -51,12 +52,12 @@ def _of_tuning(results: Results, others: Sequence[Results]) -> list[Cell]:
     feasible = tuned["feasible"] and (counts is None or not counts.faults)
     force = _of_objective(results, others, feasible)
     if fails_in_corners_alone(results, others):
-        return [Cell(f"the design {corners_verdict(tuned)}", "bad"), force, *_of_search({**tuned, "feasible": True})]
+        return [Cell(f"the design {corners_verdict(tuned)}", "bad"), force, *_of_search(tuned, True)]
     first = [] if tuned["feasible"] else [Cell(f"{INFEASIBLE} found", "bad")]
     limits = [] if counts is None or not (counts.faults or tuned["feasible"]) else [_of_limits(results, counts)]
     if counts is None and (count := end_count(results)) is not None:
         limits = [Cell(str(count), "good" if count.complete else "unsure")]
-    return [*first, *limits, force, *_of_search(tuned)]
+    return [*first, *limits, force, *_of_search(tuned, tuned["feasible"])]
 
 
 def _of_objective(results: Results, others: Sequence[Results], feasible: bool) -> Cell:
@@ -99,10 +100,10 @@ def _nearly(counts: LimitCounts) -> list[str]:
     return [f"{count} {what}" for what, count in by_verdict.items() if count]
 
 
-def _of_search(tuned: Record) -> list[Cell]:
+def _of_search(tuned: Record, feasible: bool) -> list[Cell]:
     """Return badges for a search that did not converge, and for one whose result no other search found (``confirmed``,
     where it is recorded)."""
-    if not tuned["feasible"]:
+    if not feasible:
         return []
     texts = [] if tuned.get("converged", True) else [STOPPED.get(tuned.get("ended", ""), "the search did not converge")]
     texts += [] if tuned.get("confirmed", True) else [UNCONFIRMED]
@@ -117,7 +118,7 @@ def _of_run(results: Results, others: Sequence[Results]) -> list[Cell]:
         end = ended(results.mechanism, record["outcome"])
         phrases, mark = _with_limits(counts, end.mark)
         larger = [text] if (text := record.get("larger_force")) else []
-        text = ", ".join([words(record["outcome"]), *phrases, f"peak force {record['peak_force [N]']:.4g} N", *larger])
+        text = ", ".join([words(record["outcome"]), *phrases, f"peak force {record['peak_force']:.4g} N", *larger])
         cells.append(Cell(text, mark))
         verdict = (record.get("trust") or {}).get("verdict", "trusted")
         cells += [] if verdict == "trusted" else [Cell(f"numbers: {verdict}", TRUST.get(verdict, "unsure"))]
@@ -221,11 +222,11 @@ def _run(results: Results, every: Sequence[Results]) -> str:
     record, mechanism = results.records.get("run"), results.mechanism
     if record is None:
         return ""
-    values, label = by_name(record), mechanism.view.label(scenario_of(mechanism, record["scenario"]))
+    label = mechanism.view.label(scenario_of(mechanism, record["scenario"]))
     reason = mechanism.outcomes[record["outcome"]].reason
-    text = f"At {label} the {mechanism.view.run_name} ends after {values['end_time']:.4g} s: {reason}."
-    if values.get("peak_force") is not None:
-        text += f" Its largest contact force is {values['peak_force']:.4g} N{_larger(record)}."
+    text = f"At {label} the {mechanism.view.run_name} ends after {record['end_time']:.4g} s: {reason}."
+    if record.get("peak_force") is not None:
+        text += f" Its largest contact force is {record['peak_force']:.4g} N{_larger(record)}."
     counts = limit_counts(results, every) if results.tuned is None else None
     if counts is None:
         return text
@@ -246,12 +247,12 @@ def _sensitivity(results: Results, every: Sequence[Results]) -> str:
     if record is None or not record["derivatives"]:
         return ""
     name = record["derivatives"][0]["quantity"]
-    rows = [row for row in record["derivatives"] if row["quantity"] == name and row["elasticity [-]"] is not None]
+    rows = [row for row in record["derivatives"] if row["quantity"] == name and row["elasticity"] is not None]
     # The first quantity may change sign, and has no elasticities then.
     if not rows:
         return ""
-    most, verdict = max(rows, key=lambda row: abs(row["elasticity [-]"])), rows[0]["verdict"]
-    change = f"{most['elasticity [-]']:+.2g} % ({'not certified' if verdict is None else verdict})"
+    most, verdict = max(rows, key=lambda row: abs(row["elasticity"])), rows[0]["verdict"]
+    change = f"{most['elasticity']:+.2g} % ({'not certified' if verdict is None else verdict})"
     moved = f"{most['parameter']} moves the {title(mechanism, name)} most"
     return f"Of {len(rows)} numbers {moved}: 1 % more of it changes it by {change}."
 
@@ -284,14 +285,14 @@ def _sample(results: Results, every: Sequence[Results]) -> str:
     doubtful = {it["quantity"] for it in record["surfaces"] if not it["trusted"]}
     known = [row for row in record["indices"] if row["from"] == "runs" or row["quantity"] not in doubtful]
     for name, rows in by_quantity(known).items():
-        row = max(rows, key=lambda row: -np.inf if (alone := row["first_order [-]"]) is None else alone)
+        row = max(rows, key=lambda row: -np.inf if (alone := row["first_order"]) is None else alone)
         text += f" The {title(mechanism, name)} is scattered most by {row['number']}: {_share(row)}."
     return text
 
 
 def _share(row: Record) -> str:
     """Return what a number alone has of a quantity's variance, and what it has in all."""
-    alone, total = row["first_order [-]"], row["total [-]"]
+    alone, total = row["first_order"], row["total"]
     if alone is None or not alone > 0.0:
         return "alone it scatters nothing, only together with others"
     return f"alone {percent_text(alone)} of the variance (total index {total:.2g}, its share with all others)"
@@ -307,7 +308,7 @@ def _front(results: Results, every: Sequence[Results]) -> str:
     text += f" {' and '.join(map(words, record['objectives']))}."
     open_ends = sum(not point["converged"] for point in points)
     for name in record["objectives"] if points else ():
-        values = [by_name(point)[f"worst {name}"] for point in points]
+        values = [point[f"worst {name}"] for point in points]
         known = mechanism.quantities.get(name)
         symbol, factor = ("", 1.0) if known is None else known.in_figures
         # Two ends that read the same are said once.

@@ -6,15 +6,16 @@ from typing import Any
 
 from ..errors import InputError
 from ..fields import get, paths, unit
+from ..labelled.record import Record
 from ..mechanisms.limit import Limit
 from ..mechanisms.mechanism import Mechanism
-from ..output.folder import Record, Results
+from ..output.folder import Results
 from ..value_text import percent_text, relative_change, table_text
 from .abstract import abstract, badges
 from .limits import case_labels, end_count, limit_check, limits, limits_of
 from .origin import origin
 from .page import Cell, Page, PageSection, Table
-from .records import ROUNDING, by_name, ended, figure, in_figures, same, scenario_of, words
+from .records import ROUNDING, Display, display, ended, figure, same, scenario_of, words
 from .review import distinct
 from .runs import FORCE, once
 
@@ -154,11 +155,10 @@ def _runs(every: Sequence[Results], folders: Sequence[str]) -> list[Table]:
     ends: list[list[Any]] = [["scenario", *(Cell(it, "" if it == labels[0] else "changed") for it in labels)]]
     ends.append(["outcome", *(ended(mechanism, record["outcome"]) for record in records)])
     rows: list[list[Any]] = []
-    designs = [by_name(record["design"]) for record in records]
-    meant = mechanism.meant(lambda path: any(design.get(path) for design in designs))
-    for name in once(meant, *map(by_name, records)):
-        title, symbol, factor = in_figures(mechanism, name)
-        values = [record.get(f"{name} [{mechanism.quantities[name].unit}]") for record in records]
+    meant = mechanism.meant(lambda path: any(record["design"].get(path) for record in records))
+    for name in once(meant, *records):
+        title, symbol, factor = display(mechanism, name)
+        values = [record.get(name) for record in records]
         in_unit = [None if value is None else factor * value for value in values]
         rows.append([title, symbol, *_beside(in_unit, merit=alike and name not in NO_MERIT)])
     rows.append(["impacts", "-", *_beside([len(record["impacts"]) for record in records], merit=alike)])
@@ -202,7 +202,7 @@ def differing(every: Sequence[Results]) -> list[str]:
     texts = []
     for key in dict.fromkeys(key for known in by_folder for key in known):
         if len({known.get(key) for known in by_folder}) > 1:
-            title, symbol, factor = _shown(every, key[0])
+            title, symbol, factor = _display(every, key[0])
             bounds = [known.get(key) for known in by_folder]
             said = ["not limited" if limit is None else limit.bound_text(symbol, factor) for limit in bounds]
             sides = ", ".join(f"{results.folder} {text}" for results, text in zip(every, said, strict=True))
@@ -218,13 +218,12 @@ def _limits_of(results: Results, every: Sequence[Results]) -> dict[tuple[str, bo
     return {(it.name, it.lowest): it for it in limits_of(results.mechanism, check.source)}
 
 
-def _shown(every: Sequence[Results], name: str) -> tuple[str, str, float]:
-    """Return a quantity's title, unit in figures and factor; one that a study has made may be known to one folder
-    only."""
+def _display(every: Sequence[Results], name: str) -> Display:
+    """Return how people are shown a quantity; one that a study has made may be known to one folder only."""
     own: dict[str, Any] = {}
     for results in every:
         own |= (results.tuned or results.records.get("run") or {}).get("quantities", {})
-    return in_figures(every[0].mechanism, name, own)
+    return display(every[0].mechanism, name, own)
 
 
 def limited_by_scenario(every: Sequence[Results]) -> list[Table]:
@@ -248,22 +247,21 @@ def by_scenario(every: Sequence[Results], folders: Sequence[str], name: str, fol
         for it in every
         for case, label in zip(_cases(it), case_labels(it, among), strict=True)
     }
-    title, symbol, factor = _shown(every, name)
+    shown = _display(every, name)
     rows: list[list[str | Cell]] = []
     for case, label in met.items():
         known = [value for values in columns if (value := values.get(case, UNKNOWN)[0]) is not None]
         # A value that stands alone in its row is not the lowest of anything.
         least = min(known) if len(known) > 1 else None
-        rows.append([label, *(_cell(values.get(case, UNKNOWN), least, factor) for values in columns)])
-    caption = f"{title[:1].upper()}{title[1:]} [{symbol}] after tuning, by scenario"
+        rows.append([label, *(_cell(values.get(case, UNKNOWN), least, shown) for values in columns)])
+    caption = f"{shown.heading[:1].upper()}{shown.heading[1:]} after tuning, by scenario"
     return Table(caption, ("scenario", *folders), rows, folded)
 
 
-def _cell(known: Known, least: float | None, factor: float) -> Cell:
+def _cell(known: Known, least: float | None, shown: Display) -> Cell:
     value, beyond, safe = known
-    if value is None:
-        return Cell(table_text(None))
-    return Cell(table_text(factor * value), "bad" if beyond else "good" if safe and value == least else "")
+    mark = "" if value is None else "bad" if beyond else "good" if safe and value == least else ""
+    return Cell(shown.text(value), mark)
 
 
 def _cells(results: Results, every: Sequence[Results], name: str) -> Mapping[str, Known]:
@@ -272,7 +270,7 @@ def _cells(results: Results, every: Sequence[Results], name: str) -> Mapping[str
     cases = _cases(results)
     safe = [True] * len(cases) if check is None else check.keeping
     sides = [limit for (limited, _), limit in limits.items() if limited == name]
-    values = [by_name(case["after"]).get(name) for case in cases]
+    values = [case["after"].get(name) for case in cases]
     beyond = [any(not it.keeps(value) for it in sides) for value in values]
     names = [_case(results.mechanism, case) for case in cases]
     return dict(zip(names, zip(values, beyond, safe, strict=True), strict=True))

@@ -4,13 +4,14 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ..fields import Part, as_typed, ends_as_typed, get, meaning, paths, unit
+from ..labelled.record import Record
 from ..mechanisms.mechanism import Mechanism
-from ..output.folder import Record, Results
+from ..output.folder import Results
 from ..output.words import value_in_words
 from ..value_text import table_text, unit_text
 from .limits import limits_of, required_success, source_of_limits
 from .page import Cell, PageSection, Table
-from .records import by_name, field_name, figure, in_figures, same, scenario_of, units_of, words
+from .records import display, field_name, figure, same, scenario_of, units_of, words
 
 TITLE = "What is asked"
 Rows = list[list[str]]
@@ -41,7 +42,7 @@ def _limits(first: Results, source: Record | None) -> Rows:
     mechanism, success = first.mechanism, required_success(first, source)
     rows = [] if success is None else [["end", f"each {mechanism.view.run_name}", words(success)]]
     for limit in limits_of(mechanism, source):
-        title, symbol, factor = in_figures(mechanism, limit.name, source.get("quantities", {}))
+        title, symbol, factor = display(mechanism, limit.name, source.get("quantities", {}))
         rows.append(["limit", title, limit.bound_text(symbol, factor)])
     if (most := source.get("most_impacts")) is not None:
         rows.append(["limit", "impacts", f"≤ {most}"])
@@ -111,7 +112,7 @@ def other_design(results: Results, first: Results, record: Record) -> list[str]:
     """Return in what a record's design differs from the page's, as a sentence; nothing where it is the same."""
     if first.design is None:
         return []
-    usual, one = results.mechanism.design(), by_name(record["design"])
+    usual, one = results.mechanism.design(), record["design"]
     differ = [path for path in paths(usual) if path in one and not same(one[path], get(first.design, path))]
     if not differ:
         return []

@@ -6,12 +6,12 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ..fields import as_typed, ends_as_typed, get
-from ..fields.record import without_unit
+from ..labelled.record import Record, heading, parts
 from ..mechanisms.mechanism import Mechanism
-from ..output.folder import Record, Results
+from ..output.folder import Results
 from ..value_text import degrees_text, percent_text, table_text, unit_text
 from .page import Cell, PageSection, Table
-from .records import by_quantity, ended, field_name, figure, in_figures, units_of, words
+from .records import by_quantity, display, ended, field_name, figure, units_of, words
 
 OPEN = "not computed"  # of a run that an interrupted sweep has not reached
 ON_FRONT = ("front", "front, not converged")
@@ -142,7 +142,7 @@ def sample(results: Results) -> PageSection | None:
         ranges.append([r["path"], symbol, table_text(low), table_text(high), r["scale"]])
     tables = [Table("Ranges", ("number", "unit", "low", "high", "spread evenly on a scale"), ranges)]
     tables.append(_outcomes(results.mechanism, record["outcomes"]))
-    indices = by_quantity(sorted(record["indices"], key=lambda row: -row["total [-]"]))
+    indices = by_quantity(sorted(record["indices"], key=lambda row: -row["total"]))
     tables += [_indices(results.mechanism, name, rows) for name, rows in indices.items()]
     if record["surfaces"]:
         tables.append(_surfaces(results.mechanism, record))
@@ -170,13 +170,13 @@ def _indices(mechanism: Mechanism, name: str, rows: list[Record]) -> Table:
     """Return the indices of a quantity's numbers, the number that matters most first."""
     source, first = rows[0]["from"], rows[0]
     of = "of its response surface" if source != "runs" else f"of {first['rows']} of {first['requested_rows']} rows"
-    caption = f"Whose scatter matters for the {in_figures(mechanism, name)[0]} (Sobol' indices {of}"
-    caption += f", {percent_text(first['confidence [-]'], 'g')} intervals)"
+    caption = f"Whose scatter matters for the {display(mechanism, name).title} (Sobol' indices {of}"
+    caption += f", {percent_text(first['confidence'], 'g')} intervals)"
     interval = lambda ends: f"{ends[0]:.3f} … {ends[1]:.3f}"  # noqa: E731
     cells = []
     for row in rows:
-        alone, total = (f"{row[f'{name} [-]']:.3f}" for name in ("first_order", "total"))
-        intervals = [interval(row[f"{name}_interval [-]"]) for name in ("first_order", "total")]
+        alone, total = (f"{row[name]:.3f}" for name in ("first_order", "total"))
+        intervals = [interval(row[f"{name}_interval"]) for name in ("first_order", "total")]
         cells.append([row["number"], alone, intervals[0], total, intervals[1]])
     return Table(caption, ("number", "alone", "interval", "with all others", "interval"), cells)
 
@@ -190,7 +190,7 @@ def _surfaces(mechanism: Mechanism, record: Record) -> Table:
             errors = [f"{table_text(error['rms'])}{unit_text(surface['unit'])}", percent_text(error["relative"], ".3g")]
             errors.append(percent_text(error["explained"], ".4g"))
             verdict = ("trusted" if surface["trusted"] else "not to be trusted") if taken else "not taken"
-            rows.append([in_figures(mechanism, surface["quantity"])[0], words(kind), *errors, Cell(verdict, mark)])
+            rows.append([display(mechanism, surface["quantity"]).title, words(kind), *errors, Cell(verdict, mark)])
     caption = "Response surfaces: their errors at runs they were not fitted to (cross-validated)"
     return Table(caption, ("quantity", "kind", "error, rms", "of a value", "variance explained", "verdict"), rows)
 
@@ -227,14 +227,14 @@ def front(results: Results) -> PageSection | None:
 def _front_column(results: Results, name: str) -> tuple[str, float]:
     """Return a column's heading with the unit that people are shown, and how many of those its own unit is: of an
     objective or its limit, or of a variable."""
-    start, symbol = without_unit(name)
+    start, symbol = parts(name)
     quantity = results.mechanism.quantities.get(start.removeprefix("worst ").removeprefix("limit of "))
     display_unit, factor = symbol, 1.0
     if quantity is not None:
         display_unit, factor = quantity.in_figures
     elif typed := units_of(results).get(start):
         factor, display_unit = as_typed(1.0, symbol, typed)
-    return (f"{words(start)} [{display_unit}]" if symbol else words(name)), factor
+    return heading(words(start), display_unit), factor
 
 
 def _outcomes(mechanism: Mechanism, counts: Mapping[str, int]) -> Table:

@@ -6,12 +6,13 @@ from collections.abc import Container, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from ..fields import get
+from ..labelled.record import Record
 from ..mechanisms.limit import IMPACTS, Limit, both_sides
 from ..mechanisms.mechanism import EndCount, Mechanism, RequiredEnd
-from ..output.folder import Record, Results
-from ..value_text import percent_text, table_text, with_unit
+from ..output.folder import Results
+from ..value_text import percent_text, with_unit
 from .page import Cell, PageSection, Table
-from .records import by_name, in_figures, same, scenario_of, words
+from .records import Display, display, same, scenario_of, words
 
 LIMITS = ("limits", "lower_limits", "most_impacts", "ends")  # what a record has that its study limits
 HEADINGS = ("quantity", "unit", "worst", "in scenario", "limit", "margin", "verdict")
@@ -23,12 +24,12 @@ UNKNOWN = Cell("not known", "unsure")
 Row = list[str | Cell]
 
 
-def _value(value: float | None, limit: Limit, factor: float) -> str:
+def _value(value: float | None, limit: Limit, shown: Display) -> str:
     """Return a value beside its limit: with as many digits as tell it from a bound that it breaks."""
-    if value is None or limit.keeps(value):
-        return table_text(None if value is None else factor * value)
-    text = table_text(factor * value)
-    return text if text != with_unit(factor * limit.bound, "") else limit.told_apart(value, factor=factor)
+    text = shown.text(value)
+    if value is None or limit.keeps(value) or text != with_unit(shown.factor * limit.bound, ""):
+        return text
+    return limit.told_apart(value, factor=shown.factor)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -81,12 +82,12 @@ class LimitCheck:
         missed, limits = set(self.missed), self.limits
         return [k not in missed and not any(_breaks(case, it) for it in limits) for k, case in enumerate(self.values)]
 
-    def title(self, name: str) -> tuple[str, str, float]:
-        """Return a quantity's title, its unit in figures, and how many of those its own unit is."""
+    def display(self, name: str) -> Display:
+        """Return how people are shown a quantity."""
         if name == IMPACTS:
-            return name, "-", 1
-        title, symbol, factor = in_figures(self.mechanism, name, self.source.get("quantities", {}))
-        return (title if name in limited(self.source) else f"{title} (always)"), symbol, factor
+            return Display(name, "-", 1)
+        shown = display(self.mechanism, name, self.source.get("quantities", {}))
+        return shown if name in limited(self.source) else shown._replace(title=f"{shown.title} (always)")
 
 
 def limit_check(results: Results, every: Sequence[Results] = (), side: str = "after") -> LimitCheck | None:
@@ -104,10 +105,10 @@ def limit_check(results: Results, every: Sequence[Results] = (), side: str = "af
     name = "" if limiting is results else str(limiting.folder)
     success = required_success(results, source)
     if results.tuned is None:
-        values = by_name(record) | record.get("limited", {}) | {IMPACTS: len(record[IMPACTS])}
+        values = Record(record | record.get("limited", {}) | {IMPACTS: len(record[IMPACTS])})
         said = mechanism.view.label(scenario_of(mechanism, record["scenario"]))
         return LimitCheck(mechanism, source, name, [said], [values], [record["outcome"]], success)
-    cases = [by_name(case[side]) for case in record["scenarios"]]
+    cases = [case[side] for case in record["scenarios"]]
     outcomes = [case["outcome"] for case in cases]
     return LimitCheck(mechanism, source, name, case_labels(results), cases, outcomes, success)
 
@@ -190,7 +191,7 @@ def elsewhere(results: Results, scenario: Record) -> list[str]:
     """
     if results.tuned is None:
         return []
-    mechanism, cases = results.mechanism, [by_name(case["after"]) for case in results.tuned["scenarios"]]
+    mechanism, cases = results.mechanism, [case["after"] for case in results.tuned["scenarios"]]
     met, labels = [scenario_of(mechanism, case) for case in results.tuned["scenarios"]], case_labels(results)
     names = dict.fromkeys(["peak_force", *results.tuned["limits"]])
     own = results.tuned.get("quantities", {})
@@ -198,7 +199,7 @@ def elsewhere(results: Results, scenario: Record) -> list[str]:
     largest = {name: max(range(len(cases)), key=lambda k: cases[k][name] or 0.0) for name in names}
     if scenario_of(mechanism, scenario) in [met[k] for k in largest.values()]:
         return []
-    places = ", ".join(f"{in_figures(mechanism, name, own)[0]} at {labels[k]}" for name, k in largest.items())
+    places = ", ".join(f"{display(mechanism, name, own).title} at {labels[k]}" for name, k in largest.items())
     return [f"This is not the scenario that decides: over all scenarios of the tuning the largest are {places}."]
 
 
@@ -316,8 +317,8 @@ def limits_of(mechanism: Mechanism, source: Record, among: Container[str] | None
 
 
 def _row(check: LimitCheck, limit: Limit) -> Row:
-    name, symbol, factor = check.title(limit.name)
-    bound = limit.bound_text(factor=factor)
+    shown = check.display(limit.name)
+    name, symbol, bound = shown.title, shown.unit, limit.bound_text(factor=shown.factor)
     if limit.name not in check.values[0]:  # a limit of another folder on what this one does not know
         return [name, symbol, "–", "–", bound, "–", UNKNOWN]
     values = [case[limit.name] for case in check.values]
@@ -327,7 +328,7 @@ def _row(check: LimitCheck, limit: Limit) -> Row:
     margin = "–" if share is None else percent_text(share, ".3g")
     close = share is not None and share < CLOSE
     verdict = BROKEN if not limit.keeps(value) else AT_LIMIT if close else KEPT
-    return [name, symbol, _value(value, limit, factor), where, bound, margin, verdict]
+    return [name, symbol, _value(value, limit, shown), where, bound, margin, verdict]
 
 
 def _beyond(check: LimitCheck) -> list[Row]:
@@ -337,13 +338,14 @@ def _beyond(check: LimitCheck) -> list[Row]:
     missed: list[Row] = [[check.labels[k], "end", "-", words(check.outcomes[k]), success, "–"] for k in check.missed]
     excesses: list[tuple[float, Row]] = []
     for limit in check.limits:
-        name, symbol, factor = check.title(limit.name)
+        shown = check.display(limit.name)
         for where, case in zip(check.labels, check.values, strict=True):
             if _breaks(case, limit):
                 value = case[limit.name]
                 share = limit.margin(value)
                 by = "–" if share is None else percent_text(-share, ".3g")
-                row: Row = [where, name, symbol, _value(value, limit, factor), limit.bound_text(factor=factor), by]
+                text, bound = _value(value, limit, shown), limit.bound_text(factor=shown.factor)
+                row: Row = [where, shown.title, shown.unit, text, bound, by]
                 # Sorted by margin below: the most negative one is the farthest beyond.
                 excesses.append((share or 0.0, row))
     return [*missed, *(row for _, row in sorted(excesses, key=lambda it: it[0]))]

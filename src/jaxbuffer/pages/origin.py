@@ -2,7 +2,8 @@
 
 from collections.abc import Mapping, Sequence
 
-from ..output.folder import BESIDE, RECORDS, Record, Results
+from ..labelled.record import Record
+from ..output.folder import BESIDE, RECORDS, Results
 from ..output.provenance import MADE
 from ..value_text import table_text
 from .page import Cell, PageSection, Table
@@ -62,7 +63,7 @@ def _settings(records: Sequence[tuple[str, Record]]) -> Table:
     for result, record in records:
         made = _made(record)
         settings = made.get("settings", {})
-        time = _time(made["wall_time [s]"]) if "wall_time [s]" in made else UNRECORDED
+        time = _time(made["wall_time"]) if "wall_time" in made else UNRECORDED
         time += ", the rest of a run that was interrupted" if made.get("resumed") else ""
         finished = made.get("finished", UNRECORDED).partition("+")[0].replace("T", " ")
         rows.append([result, finished, time, *(table_text(settings.get(name)) for name in names)])

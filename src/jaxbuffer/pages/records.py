@@ -1,15 +1,15 @@
-"""Records and figures of result files, as parts of a page: names without units, values as cells."""
+"""Records and figures of result files, as parts of a page: quantities as people are shown them, values as cells."""
 
 import base64
 import re
 from collections.abc import Iterable, Mapping
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..fields import Curve, paths
-from ..fields.record import without_unit
+from ..labelled.record import Record, heading
 from ..mechanisms.mechanism import Mechanism
-from ..output.folder import Record, Results
+from ..output.folder import Results
 from ..output.provenance import MADE
 from ..output.words import called
 from ..value_text import table_text
@@ -18,11 +18,6 @@ from .page import Cell, Figure
 NONE: Mapping[str, Any] = MappingProxyType({})
 ROUNDING = 1e-9  # relative, what two numbers of equal meaning may differ by
 ACTIVE = re.compile(r"<script|<foreignObject|javascript:|\son\w+=", re.IGNORECASE)  # what no figure of ours holds
-
-
-def by_name(record: Record) -> dict[str, Any]:
-    """Return a record's values by names without units: "stroke [m]" is "stroke"."""
-    return {without_unit(name)[0]: value for name, value in record.items()}
 
 
 def same(value: Any, other: Any) -> bool:
@@ -50,8 +45,7 @@ def field_name(path: str) -> str:
 
 def scenario_of(mechanism: Mechanism, record: Record) -> Any:
     """Return the scenario that a record describes."""
-    values = by_name(record)
-    return mechanism.scenario(**{path: values[path] for path in paths(mechanism.scenario()) if path in values})
+    return mechanism.scenario(**{path: record[path] for path in paths(mechanism.scenario()) if path in record})
 
 
 def ended(mechanism: Mechanism, outcome: str) -> Cell:
@@ -60,29 +54,35 @@ def ended(mechanism: Mechanism, outcome: str) -> Cell:
     return Cell(outcome, "good" if good else "bad")
 
 
-def quantity(mechanism: Mechanism, name: str, values: Mapping[str, Any]) -> list[str]:
-    """Return a quantity's title, its unit in figures, and its value in that unit."""
-    title, symbol, factor = in_figures(mechanism, name)
-    value = values.get(name)
-    return [title, symbol, table_text(None if value is None else factor * value)]
+class Display(NamedTuple):
+    """How people are shown a quantity: its ``title``, its ``unit`` in figures, and how many of those its own unit is
+    (``factor``)."""
+
+    title: str
+    unit: str
+    factor: float = 1.0
+
+    @property
+    def heading(self) -> str:
+        """Return the title with the unit: "buffer stroke [mm]"."""
+        return heading(self.title, self.unit)
+
+    def text(self, value: float | None) -> str:
+        """Return a value, given in the quantity's own unit, as it stands in a table."""
+        return table_text(None if value is None else self.factor * value)
 
 
-def in_figures(
-    mechanism: Mechanism, name: str, own: Mapping[str, Any] = MappingProxyType({})
-) -> tuple[str, str, float]:
-    """Return a quantity's title, its unit in figures, and how many of those its own unit is.
-
-    ``own``: the record of a study's own quantities, by name.
-    """
+def display(mechanism: Mechanism, name: str, own: Mapping[str, Any] = NONE) -> Display:
+    """Return how people are shown a quantity. ``own``: the record of a study's own quantities, by name."""
     if name in own:
-        return words(name), str(own[name]["unit"]), 1.0
+        return Display(words(name), str(own[name]["unit"]))
     known = mechanism.quantities[name]
-    return known.title or words(name), *known.in_figures
+    return Display(known.title or words(name), *known.in_figures)
 
 
 def title(mechanism: Mechanism, name: str) -> str:
     """Return a quantity's title, or what one of an impact is called."""
-    return in_figures(mechanism, name)[0] if name in mechanism.quantities else words(name)
+    return display(mechanism, name).title if name in mechanism.quantities else words(name)
 
 
 def by_quantity(rows: Iterable[Record]) -> dict[str, list[Record]]:

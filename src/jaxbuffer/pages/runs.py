@@ -6,16 +6,16 @@ from typing import Any
 from ..fields import as_typed, unit
 from ..mechanisms.limit import Limit, both_sides
 from ..output.folder import Results
+from ..output.page_data import FORCE
 from ..tuning.problem import Variable
 from ..value_text import percent_text, table_text
 from .designs import other_design
 from .limits import case_labels, corners_verdict, elsewhere, end_count
 from .page import Cell, PageSection, Table
-from .records import by_name, ended, figure, in_figures, quantity, same, scenario_of, words
+from .records import Display, display, ended, figure, same, scenario_of, words
 
 MANY = 12  # impacts; a longer table is folded
 FIRST = "what to change first"
-FORCE = "force [N]"  # of contacts
 MARGIN = "_margin"  # how names of margins end
 HELPING = 3  # lines of advice that are shown
 
@@ -25,9 +25,10 @@ def run(results: Results, first: Results) -> PageSection | None:
     record, mechanism = results.records.get("run"), results.mechanism
     if record is None:
         return None
-    values, hits = by_name(record), record["impacts"]
-    meant = once(mechanism.meant(by_name(record["design"]).get), values)
-    tables = [Table("Quantities", ("quantity", "unit", "value"), [quantity(mechanism, n, values) for n in meant])]
+    hits = record["impacts"]
+    shown = {name: display(mechanism, name) for name in once(mechanism.meant(record["design"].get), record)}
+    rows = [[it.title, it.unit, it.text(record.get(name))] for name, it in shown.items()]
+    tables = [Table("Quantities", ("quantity", "unit", "value"), rows)]
     if hits:
         rows = [[table_text(value) for value in impact.values()] for impact in hits]
         caption = f"{len(hits)} impact{'s' if len(hits) > 1 else ''}"
@@ -104,23 +105,22 @@ def scenarios(results: Results) -> PageSection | None:
     if tuned is None:
         return None
     lower, own = tuned.get("lower_limits", {}), tuned.get("quantities", {})
-    known = by_name(tuned["scenarios"][0]["after"])
-    left = [name for name in mechanism.tuning.left_open(by_name(tuned["design"]).get) if name in known]
-    names = list(dict.fromkeys(["peak_force", *tuned["limits"], *lower, *left]))
+    known = tuned["scenarios"][0]["after"]
+    left = [name for name in mechanism.tuning.left_open(tuned["design"].get) if name in known]
+    names = dict.fromkeys(["peak_force", *tuned["limits"], *lower, *left])
+    shown = {name: display(mechanism, name, own) for name in names}
     rows = []
     for record, label in zip(tuned["scenarios"], case_labels(results), strict=True):
-        before, after = by_name(record["before"]), by_name(record["after"])
+        before, after = record["before"], record["after"]
         row: list[str | Cell] = [label]
         row += [ended(mechanism, values["outcome"]) for values in (before, after)]
-        for name in names:
-            factor = in_figures(mechanism, name, own)[2]
+        for name, it in shown.items():
             sides = [limit for limit in both_sides(tuned["limits"], lower) if limit.name == name]
-            row += [_value(values[name], factor, sides) for values in (before, after)]
+            row += [_value(values[name], it, sides) for values in (before, after)]
         rows.append(row)
     headings = ["scenario", "outcome\nbefore", "\nafter"]
-    for name in names:
-        title, symbol, _ = in_figures(mechanism, name, own)
-        headings += [f"{title}\n[{symbol}] before", "\nafter"]
+    for it in shown.values():
+        headings += [f"{it.title}\n[{it.unit}] before", "\nafter"]
     worst = results.records.get("force", {}).get("scenario", "")
     curves = forces(results, f"Contact force of the worst scenario ({worst}), before and after tuning")
     tables, corners = [Table("Before and after tuning", headings, rows)], tuned.get("corners")
@@ -137,9 +137,9 @@ def scenarios(results: Results) -> PageSection | None:
     return PageSection("Scenarios", [*reached, *text], curves=curves, tables=tables, warnings=warnings)
 
 
-def _value(value: float | None, factor: float, sides: Sequence[Limit]) -> Cell:
+def _value(value: float | None, shown: Display, sides: Sequence[Limit]) -> Cell:
     beyond = any(not limit.keeps(value) for limit in sides)
-    return Cell(table_text(None if value is None else factor * value), "bad" if beyond else "")
+    return Cell(shown.text(value), "bad" if beyond else "")
 
 
 def search(results: Results) -> PageSection | None:
@@ -154,14 +154,14 @@ def search(results: Results) -> PageSection | None:
         bound = Variable(v["path"], v["low"], v["high"], v.get("scale", "log")).at_bound(v["value"])
         rows.append([v["path"], values[0][1], *(table_text(value) for value, _ in values), bound])
     table = Table("Variables", ("field", "unit", "low", "high", "before", "tuned", "bound"), rows)
-    residual, error = tuned["first_order_residual [-]"], tuned["gradient_error [-]"]
+    residual, error = tuned["first_order_residual"], tuned["gradient_error"]
     facts = [
         f"{tuned['message'][:1].upper()}{tuned['message'][1:]}.",
         f"{tuned['captures']} {results.mechanism.view.run_name}s; {percent_text(residual)} of the objective left to"
-        f" gain by small changes (checked at rtol {tuned.get('rtol_of_check [-]', 1e-9):g}), the search's slopes right"
+        f" gain by small changes (checked at rtol {tuned.get('rtol_of_check', 1e-9):g}), the search's slopes right"
         f" to {percent_text(error)}.",
     ]
-    if (above := tuned.get("above_lower_bound [-]")) is not None:
+    if (above := tuned.get("above_lower_bound")) is not None:
         more = percent_text(above, ".3g")
         facts.append(f"The largest force is {more} above the first impact's, which no buffer softens.")
     figures = figure(results, "tune", "The search: objective, limits and variables over its evaluations")

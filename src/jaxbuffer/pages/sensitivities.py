@@ -4,15 +4,16 @@ import math
 from collections.abc import Mapping, Sequence
 
 from ..fields import display_unit
+from ..labelled.record import Record
 from ..mechanisms.limit import Limit
 from ..mechanisms.mechanism import Mechanism
-from ..output.folder import Record, Results
+from ..output.folder import Results
 from ..sensitivities.evidence import FLOOR
 from ..value_text import percent_text, quotient_unit, table_text
 from .designs import other_design
 from .limits import elsewhere, limits_of, source_of_limits
 from .page import Cell, PageSection, Table
-from .records import by_name, by_quantity, figure, in_figures, scenario_of, title, words
+from .records import by_quantity, display, figure, scenario_of, title, words
 
 MARKS = {"trusted": "good", "check": "unsure", "refused": "bad"}
 FAR = 0.5  # relative change beyond which first order says little
@@ -30,7 +31,7 @@ def sensitivity(results: Results, first: Results, every: Sequence[Results] = ())
         return None
     derivatives = by_quantity(record["derivatives"])
     # What can change sign has no elasticities.
-    signed = {name: rows for name, rows in derivatives.items() if all(row["elasticity [-]"] is None for row in rows)}
+    signed = {name: rows for name, rows in derivatives.items() if all(row["elasticity"] is None for row in rows)}
     relative = {name: rows for name, rows in derivatives.items() if name not in signed}
     tables = [_elasticities(results, relative)] if relative else []
     tables += _slopes(results.mechanism, {title(results.mechanism, name): rows for name, rows in signed.items()})
@@ -57,9 +58,9 @@ def _runner_up(other: Record | None) -> list[str]:
     """Return which impact would be the peak if the largest were not, and what would make it so."""
     if other is None:
         return []
-    text = f"The second largest impact is number {other['impact']} with {other['force [N]']:.4g} N,"
-    text += f" {percent_text(other['margin [-]'], '.3g')} below the peak"
-    path, change = other["swapped_by"], other["swapped_by_change [-]"]
+    text = f"The second largest impact is number {other['impact']} with {other['force']:.4g} N,"
+    text += f" {percent_text(other['margin'], '.3g')} below the peak"
+    path, change = other["swapped_by"], other["swapped_by_change"]
     if path is None or change is None:
         return [f"{text}."]
     beyond = "; so far that only the direction counts" if abs(change) > FAR else ""
@@ -73,9 +74,9 @@ def _elasticities(results: Results, of_quantity: Rows) -> Table:
     rows: list[list[str | Cell]] = []
     for name, derivatives in of_quantity.items():
         verdict = derivatives[0]["verdict"] or "not certified"
-        errors = [row["estimated_error [-]"] for row in derivatives if row["estimated_error [-]"] is not None]
+        errors = [row["estimated_error"] for row in derivatives if row["estimated_error"] is not None]
         worst = f"{max(errors):.1e}" if errors else "–"
-        values = [table_text(row["elasticity [-]"]) for row in derivatives]
+        values = [table_text(row["elasticity"]) for row in derivatives]
         rows.append([title(results.mechanism, name), *values, worst, Cell(verdict, MARKS.get(verdict, ""))])
     parameters = [row["parameter"] for row in next(iter(of_quantity.values()))]
     caption = "Elasticities: by how many per cent a quantity grows for one per cent of a number"
@@ -86,14 +87,12 @@ def _until_broken(results: Results, of_quantity: Rows, source: Record | None) ->
     """Return for each limited quantity the number whose smallest relative change breaks the limit, to first order."""
     if source is None or results.sensitivity is None:
         return []
-    values = by_name(results.sensitivity)
     rows: list[list[str | Cell]] = []
     for limit in limits_of(results.mechanism, source, of_quantity):
-        title, symbol, factor = in_figures(results.mechanism, limit.name)
-        value = values[limit.name]
+        shown, value = display(results.mechanism, limit.name), results.sensitivity[limit.name]
         verdict = None if limit.keeps(value) else Cell("broken here", "bad")
         verdict = verdict or _smallest(value, limit, of_quantity[limit.name])
-        rows.append([title, symbol, table_text(factor * value), limit.bound_text(factor=factor), verdict])
+        rows.append([shown.title, shown.unit, shown.text(value), limit.bound_text(factor=shown.factor), verdict])
     headings = ("quantity", "unit", "here", "limit", "what breaks it")
     caption = "What smallest change of a number breaks a limit in this scenario, to first order"
     return [Table(caption, headings, rows)] if rows else []
@@ -102,8 +101,8 @@ def _until_broken(results: Results, of_quantity: Rows, source: Record | None) ->
 def _smallest(value: float, limit: Limit, rows: Sequence[Record]) -> Cell:
     """Return the number that alone would have to change least, by (limit / value - 1) / elasticity."""
     # Without a value or an elasticity no relative change leads to the limit.
-    known = [row for row in rows if value and row["elasticity [-]"]]
-    changes = [((limit.bound / value - 1.0) / row["elasticity [-]"], row["parameter"]) for row in known]
+    known = [row for row in rows if value and row["elasticity"]]
+    changes = [((limit.bound / value - 1.0) / row["elasticity"], row["parameter"]) for row in known]
     change, path = min(changes, key=lambda it: abs(it[0]), default=(math.inf, ""))
     if abs(change) > FAR:
         return Cell(f"no number alone by less than {percent_text(FAR, 'g')}")
@@ -112,7 +111,7 @@ def _smallest(value: float, limit: Limit, rows: Sequence[Record]) -> Cell:
 
 def _slope(mechanism: Mechanism, row: Record) -> tuple[str, str]:
     """Return a derivative and its unit, as people are shown them."""
-    _, above, factor = in_figures(mechanism, row["quantity"])
+    _, above, factor = display(mechanism, row["quantity"])
     below, many = display_unit(row["parameter_unit"])
     return table_text(None if row["gradient"] is None else factor / many * row["gradient"]), quotient_unit(above, below)
 

@@ -72,11 +72,6 @@ class Varied:
         """Return the field without its section: "approach_speed"."""
         return self.path.rsplit(".", 1)[-1]
 
-    @property
-    def heading(self) -> str:
-        """Return the path with its unit: "scenario.approach_speed [m/s]"."""
-        return f"{self.path} [{self.unit}]" if self.unit else self.path
-
 
 @dataclasses.dataclass(frozen=True)
 class Axis(Varied):

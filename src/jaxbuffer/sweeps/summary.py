@@ -6,6 +6,7 @@ import numpy as np
 from rich.table import Table
 
 from ..fields import as_typed, get
+from ..labelled.record import heading
 from ..mechanisms.mechanism import EndCount
 from ..tables import table
 from ..value_text import percent_text, range_text, unit_text
@@ -44,7 +45,7 @@ def sweep_table(sweep: RunTable) -> Table:
         # Failed runs are NaN, and a single one would hide the range of all others.
         known = factor * values[np.isfinite(values)]
         figures = [f"{f(known):.5g}" for f in (np.min, np.median, np.max)] if known.size else ["-"] * 3
-        shown.add_row(f"{name} [{symbol}]", *figures)
+        shown.add_row(heading(name, symbol), *figures)
     shown.caption = "\n".join(sweep.sanity_checks("see trust")) or None
     return shown
 
@@ -123,7 +124,7 @@ def _spread(sweep: RunTable) -> Table:
             quantiles = np.quantile(known, list(QUANTILES.values()))
             # Zeros in place of what only rounding leaves.
             figures = (f"{x:.5g}" for x in np.where(np.abs(quantiles) < 1e-12, 0.0, quantiles))
-            spread.add_row(f"{name} [{symbol}]", *figures)
+            spread.add_row(heading(name, symbol), *figures)
     return spread
 
 

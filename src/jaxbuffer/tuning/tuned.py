@@ -12,6 +12,7 @@ from rich.table import Table
 from .._types import DataFrame
 from ..fields import Part, get, unit
 from ..labelled.arrays import frame
+from ..labelled.record import headings
 from ..labelled.saved import Saved
 from ..mechanisms.energy import energy_text
 from ..mechanisms.mechanism import EndCount
@@ -410,16 +411,14 @@ def tuning_history(tuned: Tuned) -> tuple[list[str], list[Sequence[Any]]]:
     """
     problem = tuned.problem
     plain = ("evaluation", "stage", "search", "step", "accepted", "feasible", "captures", "status", "objective", "unit")
-    numbers = {"excess": "-", "radius": "-", "residual": "-"}
-    catalogue = problem.catalogue
-    worst = {name: catalogue[name].unit for name in problem.names}
-    header = [*plain, *(f"{name} [{symbol}]" for name, symbol in numbers.items())]
-    header += [f"worst {name} [{symbol}]" for name, symbol in worst.items()]
-    header += [f"{v.path} [{unit(problem.design, v.path)}]" for v in problem.variables]
+    numbers = ("excess", "radius", "residual")
+    units = dict.fromkeys(plain, "") | dict.fromkeys(numbers, "-")
+    units |= {f"worst {name}": problem.catalogue[name].unit for name in problem.names}
+    units |= {v.path: unit(problem.design, v.path) for v in problem.variables}
     rows: list[Sequence[Any]] = []
     for it in tuned.records:
-        row = [it[name] for name in plain] + [it[name] for name in numbers]
+        row = [it[name] for name in (*plain, *numbers)]
         # A time that one scenario waited for in vain has no worst value.
-        row += [None if None in it[name] else max(it[name]) for name in worst]
+        row += [None if None in it[name] else max(it[name]) for name in problem.names]
         rows.append([*row, *(it["values"][v.path] for v in problem.variables)])
-    return header, rows
+    return headings(units), rows

@@ -5,6 +5,7 @@ import numpy as np
 
 from ...elements import Buffer, Element, EndStop, Latch, Thrust
 from ...elements.telling import when
+from ...labelled.record import heading
 from ...value_text import percent_text
 from ..energy import energy_text
 from ..quantity import NEGLIGIBLE
@@ -198,8 +199,8 @@ def first_impact_record(capture: Capture) -> dict[str, float]:
     """Return the closed form of the first impact, units in the names."""
     first = capture.first_impact
     return {
-        "effective_mass [kg]": float(first.effective_mass),
-        "effective_energy [J]": float(first.effective_energy),
-        "elastic_peak [N]": float(first.elastic_peak),
-        "predicted_peak [N]": float(first.predicted_peak),
+        heading("effective_mass", "kg"): float(first.effective_mass),
+        heading("effective_energy", "J"): float(first.effective_energy),
+        heading("elastic_peak", "N"): float(first.elastic_peak),
+        heading("predicted_peak", "N"): float(first.predicted_peak),
     }
