@@ -10,7 +10,7 @@ NEWEST_PYTHONS := python3.13 python3.12 python3 $(foreach it,13 12,$(call of_pye
 NEWEST_PYTHON ?= $(call first_python,$(NEWEST_PYTHONS),12)
 NEWEST := .venv-newest
 # Lanes and transitions of time stepping, settings of the process, a capture and its gradient.
-NEWEST_TESTS := $(foreach it,batched_lanes kernel transitions,tests/hybrid/test_$(it).py) tests/test_runtime.py \
+NEWEST_TESTS := $(foreach it,batched_lanes kernel transitions,tests/hybrid/test_$(it).py) tests/programs/test_runtime.py \
 	tests/docking/test_runs.py::test_the_papers_capture_did_not_move \
 	tests/docking/test_runs.py::test_a_captures_gradient_is_that_of_its_differences
 VENV := .venv
@@ -75,7 +75,7 @@ bench-check: $(PEERS)  ## the quick benchmarks; fails where a ratio to a peer is
 	$(BIN)/python -m benchmarks --quick --check-baseline
 
 faults: $(READY)  ## kills of commands; kills, full disks, damage and strangers to a sweep over a scheduler: docs/clusters.md
-	$(BIN)/python -m pytest tests/front/test_lost_work_kills.py --kills 10
+	$(BIN)/python -m pytest tests/cli/test_lost_work_kills.py --kills 10
 	$(BIN)/python -m verify.faults
 
 bench-docs: $(READY)  ## the tables of the latest `make bench`, for docs/benchmarks.md

@@ -59,6 +59,24 @@ def _programs_kept(programs):
     store_in(programs)
 
 
+@pytest.fixture
+def computed(monkeypatch, tmp_path):
+    """The command line without the wait: results are made up, what was asked for is remembered; in an empty folder."""
+    from computed import stand_in
+
+    monkeypatch.chdir(tmp_path)
+    return stand_in(monkeypatch)
+
+
+@pytest.fixture
+def no_figures(monkeypatch):
+    """Commands write small files in place of figures, for tests of what else they write."""
+    monkeypatch.setattr(
+        "jaxbuffer.output.style.both",
+        lambda name, draw: {f"{name}.png": lambda: b"\x89PNG", f"{name}.svg": lambda: b"<svg/>"},
+    )
+
+
 @pytest.fixture(scope="module", autouse=True)
 def _memory_freed():
     yield

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
-from front.made_up import made_up_capture
 from jaxbuffer import InputError
 from jaxbuffer.cluster.connect import connected
 from jaxbuffer.hybrid.rungekutta.solvers import Automatic
 from jaxbuffer.sensitivities.differences import FIRST
 from jaxbuffer.sensitivities.gradients import Gradients
+from made_up import made_up_capture
 
 PATHS, TRUE = ("buffer.k_A", "buffer.c_A", "probe.tip_mass"), np.array([0.3, -0.05, 0.2])
 START = np.array([jb.get(jb.table2(), path) for path in PATHS])

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
-from front.made_up import made_up_tuning
 from jaxbuffer import InputError
 from jaxbuffer.cluster.connect import connected
+from made_up import made_up_tuning
 
 OBJECTIVES = ["peak_force", "stroke"]
 LIMITS = {"stroke": [0.025, 0.02, 0.015]}  # m

@@ -5,9 +5,9 @@ import sys
 
 import numpy as np
 import pytest
-from verify import faults
 
 import jaxbuffer as jb
+from verify import faults
 
 CAPTURES = 500
 COMPILES = """

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
-from front.made_up import made_up_capture
 from jaxbuffer.errors import InputError
 from jaxbuffer.mechanisms.probe_cone.drawing import drawing
 from jaxbuffer.mechanisms.probe_cone.label import scenario_label
@@ -19,6 +18,7 @@ from jaxbuffer.output.figures import run_figure
 from jaxbuffer.output.motion import telling_times
 from jaxbuffer.output.page_data import force_record
 from jaxbuffer.output.records import run_record
+from made_up import made_up_capture
 
 LATCH = {"latch.stiffness": 2e3, "latch.damping": 50.0, "latch.strength": 30.0}
 ENERGIES = {"latch": 0.02, "latch_closing": -0.05, "latch_damper": 0.03}  # J, at the end

@@ -9,11 +9,11 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import jaxbuffer as jb
-from front.made_up import END, made_up_capture
 from jaxbuffer.hybrid.hermite import quintic
 from jaxbuffer.mechanisms.bar_drop import BAR_DROP
 from jaxbuffer.run.history import history_at
 from jaxbuffer.run.instants import BLOCK, _blocks, _instants, _straight, at_times
+from made_up import END, made_up_capture
 
 START, LENGTH = 0.7, 0.3  # s
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from benchmarks import problems
 
+from benchmarks import problems
 from jaxbuffer.study.config import load
 
 

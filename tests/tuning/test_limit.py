@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
-from front.made_up import made_up_evaluation, made_up_tuning
 from jaxbuffer.mechanisms.limit import ROUNDING, Limit
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 from jaxbuffer.study.config import loads
@@ -19,6 +18,7 @@ from jaxbuffer.tuning.goal import Goal
 from jaxbuffer.tuning.measurement import Margin, margin_of_end
 from jaxbuffer.tuning.store import in_words, record_of
 from jaxbuffer.value_text import before_and_after, change_text, relative_change
+from made_up import made_up_evaluation, made_up_tuning
 
 LATCH = {"latch.stiffness": 2e3, "latch.damping": 50.0}  # N/m, N s/m
 QUIET = 1e-3  # the default of latch.quiet

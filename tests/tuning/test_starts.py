@@ -175,7 +175,7 @@ def test_the_lowest_floor_is_looked_for_among_designs_that_fit(monkeypatch):
 
 
 def test_a_floor_that_can_not_be_had_is_said_in_words(monkeypatch):
-    from front.made_up import made_up_tuning
+    from made_up import made_up_tuning
 
     stated_ = askew()
     monkeypatch.setattr(checks, "measure", lambda *_, **options: Measurement.lost(stated_))
