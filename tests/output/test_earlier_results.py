@@ -55,7 +55,7 @@ def test_what_an_earlier_run_left_is_refused_as_its_own_files_are(tmp_path):
 
 def test_a_record_with_names_of_an_earlier_version_is_refused(tmp_path):
     (tmp_path / "tuned.json").write_text('{"kind": "probe_cone", "variables": [{"shown_in": "mm"}]}')
-    with pytest.raises(jb.InputError, match="tuned.json was written by an earlier version"):
+    with pytest.raises(jb.InputError, match=r"tuned\.json was written by an earlier version"):
         jb.load(tmp_path)
 
 

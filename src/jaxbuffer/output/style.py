@@ -126,7 +126,7 @@ def svg(figure: Figure) -> bytes:
 
 @contextlib.contextmanager
 def _fitted(figure: Figure, dots_per_inch: float) -> Iterator[None]:
-    """Have the figure fitted and in our style, to be printed by a canvas, which draws it once; `savefig` draws twice."""
+    """Hold a figure fitted and in our style while a canvas prints it, which draws it once; `savefig` draws twice."""
     before = figure.dpi
     with drawing():
         fit(figure)
