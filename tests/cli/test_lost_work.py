@@ -24,21 +24,19 @@ FILES = {
         "capture.json",
         "history.csv",
         "capture.png",
-        "capture.svg",
         "motion.png",
-        "motion.svg",
         "motion.json",
         "capture.txt",
         "capture.nc",
         "force.json",
     },
     "sensitivity": {
-        *("sensitivity.json", "sensitivity.csv", "sensitivity.txt", "sensitivity.png", "sensitivity.svg"),
+        *("sensitivity.json", "sensitivity.csv", "sensitivity.txt", "sensitivity.png"),
     },
-    "tune": {"design.toml", "tuned.json", "history.csv", "force.json", "tune.png", "tune.svg", "tune.txt"},
+    "tune": {"design.toml", "tuned.json", "history.csv", "force.json", "tune.png", "tune.txt"},
     "sweep": {
-        *("sweep.csv", "sweep.txt", "sweep.png", "sweep.svg", "sweep.nc", "sweep.json"),
-        *("envelope.png", "envelope.svg"),
+        *("sweep.csv", "sweep.txt", "sweep.png", "sweep.nc", "sweep.json"),
+        "envelope.png",
     },
 }
 FAILURES = [OSError(28, "No space left on device"), UnicodeEncodeError("ascii", "×", 0, 1, "ordinal not in range")]

@@ -20,8 +20,8 @@ def test_files_of_a_sample(computed, capsys, tmp_path):
     command, asked = computed.calls[-1]
     assert command == "sweep" and asked["scenarios"].approach_speed.shape == (64 * 4,)
     assert {path.name for path in (tmp_path / "out").iterdir()} == {
-        *("sample.csv", "sample.png", "sample.svg", "sample.txt", "sample.nc", "sample.json"),
-        *("indices.csv", "indices.png", "indices.svg", "surface.csv", "surface.png", "surface.svg"),
+        *("sample.csv", "sample.png", "sample.txt", "sample.nc", "sample.json"),
+        *("indices.csv", "indices.png", "surface.csv", "surface.png"),
     }
     assert len(rows(tmp_path / "out" / "sample.csv")) == 256
     indices = rows(tmp_path / "out" / "indices.csv")

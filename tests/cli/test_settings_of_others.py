@@ -43,10 +43,10 @@ SETTINGS = {"text.usetex": True, "axes.facecolor": "black", "text.color": "white
 @pytest.mark.parametrize("command", ["simulate", "tune"])
 def test_figures_look_alike_whatever_the_user_s_matplotlibrc_says(computed, tmp_path, command):
     """By the bytes of PNG and SVG."""
-    assert run([command, "--output", "plain"]) == 0
+    assert run([command, "--output", "plain", "--format", "both"]) == 0
     with matplotlib.rc_context(SETTINGS):
         before = dict(matplotlib.rcParams)
-        assert run([command, "--output", "styled"]) == 0
+        assert run([command, "--output", "styled", "--format", "both"]) == 0
         assert dict(matplotlib.rcParams) == before, "and they are left as they were"
     names = [file.name for file in (tmp_path / "plain").iterdir() if file.suffix in (".png", ".svg")]
     assert names
@@ -61,11 +61,26 @@ def test_a_figure_that_fails_is_one_line_after_all_data(computed, monkeypatch, c
 
     monkeypatch.setattr("jaxbuffer.output.results.run_figure", fails)
     assert run(["simulate", "--output", "out"]) == 3
-    assert {file.name for file in (tmp_path / "out").iterdir()} == FILES["simulate"] - {"capture.png", "capture.svg"}
+    assert {file.name for file in (tmp_path / "out").iterdir()} == FILES["simulate"] - {"capture.png"}
     shown = capsys.readouterr()
     last = shown.err.strip().splitlines()[-1]
     assert last.startswith(f"error: out/capture.png: cannot be drawn, {type(error).__name__}")
     assert "captured" in shown.out and "Traceback" not in shown.err
+
+
+@pytest.mark.parametrize(("chosen", "endings"), [("svg", {".svg"}), ("both", {".png", ".svg"}), ("none", set())])
+def test_figures_come_in_the_format_that_is_asked_for(computed, tmp_path, chosen, endings):
+    """And one of an earlier format does not stay, since a page would show it."""
+    assert run(["simulate", "--output", "out"]) == 0
+    assert run(["simulate", "--output", "out", "--format", chosen, "--force"]) == 0
+    drawn = {file.suffix for file in (tmp_path / "out").iterdir() if file.stem in ("capture", "motion")}
+    assert drawn & {".png", ".svg"} == endings
+
+
+def test_an_unknown_format_is_refused_before_anything_is_computed(computed, capsys, tmp_path):
+    assert run(["simulate", "--output", "out", "--format", "pdf"]) == 2
+    assert "--format = 'pdf' is unknown; choose one of png, svg, both, none" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
 
 
 def test_figures_are_saved_last(computed, tmp_path):

@@ -137,4 +137,4 @@ def test_a_worst_scenario_that_fails_leaves_the_other_panels(monkeypatch, fails)
     files = tuned_files(made_up_tuning(Config().problem()), None, lines.append)
     assert files["tune.png"]().startswith(b"\x89PNG") and files["tuned.json"]()
     (line,) = lines
-    assert line.startswith("no force over time in tune.png, tune.svg, force.json")
+    assert line.startswith("no force over time in tune.png, force.json")

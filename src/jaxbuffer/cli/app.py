@@ -71,6 +71,7 @@ verb(
     app,
     animate,
     "One run as an animation: the mechanism, its contact forces, slow motion around impacts.",
+    without=("figures",),
     module="simulate",
 )
 verb(

@@ -34,7 +34,7 @@ def tune(
       tuned.json   result, lower bound, evidence, every scenario before and after
       history.csv  objective, worst values and variables of each evaluation
       force.json   force over time in the worst scenario, before and after
-      tune.png, .svg  the worst scenario before and after, every scenario, variables, search
+      tune.png  the worst scenario before and after, every scenario, variables, search
       tune.txt     the tables
       log.jsonl, state.npz, state.old.npz  kept up while running; --resume needs them
 
@@ -66,7 +66,7 @@ def pareto(
     \b
     Files in DIR:
       pareto.csv  objectives, limits, certificate and variables of each point
-      pareto.png, .svg  the front
+      pareto.png  the front
       pareto.txt  the table
       pareto.json  the same and how it came about, for jaxbuffer report
       design-1.toml, …  each point's design, a study for the other commands
@@ -113,8 +113,8 @@ def sweep(
     \b
     Files in DIR:
       sweep.csv  a row for each capture: its values, outcome and results, units in the header
-      sweep.png, .svg  over one field lines, over two heat maps, over more slices of heat maps
-      envelope.png, .svg  over two fields: which runs keep every limit, and the largest rectangle of them
+      sweep.png  over one field lines, over two heat maps, over more slices of heat maps
+      envelope.png  over two fields: which runs keep every limit, and the largest rectangle of them
       sweep.json  how the runs ended, what is safe, how the sweep came about
       sweep.nc   the same as labelled arrays (netCDF), for xarray or jb.load
       sweep.txt  the summary, and what is safe
@@ -172,12 +172,12 @@ def sample(
     \b
     Files in DIR:
       sample.csv   a row for each run: its values, outcome and results, units in the header
-      sample.png, .svg  the quantities over each field
+      sample.png  the quantities over each field
       sample.txt   the summary
       sample.json  indices, surfaces and how the sample came about, for jaxbuffer report
       sample.nc    the runs as labelled arrays (netCDF), for xarray or jb.load
-      indices.csv, .png, .svg  of --indices: first-order and total indices with their intervals
-      surface.csv, .png, .svg  of --surface: predicted against computed
+      indices.csv, .png  of --indices: first-order and total indices with their intervals
+      surface.csv, .png  of --surface: predicted against computed
       sweep.zarr   kept up while running, the runs as labelled arrays for xarray; --resume needs it
 
     \b

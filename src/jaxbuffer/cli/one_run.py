@@ -21,10 +21,10 @@ def simulate(scenario_number: ScenarioNumber = None, trust: Trust = "on") -> Non
     Files in DIR, of a capture:
       capture.json  every number, its unit in the name, and every impact
       history.csv   forces, gaps, motion and energies at each step
-      capture.png, .svg  contact force, gap, stroke, hinge angle, energies over time
-      motion.png, .svg   the mechanism at a few telling times, contact forces as arrows
+      capture.png  contact force, gap, stroke, hinge angle, energies over time
+      motion.png   the mechanism at a few telling times, contact forces as arrows
       motion.json, force.json  the same and the force over time, for the page of jaxbuffer report
-      fields.png, .svg  stress, strain and pressure on the mesh, of a mechanism that has one; with meshio installed
+      fields.png  stress, strain and pressure on the mesh, of a mechanism that has one; with meshio installed
                     fields.vtu, fields_end.vtu too
       capture.txt   the summary
       capture.nc    all of it as labelled arrays (netCDF), for xarray or jb.load
@@ -61,7 +61,7 @@ def sensitivity(
     Files in DIR:
       sensitivity.json, sensitivity.csv  values, gradients, elasticities, units
       sensitivity.txt                    the tables
-      sensitivity.png, sensitivity.svg   elasticities as bars with their errors
+      sensitivity.png                    elasticities as bars with their errors
 
     \b
     Examples:
@@ -107,7 +107,7 @@ def laws(
     \b
     Files in DIR:
       laws.csv  the table: sources, restitutions, penetration, force, duration
-      laws.png, .svg  force over penetration and over time, delivered over asked restitution
+      laws.png  force over penetration and over time, delivered over asked restitution
 
     \b
     Example: jaxbuffer laws --contact.restitution 0.5 --output results/laws

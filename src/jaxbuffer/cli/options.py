@@ -16,6 +16,13 @@ import typer
 from ..files import user_path
 from .overrides import FIELDS, Command, Plain
 
+Figures = Annotated[
+    str | None,
+    typer.Option(
+        "--format", metavar="FORMAT", help="Of figures: png (default), svg, both or none.", show_default=False
+    ),
+]
+
 SHARED = {
     "config": Annotated[Path | None, typer.Argument(metavar="CONFIG.toml", help="The study; default: Table 2.")],
     "solver": Annotated[
@@ -32,6 +39,7 @@ SHARED = {
     ],
     "output": Annotated[Path | None, typer.Option(metavar="DIR", help="Folder for result files; default: none.")],
     "force": Annotated[bool, typer.Option("--force", help="Overwrite result files that exist.")],
+    "figures": Figures,
     "as_json": Annotated[bool, typer.Option("--json", help="Print the record as JSON, and messages on stderr.")],
 }
 

@@ -5,6 +5,8 @@ from typing import Annotated
 
 import typer
 
+from .options import Figures
+
 Kind = Annotated[str, typer.Option("--kind", metavar="NAME", help="The mechanism; 'jaxbuffer fields' lists them.")]
 Folders = Annotated[list[Path], typer.Argument(metavar="DIR…", help="Folders that --output named.")]
 Html = Annotated[
@@ -98,6 +100,7 @@ def reproduce(
         bool, typer.Option("--published", help="The paper's own equations and other readings as well (docking).")
     ] = False,
     force: Annotated[bool, typer.Option("--force", help="Overwrite result files that exist.")] = False,
+    figures: Figures = None,
 ) -> None:
     """Run a paper's studies, and print claim by claim whether the model bears its text out.
 
@@ -115,7 +118,7 @@ def reproduce(
       claims.md     every claim and every study's numbers
       studies.csv, studies.json  the same for machines
       readings.csv    with --published: one line a reading
-      NAME.png, .svg  a figure a study
+      NAME.png  a figure a study
 
     \b
     Example: jaxbuffer reproduce impact --output results/impact

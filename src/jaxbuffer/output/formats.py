@@ -15,6 +15,7 @@ from ..files import write, write_beside
 from .companions import remove_stale
 
 Made = Mapping[str, Any] | None  # how a result came about (`provenance.made`), where that is known
+FIGURES = {"png": (".png",), "svg": (".svg",), "both": (".png", ".svg"), "none": ()}  # --format, the first by default
 Contents = Mapping[str, Callable[[], str | bytes]]  # a file's name and what makes its content
 ENDINGS = (".csv", ".gif", ".html", ".json", ".mp4", ".nc", ".npz", ".png", ".svg", ".toml", ".txt")  # of result files
 
@@ -46,7 +47,12 @@ def csv_text(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
 
 def is_figure(name: str) -> bool:
     """Return whether a file is a figure, which shows what other files hold."""
-    return name.endswith((".png", ".svg"))
+    return name.endswith(FIGURES["both"])
+
+
+def with_figures(contents: Contents, chosen: str) -> Contents:
+    """Return the files with their figures in the ``chosen`` format alone, a name in `FIGURES`."""
+    return {name: make for name, make in contents.items() if not is_figure(name) or name.endswith(FIGURES[chosen])}
 
 
 def check_folder(folder: Path, option: str = "folder") -> None:

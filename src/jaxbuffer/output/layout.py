@@ -16,15 +16,16 @@ HANDLE, GAP, EDGE = 2.8, 2.0, 1.0  # of a legend in font sizes: handle with its 
 
 def fit(figure: Figure) -> None:
     """Place the figure's axes, wrap texts and leave out labels of ticks that there is no room for; fix the result."""
-    if figure.get_layout_engine() is None:
+    engine = figure.get_layout_engine()
+    if engine is None:
         return
     for _ in range(ROUNDS):
-        # Only a figure that is laid out knows where its texts end.
-        figure.draw_without_rendering()
+        # Only a figure that is laid out knows where its texts end; the engine measures them without drawing anything.
+        engine.execute(figure)
         if not _wrap_all(figure) | _thin_out(figure):
             break
-    # Without an engine, saving the figure does not move its axes again.
-    figure.set_layout_engine("none")
+    # Without an engine, saving the figure neither moves its axes again nor fits it a second time.
+    figure.set_layout_engine(None)
 
 
 def legend_below(figure: Figure, handles: Sequence[Any], names: Sequence[str]) -> None:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError
+from ..errors import InputError, check_choice
 from ..experiments.indices import Indices
 from ..experiments.rectangle import SafeRectangle
 from ..experiments.sample import Sample
@@ -99,7 +99,7 @@ def tuned_files(tuned: Tuned, made: Made = None, report: Callable[[str], None] =
 
     def left_out(why: str) -> list[Any]:
         first = why.strip().splitlines()[0] if why.strip() else "the run failed"
-        report(f"no force over time in tune.png, tune.svg, force.json: the worst scenario could not be run: {first}")
+        report(f"no force over time in tune.png, force.json: the worst scenario could not be run: {first}")
         return []
 
     return {
@@ -203,6 +203,7 @@ def save(
     *,
     force: bool = False,
     figures: bool = True,
+    format: str = "png",
     **beside: Any,
 ) -> tuple[Path, ...]:
     """Write a result into a folder, as the command of its kind does: what `load` and `report` read.
@@ -216,6 +217,7 @@ def save(
     - ``folder``: made if it is not there.
     - ``force``: whether to replace files that are there; those of an earlier result of the same kind are removed.
     - ``figures``: whether to draw; without, the force over time of a tuning is left out too, which takes two runs.
+    - ``format``: of the figures: "png", "svg" or "both".
     - ``beside``: what was computed from it: ``trust`` of a run, ``envelope`` (a `SafeRectangle`) of a sweep,
       ``indices`` and ``surfaces`` of a sample.
 
@@ -232,7 +234,8 @@ def save(
     (['drop.json', 'drop.txt', 'drop.nc'], 'finished')
     """
     folder = user_path(folder)
-    contents = _contents(result, beside)
+    check_choice("format", format, ("png", "svg", "both"))
+    contents = formats.with_figures(_contents(result, beside), format)
     if not figures:
         contents = {name: it for name, it in contents.items() if not (formats.is_figure(name) or name in OF_FIGURES)}
     if any(map(formats.is_figure, contents)):

@@ -105,21 +105,36 @@ def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
 
 def png(figure: Figure) -> bytes:
     """Return the figure as a PNG file's content."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
     content = io.BytesIO()
-    with drawing():
-        fit(figure)
-        figure.savefig(content, format="png", dpi=DOTS_PER_INCH)
+    with _fitted(figure, DOTS_PER_INCH):
+        FigureCanvasAgg(figure).print_png(content)
     return content.getvalue()
 
 
 def svg(figure: Figure) -> bytes:
     """Return the figure as an SVG file's content; the same figure gives the same bytes."""
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+
     content = io.BytesIO()
+    with _fitted(figure, figure.dpi):  # which the file does not depend on
+        # Without the date, and with a fixed salt for identifiers (`STYLE`), the bytes depend on the figure alone.
+        FigureCanvasSVG(figure).print_svg(content, metadata={"Date": None})
+    return content.getvalue()
+
+
+@contextlib.contextmanager
+def _fitted(figure: Figure, dots_per_inch: float) -> Iterator[None]:
+    """Hold a figure fitted and in our style while a canvas prints it, which draws it once; `savefig` draws twice."""
+    before = figure.dpi
     with drawing():
         fit(figure)
-        # Without the date, and with a fixed salt for identifiers (`STYLE`), the bytes depend on the figure alone.
-        figure.savefig(content, format="svg", metadata={"Date": None})
-    return content.getvalue()
+        figure.dpi = dots_per_inch
+        try:
+            yield
+        finally:
+            figure.dpi = before
 
 
 def both(name: str, draw: Callable[[], Figure]) -> dict[str, Callable[[], bytes]]:

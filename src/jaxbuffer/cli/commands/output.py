@@ -3,9 +3,11 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from ...errors import check_choice
 from ...files import Lock
 from ...output.companions import stale
-from ...output.formats import Contents, check_folder, check_free, write_all
+from ...output.formats import FIGURES, Contents, check_folder, check_free, is_figure, with_figures, write_all
+from ...output.style import require_matplotlib
 from ..streams import note, show
 
 
@@ -17,22 +19,29 @@ class Output:
         folder: Path | None,
         names: Sequence[str],
         force: bool,
+        figures: str | None = None,
         resumable: Sequence[str] = (),
         resume: bool = False,
         as_json: bool = False,
     ) -> None:
         self.folder, self.force, self.as_json = folder, force or resume, as_json
+        self.figures = next(iter(FIGURES)) if figures is None else figures
+        check_choice("--format", self.figures, tuple(FIGURES))
         if folder is None:
             return
+        drawn = [name.removesuffix(".png") for name in names if name.endswith(".png")]
+        names = [name for name in names if not name.endswith(".png")]
+        names += [f"{name}{ending}" for name in drawn for ending in FIGURES[self.figures]]
+        # Said before anything is computed, not when figures are drawn at the end.
+        if any(map(is_figure, names)):
+            require_matplotlib()
         check_folder(folder, "--output")
         Lock(folder).lend()
-        # every figure is written as SVG too
-        twins = [f"{name.removesuffix('.png')}.svg" for name in names if name.endswith(".png")]
         begun = [str(folder / name) for name in resumable if (folder / name).exists()]
         goes_on = "--resume goes on, " if begun else ""
         ways = f"{goes_on}--force overwrites, another --output keeps {{}}"
-        left = [path.name for path in stale(folder, [*names, *twins])]
-        check_free(folder, [*names, *twins, *resumable, *left], self.force, ways)
+        left = [path.name for path in stale(folder, names)]
+        check_free(folder, [*names, *resumable, *left], self.force, ways)
         if begun and not resume:
             note(f"--force: an earlier run is overwritten, {', '.join(begun)}")
 
@@ -49,7 +58,7 @@ class Output:
         written: list[Path] = []
         try:
             if self.folder is not None:
-                written, failure = write_all(self.folder, contents(), self.force, note)
+                written, failure = write_all(self.folder, with_figures(contents(), self.figures), self.force, note)
         finally:
             # Also after a failure: what was computed is shown in any case.
             if self.as_json and record is not None:

@@ -16,7 +16,7 @@ from .output import Output
 from .progress import counting
 
 
-def reproduce(output: Path, paper: str, published: bool, force: bool) -> int:
+def reproduce(output: Path, paper: str, published: bool, force: bool, figures: str | None) -> int:
     """Run a paper's studies, and print claim by claim whether the model bears its text out."""
     check_choice("PAPER", paper, tuple(PAPERS))
     chosen = paper_named(paper)
@@ -24,13 +24,11 @@ def reproduce(output: Path, paper: str, published: bool, force: bool) -> int:
         others = [name for name in PAPERS if paper_named(name).published]
         raise InputError(f"--published: {paper} has no second set of equations; {', '.join(others)} has: leave it out")
     chosen = chosen._replace(parts=chosen.parts + chosen.published * published)
-    # Said before minutes of computing, not after.
-    style.require_matplotlib()
     process.configure(cache=process.cache_folder() or True)
     process.check_ready()
-    figures = [f"{study.name}.png" for study in chosen.studies]
+    drawn = [f"{study.name}.png" for study in chosen.studies]
     tables = [f"{study.name}.csv" for study in chosen.studies if chosen.part_of(study).table is not None]
-    files = Output(output, ["claims.md", "studies.csv", "studies.json", *tables, *figures], force)
+    files = Output(output, ["claims.md", "studies.csv", "studies.json", *tables, *drawn], force, figures)
     studied = counting(runs(chosen.studies), lambda done: run_paper(chosen, done))
     rows = [row for result in studied for row in result.rows]
     failed = [row for row in rows if str(row["outcome"]).startswith("failed")]

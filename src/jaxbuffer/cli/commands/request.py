@@ -8,7 +8,6 @@ from typing import Any
 
 from ...errors import InputError, check_choice
 from ...mechanisms.cautions import cautions
-from ...output import style
 from ...output.provenance import made
 from ...programs import process
 from ...study.config import Config, apply_options, apply_overrides, load
@@ -30,6 +29,7 @@ class CommandLine:
     duration: str | None = None
     output: Path | None = None
     force: bool = False
+    figures: str | None = None
     as_json: bool = False
 
     def study(self) -> Config:
@@ -83,10 +83,7 @@ class CommandLine:
         """
         if resume and self.output is None:
             raise InputError("--resume needs --output DIR, the folder of the run to go on with")
-        # Said before anything is computed, not when figures are drawn at the end.
-        if self.output is not None and any(name.endswith(".png") for name in names):
-            style.require_matplotlib()
-        return Output(self.output, names, self.force, resumable, resume, self.as_json)
+        return Output(self.output, names, self.force, self.figures, resumable, resume, self.as_json)
 
 
 def say_cautions(*runs: Any, **options: Any) -> None:
