@@ -51,7 +51,7 @@ def exact_indices():
 
 
 def test_peaks_of_the_sample_are_the_closed_form(drops, evidence):
-    error = np.max(np.abs(drops.found.peak_force / peak_with_weight(drops.values) - 1.0))
+    error = np.max(np.abs(drops.sweep.peak_force / peak_with_weight(drops.values) - 1.0))
     source = "energy: k δ^(e+1) / (e+1) = m g (H + δ) / 2"
     evidence("Design of experiments", "first peaks of 1024 sampled drops", error, 1e-4, source, "-")
 
@@ -130,9 +130,9 @@ def test_verdicts_of_a_sample_are_those_of_single_runs():
         one = jb.replace(design, {"impact.stiffness": at["impact.stiffness"]})
         there = jb.BarDropScenario(height=at["scenario.height"])
         singles.append(jb.trust(*(jb.simulate(one, there, 0.25, rtol=rtol) for rtol in (1e-3, 1e-4))).verdict)
-    assert sample.found.verdicts == singles == sample.to_pandas()["trust"].tolist()
+    assert sample.sweep.verdicts == singles == sample.to_dataframe()["trust"].tolist()
     assert len(set(singles)) > 1
-    assert jb.sample(design, scenario, RANGES, 8, duration=0.25).found.verdicts == [""] * 8
+    assert jb.sample(design, scenario, RANGES, 8, duration=0.25).sweep.verdicts == [""] * 8
 
 
 def test_a_sample_goes_on_where_it_was_stopped(drops, tmp_path):
@@ -140,6 +140,6 @@ def test_a_sample_goes_on_where_it_was_stopped(drops, tmp_path):
     again = {"count": 32, "method": "sobol", "duration": 0.25, "folder": tmp_path}
     whole = jb.sample(design, scenario, RANGES, **again)
     resumed = jb.sample(design, scenario, RANGES, **again, resume=True)
-    assert np.array_equal(whole.found.peak_force, resumed.found.peak_force)
+    assert np.array_equal(whole.sweep.peak_force, resumed.sweep.peak_force)
     with pytest.raises(jb.InputError, match="holds another sweep"):
         jb.sample(design, scenario, RANGES, **{**again, "seed": 1}, resume=True)

@@ -48,7 +48,7 @@ def test_the_history_lies_along_steps_with_bodies_and_contacts_by_name(drop):
 
 
 def test_the_table_is_that_of_the_file(drop):
-    table = drop.to_pandas()
+    table = drop.to_dataframe()
     assert len(table) == int(drop.accepted) and "contact_force plate [N]" in table and "energy total [J]" in table
     np.testing.assert_array_equal(table["time [s]"], np.asarray(drop.history.time))
 
@@ -59,7 +59,7 @@ def test_without_a_history_there_are_no_steps(drop):
     assert "step" not in data.dims and data.sizes["impact"] == 0 and data.impact_contact.size == 0
     assert read_back(data).identical(data), "without impacts too"
     with pytest.raises(jb.InputError, match=r"the run has no history; jb\.simulate"):
-        short.to_pandas()
+        short.to_dataframe()
 
 
 def read_back(data, folder=None):
@@ -107,4 +107,4 @@ def test_every_mechanism_has_labelled_runs(design, scenario, duration):
     assert data.sizes["impact"] == int(run.impact_count) > 0
     assert read_back(data).identical(data)
     assert part_from_json(design(), data.attrs["design"]) == run.design
-    assert "<table>" in run._repr_html_() and len(run.to_pandas()) == data.sizes["step"]
+    assert "<table>" in run._repr_html_() and len(run.to_dataframe()) == data.sizes["step"]

@@ -51,7 +51,7 @@ def test_hertz_without_loss_is_the_closed_form(swept, evidence):
 
 
 def test_rows_are_in_long_form(swept):
-    table = swept.to_pandas()
+    table = swept.to_dataframe()
     assert list(table.columns[:4]) == ["impact.law", "scenario.height [m]", "outcome", "peak_force [N]"]
     assert len(table) == 6 and table["impact.law"].tolist() == ["adams"] * 3 + ["hertz"] * 3
     data = swept.to_xarray()
@@ -62,7 +62,7 @@ def test_arrays_along_runs_name_what_differs():
     found = jb.sweep(DESIGN, jb.BarDropScenario(height=HEIGHTS), **OPTIONS)
     data = found.to_xarray()
     assert dict(data.sizes) == {"run": 3} and data["scenario.height"].dims == ("run",)
-    assert found.to_pandas()["scenario.height [m]"].tolist() == HEIGHTS
+    assert found.to_dataframe()["scenario.height [m]"].tolist() == HEIGHTS
     assert "<table>" in found._repr_html_()
 
 
@@ -90,7 +90,7 @@ def test_interrupted_and_resumed_a_sweep_over_choices_is_the_same(swept, tmp_pat
     with pytest.raises(SweepInterrupted) as stopped:
         jb.sweep(DESIGN, scenario, over=OVER, folder=tmp_path, progress=stop, **OPTIONS)
     second.set()
-    data = stopped.value.found.to_xarray()
+    data = stopped.value.partial.to_xarray()
     assert data.outcome.sel({"impact.law": "hertz"}).values.tolist() == ["not computed"] * 3
     assert data.impact_count.sel({"impact.law": "hertz"}).values.tolist() == [-1] * 3
     turned = {name: OVER[name] for name in reversed(OVER)}

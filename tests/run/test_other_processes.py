@@ -78,7 +78,7 @@ RESULTS = {
     "history": lambda: jb.at_times(drop(), np.array([0.01, 0.02])),
     "trust": lambda: jb.trust(drop(), drop()),
     "horizon": lambda: jb.horizon(drop()),
-    "Sweep": lambda: swept().found,
+    "Sweep": lambda: jb.sweep(jb.BarDrop(), jb.BarDropScenario(height=[0.1, 0.2]), 0.22),
     "Sweep over a grid": swept,
     "Sample": sample,
     "SafeRectangle": lambda: jb.safe_rectangle(swept(), jb.Limits(at_most={"peak_force": 1500.0})),
@@ -173,5 +173,5 @@ def test_a_problem_goes_on_working_in_the_other_process(pool):
 
 def test_sweeps_of_a_sweep_made_there_know_their_mechanism(pool):
     found = pool.submit(back, swept()).result(timeout=120)
-    assert found.mechanism is swept().mechanism and isinstance(found.found, Sweep)
+    assert found.mechanism is swept().mechanism and isinstance(found, Sweep)
     assert np.array_equal(found.shaped("peak_force"), swept().shaped("peak_force"))

@@ -85,7 +85,7 @@ def test_an_interrupt_hands_over_what_was_done(monkeypatch):
     speeds = np.array([0.1, 0.1, 0.1])
     with pytest.raises(SweepInterrupted, match=r"[12] of 3 captures done") as stop:
         jb.sweep(jb.table2(), jb.Scenario(approach_speed=speeds), workers=1, progress=interrupt)
-    done, result = stop.value.done, stop.value.found
+    done, result = stop.value.done, stop.value.partial
     assert 1 <= done.sum() <= 2, "no more than two are under way at a time"
     np.testing.assert_allclose(result.peak_force[done], 253.13152694328107, rtol=1e-4)
     assert np.isnan(result.peak_force[~done]).all()

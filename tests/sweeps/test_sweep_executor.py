@@ -52,7 +52,7 @@ def test_what_was_done_is_not_computed_again(whole, tmp_path):
         with pytest.raises(SweepInterrupted) as interrupted:
             swept(threads, folder=tmp_path, progress=stop, workers=3)
         done = interrupted.value.done
-        assert 0 < done.sum() < HEIGHTS.size and np.array_equal(interrupted.value.found.done, done)
+        assert 0 < done.sum() < HEIGHTS.size and np.array_equal(interrupted.value.partial.done, done)
         counts = []
         resumed = swept(None, folder=tmp_path, resume=True, progress=lambda done, count: counts.append(done), workers=3)
     assert same(resumed, whole) and counts[0] == done.sum(), "by other threads than those that began"

@@ -264,7 +264,7 @@ def test_results_saved_beside_an_unfinished_sweep_are_not_of_it(captured, tmp_pa
 def test_an_interrupted_sweep_saved_as_far_as_it_came_is_one(captured, tmp_path):
     with pytest.raises(SweepInterrupted) as interrupted:
         swept(tmp_path, 3 * CHUNK)
-    interrupted.value.found.save(tmp_path, figures=False)
+    interrupted.value.partial.save(tmp_path, figures=False)
     outcomes = jb.load(tmp_path).sweep.outcome.values
     assert np.sum(outcomes == "not computed") == COUNT - 3 * CHUNK
 

@@ -33,7 +33,7 @@ def test_without_trust_nothing_is_said(designs, swept):
     sweep = jb.sweep(designs, jb.Scenario(approach_speed=SPEEDS), rtol=1e-3)
     assert sweep.verdicts == ["", "", ""] and not sweep.sanity_checks("")
     np.testing.assert_array_equal(sweep.peak_force, swept.peak_force)
-    assert list(swept.to_pandas()["trust"]) == swept.verdicts == swept.to_xarray().trust.values.tolist()
+    assert list(swept.to_dataframe()["trust"]) == swept.verdicts == swept.to_xarray().trust.values.tolist()
 
 
 def test_a_run_without_numbers_has_no_verdict(designs):
@@ -56,7 +56,7 @@ def test_below_rtol_1e_12_nothing_is_known(bar, rtol, known):
         assert sweep.verdicts == ["trusted"] * 2 and sweep.sanity_checks("") == []
     else:
         (said,) = sweep.sanity_checks("see trust")
-        assert sweep.verdicts == ["unknown"] * 2 == sweep.to_pandas()["trust"].tolist()
+        assert sweep.verdicts == ["unknown"] * 2 == sweep.to_dataframe()["trust"].tolist()
         assert said.startswith("2 of 2 drops have numbers of unknown error: a tenth of rtol is below 1e-13, the least")
 
 

@@ -49,7 +49,7 @@ class Sample(RunTable):
     grid: Points = None  # type: ignore[assignment] # always given
 
     @property
-    def found(self) -> Sweep:
+    def sweep(self) -> Sweep:
         """Return the same runs as a sweep of designs and scenarios with arrays."""
         swept = self.grid.applied(self.design, self.scenarios)
         return Sweep(self.mechanism, self.columns, *swept, identity=self.identity)
@@ -86,9 +86,9 @@ class Sample(RunTable):
     def to_xarray(self) -> Dataset:
         """Return the sample as labelled arrays along ``run``; the sampled fields are coordinates, by their dotted
         paths."""
-        return self.found.to_xarray()
+        return self.sweep.to_xarray()
 
-    def to_pandas(self) -> DataFrame:
+    def to_dataframe(self) -> DataFrame:
         """Return a row for each run that was computed, as in sample.csv, units in the columns' names."""
         return frame(*sweep_rows(self))
 
@@ -178,4 +178,4 @@ def sample_at(points: Points, design: Part, scenario: Part, duration: Scalar | N
         # Not saved as the sweep that it is run as: `sample` saves it as itself.
         return made(sweep(*points.applied(design, scenario), duration, save=False, **options))
     except SweepInterrupted as stop:
-        raise SweepInterrupted(made(stop.found), stop.done) from None
+        raise SweepInterrupted(made(stop.partial), stop.done) from None

@@ -291,7 +291,7 @@ class Run(Portable, Saved):
             )
         return run_dataset(self)
 
-    def to_pandas(self) -> DataFrame:
+    def to_dataframe(self) -> DataFrame:
         """Return the history as a table: a row a step, columns named with their units, as in ``"time [s]"``.
 
         **Raises:** `InputError` for a run without a history.
@@ -299,7 +299,7 @@ class Run(Portable, Saved):
         **Example:**
 
         >>> run = jb.simulate(jb.BarDrop(), jb.BarDropScenario(height=0.194), 0.22, history=True)
-        >>> f"{run.to_pandas()['contact_force plate [N]'].max():.1f} N"
+        >>> f"{run.to_dataframe()['contact_force plate [N]'].max():.1f} N"
         '1831.5 N'
         """
         columns = history_columns(self)

@@ -71,7 +71,7 @@ class Sensitivity(eqx.Module, Saved):
         """
         return _dataset(self)
 
-    def to_pandas(self) -> DataFrame:
+    def to_dataframe(self) -> DataFrame:
         """Return a row for each pair of quantity and parameter, as in sensitivity.csv."""
         return frame(*sensitivity_rows(self))
 

@@ -31,10 +31,10 @@ class Sweep(RunTable):
 
     **Example:**
 
-    >>> found = jb.sweep(jb.table2(), jb.Scenario(approach_speed=[0.1, 0.2]))
-    >>> [outcome.name for outcome in found.outcomes], bool(found.solved.all())
+    >>> swept = jb.sweep(jb.table2(), jb.Scenario(approach_speed=[0.1, 0.2]))
+    >>> [outcome.name for outcome in swept.outcomes], bool(swept.solved.all())
     (['captured', 'captured'], True)
-    >>> [f"{1e3 * stroke:.2f} mm" for stroke in found.stroke]
+    >>> [f"{1e3 * stroke:.2f} mm" for stroke in swept.stroke]
     ['7.50 mm', '15.18 mm']
     """
 
@@ -44,16 +44,6 @@ class Sweep(RunTable):
     def empty(mechanism: Mechanism, count: int) -> "Sweep":
         """Return a sweep with room for ``count`` runs, none of which is done."""
         return Sweep(mechanism, empty_columns(mechanism, count))
-
-    @property
-    def found(self) -> "Sweep":
-        """Return the same runs one by one, without their grid."""
-        if self.grid is None:
-            return self
-        # Runs that differ in a choice cannot be one design with arrays.
-        choices = any(not axis.unit for axis in self.grid.axes)
-        swept = (None, None) if choices else self.grid.applied(self.design, self.scenarios)
-        return Sweep(self.mechanism, self.columns, *swept, identity=self.identity)  # type: ignore[arg-type, misc]
 
     def shaped(self, quantity: str) -> np.ndarray:
         """Return a quantity in the grid's shape."""
@@ -75,18 +65,18 @@ class Sweep(RunTable):
 
         **Example:**
 
-        >>> found = jb.sweep(jb.BarDrop(), jb.BarDropScenario(height=[0.1, 0.194]), 0.22)
-        >>> data = found.to_xarray()
+        >>> swept = jb.sweep(jb.BarDrop(), jb.BarDropScenario(height=[0.1, 0.194]), 0.22)
+        >>> data = swept.to_xarray()
         >>> data["scenario.height"].values.tolist(), data["scenario.height"].units, data.outcome.values.tolist()
         ([0.1, 0.194], 'm', ['finished', 'finished'])
-        >>> found = jb.sweep(jb.BarDrop(), jb.BarDropScenario(), 0.22, over={"scenario.height": [0.1, 0.194]})
-        >>> data = found.to_xarray()
+        >>> swept = jb.sweep(jb.BarDrop(), jb.BarDropScenario(), 0.22, over={"scenario.height": [0.1, 0.194]})
+        >>> data = swept.to_xarray()
         >>> dict(data.sizes), data.peak_force.units, str(data.outcome.sel({"scenario.height": 0.1}).item())
         ({'scenario.height': 2}, 'N', 'finished')
         """
         return sweep_dataset(self)
 
-    def to_pandas(self) -> DataFrame:
+    def to_dataframe(self) -> DataFrame:
         """Return a row for each run that was computed, as in sweep.csv.
 
         The columns are the numbers that differ, the outcome and the results, named with their units.
@@ -101,13 +91,13 @@ class Sweep(RunTable):
 
 
 class SweepInterrupted(KeyboardInterrupt):
-    """Ctrl-C during a sweep. ``found``: a `Sweep`, of a sample a `Sample`, with what was done until then; ``done``
+    """Ctrl-C during a sweep. ``partial``: a `Sweep`, of a sample a `Sample`, with what was done until then; ``done``
     (n,): which runs those are."""
 
-    def __init__(self, found: Any, done: np.ndarray) -> None:
-        super().__init__(f"{int(done.sum())} of {done.size} {found.mechanism.view.run_name}s done")
-        self.found, self.done = found, done
+    def __init__(self, partial: Any, done: np.ndarray) -> None:
+        super().__init__(f"{int(done.sum())} of {done.size} {partial.mechanism.view.run_name}s done")
+        self.partial, self.done = partial, done
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle both arguments: an exception by itself would pickle its message alone."""
-        return type(self), (self.found, self.done)
+        return type(self), (self.partial, self.done)

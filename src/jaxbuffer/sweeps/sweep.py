@@ -87,8 +87,8 @@ def sweep(
 
     **Example:**
 
-    >>> found = jb.sweep(jb.table2(), jb.Scenario(approach_speed=[0.1, 0.2]))
-    >>> [f"{force:.2f} N" for force in found.peak_force]
+    >>> swept = jb.sweep(jb.table2(), jb.Scenario(approach_speed=[0.1, 0.2]))
+    >>> [f"{force:.2f} N" for force in swept.peak_force]
     ['253.13 N', '325.18 N']
     >>> bar = jb.replace(jb.BarDrop(), {"impact.exponent": 1.5})
     >>> over = {"scenario.height": [0.1, 0.194], "impact.law": ["adams", "hertz"]}

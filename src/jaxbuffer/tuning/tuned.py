@@ -153,7 +153,7 @@ class Tuned(Saved):
         counts = Counter(self.problem.mechanism.outcomes(int(code)).name for code in point.code)
         return self.problem.mechanism.end_count(lambda path: get(self.design, path), counts)
 
-    def to_pandas(self) -> DataFrame:
+    def to_dataframe(self) -> DataFrame:
         """Return a row for each evaluated design, as in history.csv: objective, worst values, variables."""
         return frame(*tuning_history(self))
 

@@ -84,9 +84,9 @@ def _computed(study: Config, spans: Mapping[str, Any], count: int, **options: An
 def resumable(stop: SweepInterrupted, folder: Any) -> Any:
     """Say how many runs of an interrupted sweep or sample are in its folder, if it has one, and return them."""
     if folder is not None:
-        line = f"{int(stop.done.sum())} of {stop.done.size} {stop.found.mechanism.view.run_name}s are kept"
+        line = f"{int(stop.done.sum())} of {stop.done.size} {stop.partial.mechanism.view.run_name}s are kept"
         note(f"{line}; the same command with --resume goes on in {folder}")
-    return stop.found
+    return stop.partial
 
 
 def any_solved(runs: RunTable) -> int:
