@@ -7,9 +7,9 @@ import pytest
 
 import jaxbuffer as jb
 import jaxbuffer.sensitivities.horizon as horizons
+from jaxbuffer.cluster.pool import Pool
 from jaxbuffer.mechanisms.impacts import Impacts
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
-from jaxbuffer.programs.threads import Pool
 from jaxbuffer.sensitivities import evidence
 from jaxbuffer.sensitivities.evidence import (
     FLOOR,
@@ -87,7 +87,7 @@ def solve(run, names=("stroke", "peak_force")):
 @pytest.fixture
 def pool():
     """One thread."""
-    with contextlib.closing(Pool(1)) as pool:
+    with contextlib.closing(Pool(workers=1)) as pool:
         yield pool
 
 

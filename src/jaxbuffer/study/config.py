@@ -36,7 +36,7 @@ from ..value_text import unit_text
 from .mistaken import no_file, no_table, no_toml
 from .model import PROBLEM, SAMPLE, SCENARIO_TABLE, SCENARIOS, SWEEP, ProblemTable, SampleTable, StudyOptions
 from .problem_toml import check_table, read_problem
-from .tables import Names, PartTable, read_keys, replaced, subtable
+from .tables import PartTable, StudyNames, read_keys, replaced, subtable
 from .values import as_table
 
 T = TypeVar("T", bound=eqx.Module)
@@ -244,7 +244,7 @@ def _config(data: dict[str, Any], folder: Path) -> Config:
         if name not in known:
             raise InputError(f"[{name}] is unknown{no_table(name, known)}")
     typed = {f"{part}.{key}": value for part in parts for key, value in as_table(part, data.get(part, {})).items()}
-    names, rest = Names(replaced(mechanism.design(), typed, folder=folder), mechanism.scenario()), dict(tables)
+    names, rest = StudyNames(replaced(mechanism.design(), typed, folder=folder), mechanism.scenario()), dict(tables)
     # One after the other, since the scenario is what [[scenarios]] begin with, and all tables name its fields.
     scenario, listed = {"scenario": rest.pop("scenario")}, {"scenarios": rest.pop("scenarios")}
     read = read_keys("", data, scenario, names)

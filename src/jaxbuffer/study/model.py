@@ -22,8 +22,8 @@ from ..tuning.cases import KINDS, Distribution, Scatter
 from ..tuning.objective import Limits, Objective, SecondObjective
 from ..tuning.problem import Variable
 from .own_quantities import OWN, NamedQuantity
-from .tables import Keys, KeyTable, Names, PartTable, PathTable, keys_schema, read_keys, subtable
-from .values import BOUNDS, DISTRIBUTION, FACTOR, LIMIT, RANGE, SEVERAL, SWEPT, WEIGHT, Kind, as_table
+from .tables import Keys, KeyTable, PartTable, PathTable, StudyNames, keys_schema, read_keys, subtable
+from .values import BOUNDS, DISTRIBUTION, FACTOR, LIMIT, RANGE, SEVERAL, SWEPT, WEIGHT, ValueKind, as_table
 
 
 class StudyOptions(Part):
@@ -65,22 +65,22 @@ def limit_keys(mechanism: Mechanism) -> Keys:
     return {**{name: known for name, known in keys.items() if "flag" in known}, **ends, **keys}
 
 
-def _scatter(names: Names, quantities: dict[str, Any], keys: dict[str, Any]) -> Scatter:
+def _scatter(names: StudyNames, quantities: dict[str, Any], keys: dict[str, Any]) -> Scatter:
     return Scatter(fields=keys.pop("scenario", {}), **keys)
 
 
-def _objective(names: Names, weights: dict[str, Any], keys: dict[str, Any]) -> Objective:
+def _objective(names: StudyNames, weights: dict[str, Any], keys: dict[str, Any]) -> Objective:
     return Objective(weights, **keys) if weights else Objective(**keys)
 
 
-def _then(names: Names, weights: dict[str, Any], keys: dict[str, Any]) -> SecondObjective:
+def _then(names: StudyNames, weights: dict[str, Any], keys: dict[str, Any]) -> SecondObjective:
     if not weights:
         raise InputError(f"problem.then names no quantity; choose some of {listed(names.units)}")
     own = {name: keys.pop(name) for name in declared(SecondObjective) if name in keys}
     return SecondObjective(Objective(weights, **keys), **own)
 
 
-def _limits(names: Names, sides: dict[str, Any], keys: dict[str, Any]) -> Limits:
+def _limits(names: StudyNames, sides: dict[str, Any], keys: dict[str, Any]) -> Limits:
     at_most, at_least = ({name: it[side] for name, it in sides.items() if side in it} for side in ("max", "min"))
     return Limits(at_most=at_most, at_least=at_least, **keys)
 
@@ -124,7 +124,7 @@ class ProblemTable:
         return any(getattr(self, field.name) is not None for field in dataclasses.fields(self))
 
 
-def _read_problem(where: str, given: Any, names: Names) -> ProblemTable:
+def _read_problem(where: str, given: Any, names: StudyNames) -> ProblemTable:
     keys = declared(ProblemTable)
     check_known(as_table(where, given), keys, where)
     # First, since objectives and limits may name them.
@@ -145,7 +145,7 @@ class SampleTable:
     )
 
 
-def _sample(names: Names, quantities: dict[str, Any], keys: dict[str, Any]) -> SampleTable:
+def _sample(names: StudyNames, quantities: dict[str, Any], keys: dict[str, Any]) -> SampleTable:
     read = SampleTable(**keys)
     if read.ranges is not None:
         # Made only to be checked: a sample is drawn when it is run.
@@ -153,22 +153,24 @@ def _sample(names: Names, quantities: dict[str, Any], keys: dict[str, Any]) -> S
     return read
 
 
-def _read_sweep(where: str, given: Any, names: Names) -> dict[str, Any]:
+def _read_sweep(where: str, given: Any, names: StudyNames) -> dict[str, Any]:
     if read := SPANNED.read(where, given, names):
         grid(read, names.design, names.scenario)  # checks it
     return read
 
 
-def _read_scenarios(where: str, given: Any, names: Names) -> tuple[Part, ...]:
+def _read_scenarios(where: str, given: Any, names: StudyNames) -> tuple[Part, ...]:
     """Read [[scenarios]], each of which begins with the fields of [scenario]."""
     if not (isinstance(given, list) and given and all(isinstance(it, dict) for it in given)):
         raise InputError(f"{where} is not a list of tables; write each under its own [[{where}]]")
     return tuple(SCENARIO_TABLE.read(f"{where}[{i}]", entry, names) for i, entry in enumerate(given, 1))
 
 
-PROBLEM = Kind(_read_problem, lambda names: keys_schema(declared(ProblemTable), names))
+PROBLEM = ValueKind(_read_problem, lambda names: keys_schema(declared(ProblemTable), names))
 SAMPLE = KeyTable(_sample, lambda mechanism: declared(SampleTable), hint="; ranges go under [sample.ranges]")
 SPANNED = PathTable(SWEPT, "both", numbers=False, words=SPAN)
-SWEEP = Kind(_read_sweep, SPANNED.schema)
+SWEEP = ValueKind(_read_sweep, SPANNED.schema)
 SCENARIO_TABLE = PartTable(lambda names: names.scenario)
-SCENARIOS = Kind(_read_scenarios, lambda names: {"type": "array", "items": SCENARIO_TABLE.schema(names), "minItems": 1})
+SCENARIOS = ValueKind(
+    _read_scenarios, lambda names: {"type": "array", "items": SCENARIO_TABLE.schema(names), "minItems": 1}
+)

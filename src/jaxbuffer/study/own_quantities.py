@@ -16,8 +16,8 @@ from ..fields.units import check_unit
 from ..files import user_path
 from ..mechanisms.mechanism import Mechanism
 from ..tuning.custom_quantity import CustomQuantity, check_custom_quantities, check_name, line_in, raised
-from .tables import Names
-from .values import Kind, Schema, key_schema, object_schema
+from .tables import StudyNames
+from .values import Schema, ValueKind, key_schema, object_schema
 
 EXAMPLE = '{function = "objectives.py:effort", unit = "N m"}'
 
@@ -45,19 +45,19 @@ KEYS = declared(NamedQuantity)
 REQUIRED = tuple(name for name, known in KEYS.items() if known["default"] is dataclasses.MISSING)
 
 
-def _read_quantities(where: str, given: Any, names: Names) -> dict[str, NamedQuantity]:
+def _read_quantities(where: str, given: Any, names: StudyNames) -> dict[str, NamedQuantity]:
     """Read the own quantities of a ``[problem]``, without looking at their files."""
     if not isinstance(given, dict):
         raise InputError(f"{where} = {shown(given)} is not a table; write effort = {EXAMPLE} below it")
     return {name: _named(where, name, entry, names.mechanism) for name, entry in given.items()}
 
 
-def _quantities_schema(names: Names) -> Schema:
+def _quantities_schema(names: StudyNames) -> Schema:
     keys = {name: key_schema(name, known) for name, known in KEYS.items()}
     return {"type": "object", "additionalProperties": object_schema(keys, required=list(REQUIRED))}
 
 
-OWN = Kind(_read_quantities, _quantities_schema)
+OWN = ValueKind(_read_quantities, _quantities_schema)
 
 
 def _named(table: str, name: str, entry: Any, mechanism: Mechanism) -> NamedQuantity:

@@ -12,7 +12,7 @@ from ..tuning.problem import Limits, Objective, Problem, Variable
 from ..value_text import interval_text, with_unit
 from .model import LIMITS, VARIABLES, ProblemTable
 from .own_quantities import own_quantities
-from .tables import Names
+from .tables import StudyNames
 
 
 def read_problem(
@@ -55,7 +55,7 @@ def read_problem(
         # A `Problem` names its own part first: here the place in the file is put in front.
         if not str(error).startswith(tuple(declared(ProblemTable))):
             raise
-        symbols = Names(design, base, {name: it.unit for name, it in own.items()}).units
+        symbols = StudyNames(design, base, {name: it.unit for name, it in own.items()}).units
         broken = (name for name in of_study.at_most if str(error).startswith(f"constraints.{name} = "))
         hints = (meant(of_study.at_most[name], symbols[name], low=0.0) for name in broken)
         raise error.between("problem.", next(hints, "")) from None
@@ -80,14 +80,14 @@ def limits(table: ProblemTable, mechanism: Mechanism) -> Limits:
     """Return the limits of a [problem], by default the mechanism's."""
     if table.constraints is not None:
         return table.constraints
-    names = Names(mechanism.design(), mechanism.scenario())
+    names = StudyNames(mechanism.design(), mechanism.scenario())
     read: Limits = LIMITS.read("problem.constraints", mechanism.defaults.limits, names)
     return read
 
 
 def default_variables(mechanism: Mechanism, design: Part) -> Mapping[str, Variable]:
     """Return the variables of a study that names none, by path."""
-    names = Names(design, mechanism.scenario())
+    names = StudyNames(design, mechanism.scenario())
     read: Mapping[str, Variable] = VARIABLES.read("problem.variables", mechanism.variables(design), names)
     return read
 

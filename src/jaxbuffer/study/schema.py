@@ -6,7 +6,7 @@ It knows names, ranges, choices and units; what must fit together is checked by 
 from ..fields import declared
 from ..mechanisms.mechanism import Mechanism
 from .config import sections, study_tables
-from .tables import Names, keys_schema
+from .tables import StudyNames, keys_schema
 from .values import Schema
 
 DIALECT = "http://json-schema.org/draft-07/schema#"
@@ -14,7 +14,7 @@ DIALECT = "http://json-schema.org/draft-07/schema#"
 
 def study_schema(mechanism: Mechanism) -> Schema:
     """Return the schema of a study of the mechanism."""
-    names = Names(mechanism.design(), mechanism.scenario())
+    names = StudyNames(mechanism.design(), mechanism.scenario())
     parts = {name: keys_schema(declared(getattr(names.design, name)), names) for name in sections(mechanism)}
     kind = {"const": mechanism.name, "description": f"the mechanism: {mechanism.view.title}"}
     whole = keys_schema(study_tables(), names)

@@ -30,13 +30,13 @@ from ..files import user_path
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
 from ..tuning.objective import quantity_in_words
-from .values import Kind, Known, Schema, as_table, key_schema, object_schema, read_number, read_value
+from .values import Known, Schema, ValueKind, as_table, key_schema, object_schema, read_number, read_value
 
 T = TypeVar("T", bound=eqx.Module)
 Keys = Mapping[str, Known]  # what is declared of the keys of a table
 
 
-class Names(NamedTuple):
+class StudyNames(NamedTuple):
     """What tables may name: fields of the ``design`` and the ``scenario``, and quantities.
 
     ``own``: the study's own quantities, of each its unit.
@@ -57,17 +57,17 @@ class Names(NamedTuple):
         return {name: self.mechanism.quantities[name].unit for name in self.mechanism.tuned} | dict(self.own)
 
 
-class Table(Protocol):
+class StudyTable(Protocol):
     """A kind of table."""
 
-    def read(self, where: str, given: Any, names: Names) -> Any:
+    def read(self, where: str, given: Any, names: StudyNames) -> Any:
         """Return what a table means, whose address is ``where``. **Raises:** `InputError` for what is wrong in it."""
 
-    def schema(self, names: Names) -> Schema:
+    def schema(self, names: StudyNames) -> Schema:
         """Return what an editor checks it by."""
 
 
-def subtable(kind: Table, doc: str, empty: Callable[[], Any] = lambda: None, key: str = "") -> Any:
+def subtable(kind: StudyTable, doc: str, empty: Callable[[], Any] = lambda: None, key: str = "") -> Any:
     """Declare a field for a table within a table.
 
     **Arguments:** ``doc``: what it is for; ``empty``: makes the value of one that is not there; ``key``: its name in a
@@ -76,7 +76,7 @@ def subtable(kind: Table, doc: str, empty: Callable[[], Any] = lambda: None, key
     return dataclasses.field(default_factory=empty, metadata={"table": kind, "doc": doc, "key": key})
 
 
-def read_keys(where: str, given: Mapping[str, Any], keys: Keys, names: Names) -> dict[str, Any]:
+def read_keys(where: str, given: Mapping[str, Any], keys: Keys, names: StudyNames) -> dict[str, Any]:
     """Return the values of those ``keys`` that a table has. ``where``: what makes an address of a key."""
     values = {}
     for name in keys:
@@ -87,7 +87,7 @@ def read_keys(where: str, given: Mapping[str, Any], keys: Keys, names: Names) ->
     return values
 
 
-def keys_schema(keys: Keys, names: Names) -> Schema:
+def keys_schema(keys: Keys, names: StudyNames) -> Schema:
     """Return the schema of a table that has these keys and no others."""
     schemas = {}
     for name, known in keys.items():
@@ -117,12 +117,12 @@ def replaced(module: T, values: Mapping[str, Any], prefix: str = "", folder: Pat
 class PartTable(NamedTuple):
     """A table of a part's fields; ``of``: the part with its defaults."""
 
-    of: Callable[[Names], Part]
+    of: Callable[[StudyNames], Part]
 
-    def read(self, where: str, given: Any, names: Names) -> Part:
+    def read(self, where: str, given: Any, names: StudyNames) -> Part:
         return replaced(self.of(names), as_table(where, given), f"{where}.")
 
-    def schema(self, names: Names) -> Schema:
+    def schema(self, names: StudyNames) -> Schema:
         return keys_schema(declared(self.of(names)), names)
 
 
@@ -136,13 +136,13 @@ class PathTable(NamedTuple):
     - ``example``: an entry, for the message where there is none; "" where there may be none.
     """
 
-    kind: Kind
+    kind: ValueKind
     of: str
     numbers: bool = True
     words: tuple[str, ...] = ()
     example: str = ""
 
-    def read(self, where: str, given: Any, names: Names) -> dict[str, Any]:
+    def read(self, where: str, given: Any, names: StudyNames) -> dict[str, Any]:
         part, given = getattr(names, self.of, None), as_table(where, given)
         single = single_fields(names.design, names.scenario) if part is None else single_paths(part)
         # A scenario has no sections: a table there is a value, whatever its name.
@@ -151,7 +151,7 @@ class PathTable(NamedTuple):
             raise InputError(f"{where} is empty; name a field and its bounds, such as {self.example}")
         return {path: self.kind.read(f"{where}.{path}", path, value, part) for path, value in flat.items()}
 
-    def schema(self, names: Names) -> Schema:
+    def schema(self, names: StudyNames) -> Schema:
         parts = {"": names.design, SCENARIO: names.scenario} if self.of == "both" else {"": getattr(names, self.of)}
         fields = {prefix + path: metadata(part, path) for prefix, part in parts.items() for path in paths(part)}
         nested, whole, patterns = dict[str, dict[str, Schema]](), dict[str, Schema](), dict[str, Schema]()
@@ -173,20 +173,20 @@ class PathTable(NamedTuple):
 class KeyTable(NamedTuple):
     """A table of declared keys, and of quantities by name if these have a kind of value.
 
-    - ``make``: returns what the table means, of `Names`, the quantities' values and the keys' values.
+    - ``make``: returns what the table means, of `StudyNames`, the quantities' values and the keys' values.
     - ``keys``: of a mechanism's studies.
     - ``quantity``: the kind of a quantity's value.
     - ``first``: whether a message names the keys before the quantities.
     - ``hint``: what a message about an unknown name ends with.
     """
 
-    make: Callable[[Names, dict[str, Any], dict[str, Any]], Any]
+    make: Callable[[StudyNames, dict[str, Any], dict[str, Any]], Any]
     keys: Callable[[Mechanism], Keys]
-    quantity: Kind | None = None
+    quantity: ValueKind | None = None
     first: bool = False
     hint: str = ""
 
-    def read(self, where: str, given: Any, names: Names) -> Any:
+    def read(self, where: str, given: Any, names: StudyNames) -> Any:
         given, keys, kind = as_table(where, given), self.keys(names.mechanism), self.quantity
         units = {} if kind is None else names.units
         try:
@@ -197,7 +197,7 @@ class KeyTable(NamedTuple):
         quantities = {name: kind.read(f"{where}.{name}", it, units[name]) for name, it in others.items() if kind}
         return self.make(names, quantities, read_keys(f"{where}.", given, keys, names))
 
-    def schema(self, names: Names) -> Schema:
+    def schema(self, names: StudyNames) -> Schema:
         keys, catalogue = keys_schema(self.keys(names.mechanism), names), names.mechanism.quantities
         if self.quantity is None:
             return keys

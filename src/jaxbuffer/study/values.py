@@ -43,7 +43,7 @@ Schema = dict[str, Any]
 Known = Mapping[str, Any]  # what a field declares of itself
 
 
-class Kind(NamedTuple):
+class ValueKind(NamedTuple):
     """A kind of value, or of table.
 
     - ``read``: returns it from what TOML has, whose address is the first argument; raises `InputError`.
@@ -234,12 +234,12 @@ def _as_given(where: str, path: str, given: Any, part: Part) -> Any:
 
 
 ENDS = ("low and high", "mean, deviation")  # the two numbers of each of `KINDS`
-BOUNDS = Kind(_read_bounds, lambda known: _range_schema(known, SCALES))
-SEVERAL = Kind(_read_several, _several_schema)
-SWEPT = Kind(_as_given, _one_or_several_schema)
-RANGE = Kind(_as_given, lambda known: _range_schema(known, RANGE_SCALES))
-DISTRIBUTION = Kind(_read_distribution, lambda known: _distribution_schema(f"[{known['unit']}]"))
-FACTOR = Kind(_read_factor, lambda known: _distribution_schema("[-] of the drawn number"))
+BOUNDS = ValueKind(_read_bounds, lambda known: _range_schema(known, SCALES))
+SEVERAL = ValueKind(_read_several, _several_schema)
+SWEPT = ValueKind(_as_given, _one_or_several_schema)
+RANGE = ValueKind(_as_given, lambda known: _range_schema(known, RANGE_SCALES))
+DISTRIBUTION = ValueKind(_read_distribution, lambda known: _distribution_schema(f"[{known['unit']}]"))
+FACTOR = ValueKind(_read_factor, lambda known: _distribution_schema("[-] of the drawn number"))
 
 
 def _read_weight(where: str, given: Any, symbol: str) -> Any:
@@ -270,8 +270,8 @@ def _sides_schema() -> Schema:
     return {"anyOf": [bound, object_schema(dict.fromkeys(SIDES, bound), minProperties=1)]}
 
 
-WEIGHT = Kind(_read_weight, lambda: number_schema({"limits": POSITIVE}))
-LIMIT = Kind(_read_sides, _sides_schema)
+WEIGHT = ValueKind(_read_weight, lambda: number_schema({"limits": POSITIVE}))
+LIMIT = ValueKind(_read_sides, _sides_schema)
 
 
 def _is_number(value: Any) -> bool:
