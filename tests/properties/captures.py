@@ -35,12 +35,8 @@ TURNS = np.arange(2, 12, 3)
 class Started(Assembled):
     """The capture mechanism from a given state with given contacts."""
 
-    state: Float[Array, " state"]
-    flanks: Float[Array, " flanks"]
-
-    def __init__(self, design, scenario, stabilisation, state, flanks):
-        super().__init__(**vars(assemble(design, scenario, stabilisation)))
-        self.state, self.flanks = state, flanks
+    state: Float[Array, " state"] | None = None
+    flanks: Float[Array, " flanks"] | None = None
 
     def first_evaluation(self):
         return self.evaluate(self.state), self.flanks
@@ -58,13 +54,17 @@ class Seen(NamedTuple):
     count: Array
 
 
+def started(design, scenario, stabilisation, state, flanks):
+    return Started(**vars(assemble(design, scenario, stabilisation)), state=state, flanks=flanks)
+
+
 @eqx.filter_jit
 def _watch(parameters, duration, rtol) -> Seen:
     options = Options(
         tolerance=Tolerance(rtol, rtol), event_time=0.1 * rtol, keep=HISTORY_STEPS, max_steps=HISTORY_STEPS
     )
-    result = solve(Started, parameters, duration, options)
-    mechanism = Started(*parameters)
+    result = solve(started, parameters, duration, options)
+    mechanism = started(*parameters)
     log, seen = result.log, survey(mechanism, result.log)
     state, closed = mechanism.start()
     return Seen(

@@ -58,7 +58,7 @@ def _series(history: History, names: Names) -> Iterator[Series]:
                 yield Series(f"{body} {name} {axis}", unit, values, f"{name}_{axis}", "body", f"{name}: {axis}")
     for k, (name, unit) in enumerate(names.multipliers.items()):
         array = f"multiplier_{name.replace(' ', '_')}"
-        yield Series(f"multiplier {name}", unit, history.multipliers[:, k], array, "", name)
+        yield Series(f"multiplier {name}", unit, np.asarray(history.multipliers[:, k]), array, "", name)
     for name in history.energy.names:
         values = getattr(history.energy, name)
         yield Series(f"energy {name}", "J", values, "energy_history", "energy", "energy, or lost so far")
@@ -73,7 +73,7 @@ def history_columns(run: Any) -> dict[str, np.ndarray]:
         raise InputError("the run has no history; jb.simulate(…, history=True) keeps one")
     history: Any = jax.tree.map(np.asarray, run.history)
     series = _series(history, run.mechanism.view.names(run.design))
-    return {heading("time", "s"): history.time} | {heading(it.name, it.unit): np.asarray(it.values) for it in series}
+    return {heading("time", "s"): history.time} | {heading(it.name, it.unit): it.values for it in series}
 
 
 def run_dataset(run: Any) -> Dataset:

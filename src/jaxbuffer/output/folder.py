@@ -159,7 +159,7 @@ def load(folder: str | Path) -> Results:
         if design is None and data is not None and "design" in data.attrs:
             design = _design(folder, data.attrs["kind"], data.attrs["design"])
     for name in ("tuned", "run", "sensitivity", "sample", "front"):
-        if design is None and "design" in records.get(name, {}):
+        if design is None and "design" in records.get(name, Record()):
             design = _design(folder, records[name]["kind"], json.dumps(records[name]["design"]))
     return Results(folder, run, sweep, records, design)
 
@@ -211,7 +211,7 @@ def _two_searches(folder: Path, records: Mapping[str, Record]) -> list[str]:
     said = []
     for what, name, begun in (("tuning", "tuned", stored_identity), ("front", "front", begun_identity)):
         # Without both identities nothing tells whether the two belong together.
-        own, now = records.get(name, {}).get("identity"), begun(folder)
+        own, now = records.get(name, Record()).get("identity"), begun(folder)
         if own and now and own != now:
             said.append(
                 f"{folder} holds two {what}s: {RECORDS[name]} is of one, and another was begun there and has no results"
@@ -276,7 +276,7 @@ def _record(file: Path) -> Record | None:
         record = Record.from_json(text)
     except ValueError as error:  # no JSON, or no UTF-8
         raise InputError(f"{file} is damaged: {error}") from None
-    if not isinstance(record, dict):
+    if not isinstance(record, Record):
         raise InputError(f"{file} is damaged: it holds no record")
     if any(f'"{name}"' in text for name in RENAMED):
         raise InputError(f"{file} was written by an earlier version of jaxbuffer; run its command again")

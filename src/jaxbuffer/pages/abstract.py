@@ -65,7 +65,7 @@ def _of_objective(results: Results, others: Sequence[Results], feasible: bool) -
 
     A higher one is no fault where the start breaks limits, because to keep them may cost that much.
     """
-    tuned = results.tuned or {}
+    tuned = results.tuned or Record()
     before, after, unit = (tuned[f"objective_{name}"] for name in ("before", "after", "unit"))
     text = f"{words(tuned['objective'])}: {table_text(before)} → {table_text(after)}{unit_text(unit)}"
     if before is None or after is None:
@@ -140,14 +140,14 @@ def _with_limits(counts: LimitCounts | None, mark: str) -> tuple[list[str], str]
 
 
 def _of_many(results: Results) -> list[Cell]:
-    cells, points = [], results.records.get("front", {}).get("points")
-    if envelope := results.records.get("sweep", {}).get("envelope"):
+    cells, points = [], results.records.get("front", Record()).get("points")
+    if envelope := results.records.get("sweep", Record()).get("envelope"):
         safe, runs = envelope["safe_runs"], envelope["runs"]
         cells.append(Cell(f"{safe_of(envelope)} of the sweep are safe", "good" if safe == runs else "unsure"))
         if (between := envelope.get("between")) and between["unsafe_runs"]:
             count = f"{between['unsafe_runs']} of {between['runs']} runs"
             cells.append(Cell(f"{count} between the study's scenarios are not safe", "bad"))
-    for surface in results.records.get("sample", {}).get("surfaces", ()):
+    for surface in results.records.get("sample", Record()).get("surfaces", ()):
         error = surface["cross_validated"][surface["kind"]]["relative"]
         text = f"surface of {words(surface['quantity'])}: misses {percent_text(error)}"
         cells.append(Cell(text, "good" if surface["trusted"] else "bad"))
@@ -268,7 +268,7 @@ def _sweep(results: Results, every: Sequence[Results]) -> str:
     force = np.asarray(results.sweep["peak_force"].values, float) if "peak_force" in results.sweep else np.zeros(0)
     if np.any(np.isfinite(force)):
         text += f" The largest contact force is {range_text(np.nanmin(force), np.nanmax(force), 'N', 4)}."
-    envelope = results.records.get("sweep", {}).get("envelope")
+    envelope = results.records.get("sweep", Record()).get("envelope")
     safe = "" if envelope is None else f" {safe_of(envelope).removesuffix(' runs')} keep every limit."
     return text + safe
 

@@ -222,7 +222,7 @@ def _display(every: Sequence[Results], name: str) -> Display:
     """Return how people are shown a quantity; one that a study has made may be known to one folder only."""
     own: dict[str, Any] = {}
     for results in every:
-        own |= (results.tuned or results.records.get("run") or {}).get("quantities", {})
+        own |= (results.tuned or results.records.get("run") or Record()).get("quantities", {})
     return display(every[0].mechanism, name, own)
 
 

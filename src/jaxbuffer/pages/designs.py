@@ -87,7 +87,7 @@ def design(results: Results) -> PageSection | None:
     if results.design is None:
         return None
     default = results.mechanism.design()
-    tuned = {variable["path"] for variable in (results.tuned or {}).get("variables", ())}
+    tuned = {variable["path"] for variable in (results.tuned or Record()).get("variables", ())}
     typed = units_of(results)
     special: list[list[str | Cell]] = []
     usual: list[list[str | Cell]] = []

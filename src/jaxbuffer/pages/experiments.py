@@ -26,7 +26,7 @@ def sweep(results: Results) -> PageSection | None:
         " × ".join(f"{count} values of {field}" for field, count in swept_fields(results).items()) or "given one by one"
     )
     outcomes = outcome_counts(results)
-    record = results.records.get("sweep", {})
+    record = results.records.get("sweep", Record())
     envelope = record.get("envelope")
     every, left = sum(outcomes.values()), outcomes.get(OPEN, 0)
     computed = f"{every} runs" if not left else f"{every - left} of {every} runs, the others are not computed"
@@ -53,7 +53,10 @@ def reached(results: Results, counts: Mapping[str, int]) -> str:
     design = results.design
     if design is None:
         return ""
-    axes = [*results.records.get("sweep", {}).get("axes", ()), *results.records.get("sample", {}).get("ranges", ())]
+    axes = [
+        *results.records.get("sweep", Record()).get("axes", ()),
+        *results.records.get("sample", Record()).get("ranges", ()),
+    ]
     moved, computed = {axis["path"] for axis in axes}, {name: n for name, n in counts.items() if name != OPEN}
     found = results.mechanism.end_count(lambda path: path in moved or get(design, path), computed)
     return f", {found}" if found else ""

@@ -181,7 +181,7 @@ def _limiting(results: Results) -> Record | None:
 
 
 def _has_limits(results: Results) -> bool:
-    return any((_limiting(results) or {}).get(name) for name in LIMITS)
+    return any((_limiting(results) or Record()).get(name) for name in LIMITS)
 
 
 def elsewhere(results: Results, scenario: Record) -> list[str]:

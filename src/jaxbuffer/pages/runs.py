@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ..fields import as_typed, unit
+from ..labelled.record import Record
 from ..mechanisms.limit import Limit, both_sides
 from ..output.folder import Results
 from ..output.page_data import FORCE
@@ -121,7 +122,7 @@ def scenarios(results: Results) -> PageSection | None:
     headings = ["scenario", "outcome\nbefore", "\nafter"]
     for it in shown.values():
         headings += [f"{it.title}\n[{it.unit}] before", "\nafter"]
-    worst = results.records.get("force", {}).get("scenario", "")
+    worst = results.records.get("force", Record()).get("scenario", "")
     curves = forces(results, f"Contact force of the worst scenario ({worst}), before and after tuning")
     tables, corners = [Table("Before and after tuning", headings, rows)], tuned.get("corners")
     counts = [end_count(results, side) for side in ("before", "after")]
