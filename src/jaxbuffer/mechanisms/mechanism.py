@@ -225,7 +225,7 @@ class Mechanism:
     valid: Callable[[Any, Any], Bool[Array, ""]] = plain_valid
     run: Callable[[Any, Any], Any] | None = None
     smooth: Callable[[Any, Any], Any] = no_smooth_law
-    # No compiled program depends on these: see `programs.identity.label`.
+    # No compiled program depends on these: see `programs.identity.Description`.
     defaults: Defaults = dataclasses.field(default=Defaults(), compare=False)
     tuning: TuningRules = dataclasses.field(default=TuningRules(), compare=False)
     view: View = dataclasses.field(default=View(), compare=False)

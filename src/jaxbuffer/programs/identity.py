@@ -110,10 +110,10 @@ class Description:
         return self._object(thing)
 
     def _made(self, function: types.FunctionType) -> Hashable:
-        """Describe a lambda of a package, or a function that another one has made, by where it stands and what it is
-        closed over; its instructions tell apart two in one line."""
+        """Describe a lambda of a package, or a function that another one has made, by its lines and columns, and what
+        it is closed over."""
         code = function.__code__
-        place = (function.__module__, function.__qualname__, code.co_firstlineno, code.co_names, code.co_code)
+        place = (function.__module__, function.__qualname__, code.co_firstlineno, code.co_linetable, code.co_names)
         constants = [it for it in code.co_consts if type(it) in _PLAIN]
         return (*place, self._of(constants), self._of(function.__defaults__), *map(self._of, _around(function)))
 

@@ -80,6 +80,9 @@ class ChosenLaw(str):
 
     __hash__ = str.__hash__
 
+    def __deepcopy__(self, memo: Any) -> "ChosenLaw":
+        return self
+
     def __reduce__(self) -> tuple[Any, ...]:
         found: Any = sys.modules.get(self.kind.__module__)
         for part in self.kind.__qualname__.split("."):
