@@ -13,6 +13,7 @@ RIGID = "tests/docking/test_relative_energy.py::test_a_rigid_motion_of_the_whole
 TWO_BODIES = "tests/docking/test_relative_energy.py::test_two_bodies_by_hand"
 THRUST = f"{LATCH}::test_a_thrusts_impulse_and_work_stand_in_the_ledgers"
 SWING = "tests/docking/test_oscillators.py::test_a_half_sine_in_any_direction_by_closed_form"
+RUBBER = "tests/elements/test_rubber_stop.py::test_a_mass_into_rubber_by_energy"
 PRINTED = "tests/verification/test_printed_forces.py::test_the_programs_published_forces_are_the_corrected_ones"
 
 
@@ -96,6 +97,12 @@ def _one_direction() -> None:
     Oscillators.observables = along_x
 
 
+def _soft_rubber() -> None:
+    from jaxbuffer.elements import RubberBlock
+
+    RubberBlock.elastic = lambda self, penetration: self.linear_stiffness * penetration
+
+
 DOCKING = (
     Breakage("latch on one body", "the latches push the probe and not the cone", _one_body, (REACTION, CLOSING)),
     Breakage("closed at once", "the share with which latches close forgotten", _closed_at_once, (SHARED, CLOSING)),
@@ -103,6 +110,7 @@ DOCKING = (
     Breakage("printed damper", "equation 10's damper damps the length alone", _along_the_spring, (PRINTED,)),
     Breakage("rebound inwards", "the rebound factor on the way in", _rebound_inwards, (FORMULAS,)),
     Breakage("flat curve", "a measured curve is constant beyond its last point", _flat_curve, (STRAIGHT,)),
+    Breakage("soft rubber", "an end stop of rubber that does not stiffen", _soft_rubber, (RUBBER,)),
     Breakage("torn unseen", "latches hold whatever pulls at them", _untearable, (TORN,)),
     Breakage("turning counts", "turning of the whole counts as relative motion", _turning_counts, (RIGID, TWO_BODIES)),
     Breakage("shock along x", "the shock of equipment in one direction alone", _one_direction, (SWING,)),

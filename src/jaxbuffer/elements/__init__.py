@@ -20,4 +20,5 @@ from .picture import PanelCurve as PanelCurve
 from .pin import Pin as Pin
 from .spring_damper import SpringDamper as SpringDamper
 from .stop import EndStop as EndStop
+from .stop import RubberBlock as RubberBlock
 from .thrust import Thrust as Thrust

@@ -1,18 +1,54 @@
-"""A stop at either end of an axial element's way (M28, M174)."""
+"""A stop at either end of an axial element's way (M28, M174), also of rubber (M183)."""
 
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 
 from .._types import Scalar
-from ..contact import KelvinVoigt
+from ..contact import ContactLaw, KelvinVoigt
 from ..multibody import AxialSpringDamper, Kinematics, Load, MaterialPoint, SpringDirection, load_at
 from ..plane import Vector
 from .element import Closed, Element, EnergyShare, Own, Switch
 from .telling import largest, reached
 
 USUAL = {"stop": "end stop", "rebound": "rebound stop"}  # what stops of these names are called
+SOLID = 0.05  # of its thickness: where a rubber block is as good as solid, and its force goes on straight
+
+
+class RubberBlock(KelvinVoigt):
+    """A block of rubber between plates, which stiffens as it is pressed together, with a damper beside it (M183).
+
+    - ``linear_stiffness``: k of small compressions [N/m]; ``damping``: c [N s/m].
+    - ``thickness``: h of the unloaded block [m].
+    """
+
+    source: ClassVar[str] = "Treloar 1975; bonded blocks, by their stiffness, Gent & Lindley 1959"
+    validity: ClassVar[str] = "compact rubber, pressed together by up to half of its thickness; no foams"
+    thickness: Scalar
+    # The closed forms of the linear spring do not hold.
+    depth = ContactLaw.depth
+    max_penetration = ContactLaw.max_penetration
+    delivered_restitution = ContactLaw.delivered_restitution  # type: ignore[assignment]
+
+    def _stretch(self, penetration: Any) -> tuple[Any, Any]:
+        """Return λ, and the compression beyond where the block counts as solid [m]."""
+        stretch = 1.0 - jnp.maximum(penetration, 0.0) / self.thickness
+        # An attempted step may go through the block, where λ would be negative: there the force goes on straight.
+        return jnp.maximum(stretch, SOLID), jnp.maximum(SOLID - stretch, 0.0) * self.thickness
+
+    def elastic(self, penetration: Any) -> Any:
+        (stretch, beyond), third = self._stretch(penetration), self.linear_stiffness / 3.0
+        return third * (self.thickness * (stretch**-2 - stretch) + (2.0 / SOLID**3 + 1.0) * beyond)
+
+    def energy(self, penetration: Any) -> Any:
+        (stretch, beyond), h = self._stretch(penetration), self.thickness
+        straight = h * (SOLID**-2 - SOLID) * beyond + (1.0 / SOLID**3 + 0.5) * beyond**2
+        return self.linear_stiffness / 3.0 * (h**2 * (1.0 / stretch + 0.5 * stretch**2 - 1.5) + straight)
+
+    def force(self, penetration: Any, approach_speed: Any, touchdown_speed: Any) -> Any:
+        return jnp.maximum(0.0, self.elastic(penetration) + self.damping * approach_speed)
 
 
 class StopState(NamedTuple):
@@ -36,7 +72,7 @@ class EndStop(Element):
 
     - ``guide``: the axial element, whose ends the stop pushes apart where it is run in, and together where it is run
       out.
-    - ``law``: stiffness [N/m] and damping [N s/m].
+    - ``law``: stiffness [N/m] and damping [N s/m], or a `RubberBlock`.
     - ``place``: s_m, the stroke at which it begins [m] (M28); of a rebound stop how far beyond the free length the
       element is then [m] (M174).
     - ``rebound``: whether it stops the way out.
@@ -110,7 +146,10 @@ class EndStop(Element):
         # Where the damper would pull, the force is cut off at zero and answers to nothing.
         pushing = closed[0] * (self.force(at, closed) > 0.0)
         blocks = {at.first.body: at.first.along(-at.along), at.second.body: at.second.along(at.along)}
-        return (SpringDirection(blocks, pushing * self.law.linear_stiffness, pushing * self.law.damping),)
+        stiffness = self.law.linear_stiffness
+        if isinstance(self.law, RubberBlock):
+            stiffness = jax.jvp(self.law.elastic, (jnp.asarray(at.depth),), (jnp.ones(()),))[1]
+        return (SpringDirection(blocks, pushing * stiffness, pushing * self.law.damping),)
 
     def stiff_force(self, at: StopState, closed: Closed) -> Scalar:
         return self.force(at, closed)

@@ -23,6 +23,7 @@ from ...elements import (
     Latch,
     Oscillators,
     Pin,
+    RubberBlock,
     SpringDamper,
     Thrust,
 )
@@ -171,7 +172,10 @@ def elements_of(design: Design, scenario: Scenario, probe: Masses) -> tuple[Elem
         SpringDamper(torsional, lost_in="torsional_damper", name="hinge spring"),
     ]
     if buffer.has("stop_stiffness"):
-        elements.append(EndStop(axial, KelvinVoigt(buffer.stop_stiffness, buffer.stop_damping), buffer.end))
+        law = KelvinVoigt(buffer.stop_stiffness, buffer.stop_damping)
+        if buffer.has("stop_thickness"):
+            law = RubberBlock(law.linear_stiffness, law.damping, buffer.stop_thickness)
+        elements.append(EndStop(axial, law, buffer.end))
     if design.probe.has("bending_stiffness"):
         elements.append(Bending())
     if hinge.has("play"):

@@ -35,6 +35,7 @@ class Buffer(Part):
       meet. Without an end stop a run that gets there ends as "bottomed" (M66).
     - ``stop_stiffness`` k_s [N/m], ``stop_damping`` c_s [N s/m]: an end stop that pushes the probe out again while the
       stroke exceeds s_m (M28). Only ``free_length`` ends that run. None: no end stop.
+    - ``stop_thickness`` h [m]: of an end stop of rubber, which stiffens from k_s on (M183). None: it is linear.
     - ``damping``: "physical" damps L̇ (M23); "published" damps the whole rate of the separation (M24), which does not
       conserve angular momentum.
     """
@@ -55,6 +56,9 @@ class Buffer(Part):
     )
     stop_damping: Number = number(
         0.0, "N s/m", **NON_NEGATIVE, needs=on("stop_stiffness"), doc="damping c_s of the end stop"
+    )
+    stop_thickness: Number = number(
+        None, "m", **POSITIVE, needs=on("stop_stiffness"), doc="thickness h of an end stop of rubber; not set: linear"
     )
     spring_curve: Curve | None = curve(
         ("stroke", "m"),
