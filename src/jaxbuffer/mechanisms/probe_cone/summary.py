@@ -102,17 +102,17 @@ def _of_part(capture: Capture, element: Element) -> list[str]:
 
 def _at_the_latches(capture: Capture) -> list[tuple[str, str]]:
     """Return how the tip met the latches, and what their closing put in."""
-    docked = capture.docked
-    miss = f"{1e3 * float(docked.lateral_miss):.4g} mm off the axis"
+    docking = capture.docking
+    miss = f"{1e3 * float(docking.lateral_miss):.4g} mm off the axis"
     return [
-        ("tip at the latches", f"{miss}, {np.degrees(float(docked.attitude_miss)):.4g} deg against it"),
+        ("tip at the latches", f"{miss}, {np.degrees(float(docking.attitude_miss)):.4g} deg against it"),
         *(("energy of the latch", text) for text in (closing_words(capture),) if text),
     ]
 
 
 def _energy_before(capture: Capture) -> str:
     """Return the energy of relative motion at the start, and what latches and thrust put in."""
-    begin = float(capture.docked.energy_left) / float(capture.docked.relative_energy)
+    begin = float(capture.docking.energy_left) / float(capture.docking.relative_energy)
     put_in = {
         name: -float(np.asarray(capture.energy.stored[key]))
         for name, key in (("the closing of the latches", "latch_closing"), ("the thrust", "thrust"))
@@ -124,10 +124,10 @@ def _energy_before(capture: Capture) -> str:
 
 def _energy_left(capture: Capture) -> str:
     """Return the energy of relative motion left, and the stroke that it may still take."""
-    docked, longest = capture.docked, float(capture.design.buffer.longest_stroke)
-    share = percent_text(float(docked.relative_energy), ".3g")
-    left = f"{energy_text(docked.energy_left)} of relative motion, {share} of that"
-    needed = float(docked.arrest_stroke)
+    docking, longest = capture.docking, float(capture.design.buffer.longest_stroke)
+    share = percent_text(float(docking.relative_energy), ".3g")
+    left = f"{energy_text(docking.energy_left)} of relative motion, {share} of that"
+    needed = float(docking.arrest_stroke)
     beyond = ", more than the buffer has" if needed > longest else ""
     left = f"at capture, where the run ends, {left}" if capture.outcome == Outcome.captured else left
     return f"{left} at the start; it may take up to {1e3 * needed:.4g} mm of stroke{beyond}"
