@@ -26,7 +26,7 @@ def summary(capture: Capture) -> str:
         where = scenario_label(capture.scenario)
         return f"Capture: {outcome.reason} (after {int(capture.attempts)} steps; {where})"
     e, b = jax.tree.map(np.asarray, (capture.energy, capture.balance))  # so that sums compile nothing
-    at = capture.maximum_times
+    at = capture.maximum_times  # asked once: it traces the mechanism
     lines = [
         f"Capture: {outcome.reason}",
         f"  scenario             {scenario_label(capture.scenario)}",
@@ -34,9 +34,9 @@ def summary(capture: Capture) -> str:
         f"  peak contact force   {_peak(capture)}",
         *_larger(capture),
         *_first_impact(capture),
-        f"  peak hinge force     {_force(capture, 'hinge_force')}",
-        f"  peak buffer force    {_force(capture, 'buffer_force')}{_stop(capture)}",
-        f"  stroke               {_stroke(capture)}",
+        f"  peak hinge force     {_force(capture, 'hinge_force', at)}",
+        f"  peak buffer force    {_force(capture, 'buffer_force', at)}{_stop(capture)}",
+        f"  stroke               {_stroke(capture, at)}",
         f"  hinge angle          {np.degrees(float(capture.hinge_angle)):.6g} deg{when(at['hinge_angle'])}",
         *(line for element in capture.elements for line in _of_part(capture, element)),
         f"  penetration          at most {1e6 * float(capture.penetration):.3g} µm into a flank",
@@ -52,17 +52,17 @@ def summary(capture: Capture) -> str:
     return "\n".join([*lines, *(f"  {line}" for line in warnings(capture))])
 
 
-def _force(capture: Capture, name: str) -> str:
+def _force(capture: Capture, name: str, at: dict[str, float]) -> str:
     """Return the largest value of a force and when it occurs; "0 N" where it is only rounding."""
     force = float(capture.quantity(f"peak_{name}"))
-    return "0 N" if force < NEGLIGIBLE["N"] else f"{force:.6g} N{when(capture.maximum_times[name])}"
+    return "0 N" if force < NEGLIGIBLE["N"] else f"{force:.6g} N{when(at[name])}"
 
 
-def _stroke(capture: Capture) -> str:
+def _stroke(capture: Capture, at: dict[str, float]) -> str:
     stroke, limits = float(capture.stroke), _stroke_limits(capture)
     if stroke < NEGLIGIBLE["m"]:
         return f"0 mm{limits}"
-    return f"{1e3 * stroke:.6g} mm{limits}{when(capture.maximum_times['stroke'])}"
+    return f"{1e3 * stroke:.6g} mm{limits}{when(at['stroke'])}"
 
 
 def _peak(capture: Capture) -> str:
