@@ -26,7 +26,7 @@ def summary(capture: Capture) -> str:
         where = scenario_label(capture.scenario)
         return f"Capture: {outcome.reason} (after {int(capture.attempts)} steps; {where})"
     e, b = jax.tree.map(np.asarray, (capture.energy, capture.balance))  # so that sums compile nothing
-    at = capture.maximum_times  # asked once: it traces the mechanism
+    at = capture.maximum_times
     lines = [
         f"Capture: {outcome.reason}",
         f"  scenario             {scenario_label(capture.scenario)}",
