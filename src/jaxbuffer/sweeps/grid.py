@@ -77,13 +77,9 @@ class Places(Protocol):
 
 @dataclasses.dataclass(frozen=True)
 class Grid:
-    """The product of its axes, the last one changing fastest.
-
-    ``in_memory``: whether there will be arrays in memory with an entry for each run.
-    """
+    """The product of its axes, the last one changing fastest."""
 
     axes: tuple[Axis, ...]
-    in_memory: bool = True
 
     def __post_init__(self) -> None:
         if not self.axes:
