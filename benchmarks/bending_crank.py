@@ -42,12 +42,12 @@ def equations(design: jb.SliderCrank, scenario: jb.SliderCrankScenario) -> Equat
 
     def depth(state: Float[Array, " state"]) -> tuple[Array, Array]:
         mechanism = slider_crank(design, scenario)
-        gap, closing = mechanism.gaps_at(mechanism.posture(state))
+        gap, closing = mechanism.gaps_at(mechanism.evaluate(state))
         return -gap[0], closing[0]
 
     def force(state: Float[Array, " state"]) -> Array:
         mechanism = slider_crank(design, scenario)
-        return mechanism.normal_force_at(mechanism.posture(state), jnp.ones(1))[0]
+        return mechanism.normal_force_at(mechanism.evaluate(state), jnp.ones(1))[0]
 
     mechanism = slider_crank(design, scenario)
     compiled = (jax.jit(each) for each in (rate, depth, force))

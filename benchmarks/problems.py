@@ -1,4 +1,4 @@
-"""How far `jb.tune` ends from the best design known, on six design problems with cliffs in them.
+"""How far `jb.tune` ends from the best design known, on six design problems with discontinuities in them.
 
 ``python -m benchmarks.problems`` prints a row for each problem and seed and writes JSON; it exits with status 1 where a
 run ends more than one per cent above the best known. ``--only`` picks problems, ``--seeds`` how many seeds from 0 on.

@@ -39,9 +39,9 @@ def main(folder: Path, resume: bool = False, client: Any = None) -> None:
     def draw(axes: Any) -> None:
         axes.plot(stroke[feasible], front.values[feasible, 0], "o-", label="peak contact force")
         axes.plot(stroke[feasible], hinge_force[feasible], "s--", label="peak hinge force")
-        floor = front.points[0].floor
-        assert floor is not None
-        axes.axhline(floor.lowest, color="#888888", linewidth=0.8, label="floor within the bounds")
+        lower_bound = front.points[0].lower_bound
+        assert lower_bound is not None
+        axes.axhline(lower_bound.lowest, color="#888888", linewidth=0.8, label="lower bound within the bounds")
         axes.set(xlabel="stroke, worst scenario [mm]", ylabel="force, worst scenario [N]", title="Force against stroke")
         axes.legend()
 

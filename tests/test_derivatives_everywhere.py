@@ -12,7 +12,7 @@ import pytest
 
 import jaxbuffer as jb
 from jaxbuffer.hybrid import ExplicitRungeKutta, Kind
-from jaxbuffer.mechanisms.probe_cone.capture import Docked
+from jaxbuffer.mechanisms.probe_cone.capture import Docking
 
 PATHS = ("buffer.k_A", "scenario.approach_speed", "scenario.contact_distance")
 VALUES = np.array([500.0, 0.1, 0.0435])
@@ -20,7 +20,7 @@ STEP = 6e-5  # relative; the other one is half as long
 CLOSE = 2e-3  # relative to the largest entry; measured 6e-4
 MOMENTS = (0.0, 0.02, 0.35, 0.6, 0.9)  # of the history's steps
 # NaN of a run that ends with the capture
-WITHOUT_LATCH = ("passive_force", "docked.latch_time", "docked.settling_time")
+WITHOUT_LATCH = ("passive_force", "docking.latch_time", "docking.settling_time")
 EXACT = ("design", "scenario", "stabilisation", "_located")  # what goes in, and the log's other self
 
 
@@ -109,7 +109,7 @@ NUMBERS = [
     "log.missed_values",
     *(f"impacts.{name}" for name in ("time", "approach_speed", "peak_force", "release_time")),
     *(f"first_impact.{f.name}" for f in dataclasses.fields(jb.FirstImpact)),
-    *(name for f in dataclasses.fields(Docked) if (name := f"docked.{f.name}") not in WITHOUT_LATCH),
+    *(name for f in dataclasses.fields(Docking) if (name := f"docking.{f.name}") not in WITHOUT_LATCH),
     *(f"energy.{name}" for name in ("kinetic", "spring", "contact", "stop", "axial_damper", "torsional_damper",
                                     "hysteresis", "friction", "stop_damper", "hinge_play", "bending")),
 ]  # fmt: skip

@@ -9,7 +9,7 @@ import pytest
 
 import jaxbuffer as jb
 from jaxbuffer.mechanisms.outcome import Simulated
-from jaxbuffer.mechanisms.probe_cone.capture import Docked
+from jaxbuffer.mechanisms.probe_cone.capture import Docking
 from jaxbuffer.mechanisms.slider_crank.statistics import Mean, TurnStatistics
 from jaxbuffer.sensitivities.certificate import Certificate, Peaks
 
@@ -72,7 +72,7 @@ def test_the_first_impact_prints_numbers_with_units():
 def test_parts_of_a_run_print_numbers_with_units(dropped):
     for part, unit in ((dropped.energy, " J"), (dropped.balance, "m or rad"), (dropped.impacts, "[N]")):
         assert unit in repr(part) and "f64" not in repr(part)
-    docked = Docked(*map(jnp.asarray, (0.5, np.nan, 0.2, 0.001, 0.25, 0.01, 0.002, 0.0, np.pi / 180.0, 0.0, 4.0)))
+    docked = Docking(*map(jnp.asarray, (0.5, np.nan, 0.2, 0.001, 0.25, 0.01, 0.002, 0.0, np.pi / 180.0, 0.0, 4.0)))
     lines = {line.split("  ")[1]: line.split("  ")[-1].strip() for line in repr(docked).splitlines()[1:]}
     assert lines["attitude miss"] == "1 deg" and lines["lateral miss"] == "2 mm"
     assert lines["relative energy"] == "0.1 %" and lines["settling time"] == "not known s"
@@ -106,7 +106,7 @@ def test_limits_and_bounds_are_given_with_units():
 
 
 def test_limits_on_quantities_of_ones_own_are_read_in_their_unit():
-    own = {"effort": jb.Derived(lambda peak_force, stroke: peak_force * stroke, "N m")}
+    own = {"effort": jb.CustomQuantity(lambda peak_force, stroke: peak_force * stroke, "N m")}
     variables, limits = [jb.Variable("buffer.k_A", 100.0, 3000.0)], jb.Limits(at_most={"effort": "2 kN m"})
     problem = jb.Problem(jb.table2(), [jb.Scenario()], variables, limits=limits, quantities=own)
     assert problem.limits.at_most == {"effort": 2000.0}

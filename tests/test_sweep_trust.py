@@ -31,7 +31,7 @@ def test_verdicts_are_those_of_single_runs(designs, swept):
 
 def test_without_trust_nothing_is_said(designs, swept):
     sweep = jb.sweep(designs, jb.Scenario(approach_speed=SPEEDS), rtol=1e-3)
-    assert sweep.verdicts == ["", "", ""] and not sweep.doubts("")
+    assert sweep.verdicts == ["", "", ""] and not sweep.sanity_checks("")
     np.testing.assert_array_equal(sweep.peak_force, swept.peak_force)
     assert list(swept.to_pandas()["trust"]) == swept.verdicts == swept.to_xarray().trust.values.tolist()
 
@@ -54,9 +54,9 @@ def test_below_rtol_1e_12_nothing_is_known(bar, rtol, known):
     """A run at 1e-13, the least allowed, is no tenth of it: at rtol 1e-13 it is the run itself."""
     sweep = jb.sweep(*bar, 0.22, rtol=rtol, trust=True)
     if known:
-        assert sweep.verdicts == ["trusted"] * 2 and sweep.doubts("") == []
+        assert sweep.verdicts == ["trusted"] * 2 and sweep.sanity_checks("") == []
     else:
-        (said,) = sweep.doubts("see trust")
+        (said,) = sweep.sanity_checks("see trust")
         assert sweep.verdicts == ["unknown"] * 2 == sweep.to_pandas()["trust"].tolist()
         assert said.startswith("2 of 2 drops have numbers of unknown error: a tenth of rtol is below 1e-13, the least")
 

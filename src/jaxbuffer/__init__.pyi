@@ -83,11 +83,11 @@ from .sweeps.result import Sweep as Sweep
 from .sweeps.stored import StoredSweep as StoredSweep
 from .sweeps.sweep import sweep as sweep
 from .tuning.cases import Case as Case
-from .tuning.derived import Derived as Derived
+from .tuning.custom_quantity import CustomQuantity as CustomQuantity
 from .tuning.objective import (
     Limits as Limits,
     Objective as Objective,
-    Then as Then,
+    SecondObjective as SecondObjective,
 )
 from .tuning.pareto import (
     Front as Front,

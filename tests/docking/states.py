@@ -39,8 +39,8 @@ class Instant(NamedTuple):
     active: jax.Array
 
     @property
-    def posture(self):
-        return self.mechanism.posture(self.state)
+    def evaluate(self):
+        return self.mechanism.evaluate(self.state)
 
     @property
     def rate(self):
@@ -52,7 +52,7 @@ class Instant(NamedTuple):
 
     def energy_rate(self):
         """Rate of everything stored and lost less what is put in [W], and the largest of these flows."""
-        energy_at = lambda state: self.mechanism.energy_at(self.mechanism.posture(state), self.active)  # noqa: E731
+        energy_at = lambda state: self.mechanism.energy_at(self.mechanism.evaluate(state), self.active)  # noqa: E731
         flows = jax.tree.leaves(jax.jvp(energy_at, (self.state,), (self.rate,))[1])
         return float(sum(flows)), max(abs(float(flow)) for flow in flows)
 

@@ -9,7 +9,7 @@ from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
 from docking.states import CURVES, mechanism
-from jaxbuffer.mechanisms.probe_cone.docked import arrest_stroke
+from jaxbuffer.mechanisms.probe_cone.docking import arrest_stroke
 
 CURVE = PchipInterpolator([0.0, 0.005, 0.01, 0.02], [0.0, 2.0, 6.0, 20.0])
 SPRING = {"buffer.spring_curve": CURVES["buffer.spring_curve"]}

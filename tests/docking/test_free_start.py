@@ -48,7 +48,7 @@ def test_positions_and_velocities(free_tip):
 
 def test_it_is_on_the_constraints_and_the_spring_at_rest():
     assembled = mechanism(LATCH, **FREE)
-    at, _ = assembled.first_posture()
+    at, _ = assembled.first_evaluation()
     constraints = assembled.system.constraints(at.kin)
     assert_allclose(constraints.phi, 0.0, atol=2e-16)
     assert_allclose(np.asarray(constraints.jacobian) @ np.asarray(at.kin.v), 0.0, atol=1e-16)
@@ -58,7 +58,7 @@ def test_it_is_on_the_constraints_and_the_spring_at_rest():
 
 def test_the_tip_stands_before_the_mouth_and_off_the_axis():
     assembled = mechanism(start="free", offset=-0.03, standoff=0.02)
-    at, _ = assembled.first_posture()
+    at, _ = assembled.first_evaluation()
     assert_allclose(
         tuple(assembled.evaluated(at, "throat").tip), [-0.096 - 0.0735 * np.sqrt(0.5) - 0.035, -0.03], rtol=1e-14
     )
@@ -67,7 +67,7 @@ def test_the_tip_stands_before_the_mouth_and_off_the_axis():
 def test_the_first_energy_of_relative_motion_is_that_of_two_bodies():
     """A straight approach off the axis: ½ m_1 m_2 v²/M less what turning as one rigid body takes, ½ H²/J."""
     assembled = mechanism(LATCH, start="free", offset=0.02)
-    at, active = assembled.first_posture()
+    at, active = assembled.first_evaluation()
     masses = np.asarray(assembled.system.masses()).reshape(4, 3)
     q = np.asarray(at.kin.q).reshape(4, 3)
     front, passive = masses[:3, 0].sum(), masses[3, 0]

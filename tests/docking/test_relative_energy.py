@@ -41,7 +41,7 @@ def test_a_rigid_motion_of_the_whole_has_none(free_tip, closed):
     state[12:24] = v.ravel()
     if free_tip:
         state[24] = SPIN
-    at = assembled.posture(jnp.asarray(state))
+    at = assembled.evaluate(jnp.asarray(state))
     stored = assembled.stored(at, instant.active)
     in_springs = sum(float(energy) for name, energy in stored.items() if name != "kinetic")
     assert in_springs > 1e-3
@@ -53,7 +53,7 @@ def test_a_tip_that_turns_by_itself_has_some():
     instant = moving(assembled)
     before = float(assembled.relative_energy(instant.posture, instant.active))
     faster = instant.state.at[24].add(2.0)
-    after = float(assembled.relative_energy(assembled.posture(faster), instant.active))
+    after = float(assembled.relative_energy(assembled.evaluate(faster), instant.active))
     inertia = float(assembled.parts.probe.tip_inertia)
     # ½ I_t ω² less its share of the rigid motion, which is of the order of I_t over the inertia of the whole.
     assert_allclose(after - before, 0.5 * inertia * (2.7**2 - 0.7**2), rtol=0.6)

@@ -61,7 +61,7 @@ def conserved(assembled, state, active):
     """Rates of both momenta less what came from outside, and of all energies together [N, N m, W]."""
     rate = assembled.derivative(0.0, state, active)
     momenta = jax.jvp(assembled.momentum, (state,), (rate,))[1]
-    energy = lambda y: assembled.energy_at(assembled.posture(y), active).total  # noqa: E731
+    energy = lambda y: assembled.energy_at(assembled.evaluate(y), active).total  # noqa: E731
     return [*momenta[0], momenta[1], jax.jvp(energy, (state,), (rate,))[1]]
 
 
@@ -86,7 +86,7 @@ def test_balls_that_spin_freely_or_not_in_any_order(spins):
     turning = jnp.asarray([1.5, -0.7][: assembled.spins])
     state = state.at[assembled.layout.places["spins"]].set(turning)
     active = jnp.ones(2)
-    at = assembled.posture(state)
+    at = assembled.evaluate(state)
     assert np.all(np.asarray(assembled.gaps_at(at)[0]) < 0.0), "both press"
     assert_allclose(conserved(assembled, state, active), 0.0, atol=1e-9)
     # The stiff part's columns are what closes the gaps and what slips, spins included.

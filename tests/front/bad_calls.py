@@ -10,13 +10,13 @@ from bad_inputs import call
 
 from jaxbuffer import (
     Case,
-    Derived,
+    CustomQuantity,
     Design,
     Limits,
     Objective,
     Problem,
     Scenario,
-    Then,
+    SecondObjective,
     Variable,
     first_impact,
     get,
@@ -32,7 +32,7 @@ from jaxbuffer.mechanisms.probe_cone.parts import Cone, Contact, Passive
 from jaxbuffer.tuning import Distribution, Scatter, grid
 
 K = Variable("buffer.k_A", 100.0, 2000.0)
-EFFORT = Derived(lambda peak_force, stroke: peak_force * stroke, "N m")
+EFFORT = CustomQuantity(lambda peak_force, stroke: peak_force * stroke, "N m")
 OWN = {"effort": EFFORT}
 ONE = "simulate takes one capture: use jax.vmap or jb.sweep"
 
@@ -191,7 +191,7 @@ PYTHON = [
     ),
     call(lambda: stated(objective="peak_force"), "objective = 'peak_force' is not an Objective", "Objective({'peak"),
     call(lambda: stated(limits={}), "limits = {} is not a Limits; write Limits(at_most={'stroke': 0.025})"),
-    call(lambda: stated(then="stroke"), "then = 'stroke' is not a Then; write Then(Objective("),
+    call(lambda: stated(then="stroke"), "then = 'stroke' is not a SecondObjective; write SecondObjective(Objective("),
     call(lambda: stated(duration=[1.0, 2.0]), "duration has shape (2,)"),
     call(lambda: stated(rtol=None), "rtol: None is not a number; expected [1e-13, 0.01]"),
     call(
@@ -204,41 +204,41 @@ PYTHON = [
     # quantities of one's own
     call(lambda: Objective({"effort": 0.0}), "objective.effort = 0 N/unit is out of range; allowed: (0, inf) N/unit"),
     call(lambda: stated(objective=Objective({"efort": 1.0}), quantities=OWN), "efort is unknown; did you mean effort?"),
-    call(lambda: stated(quantities=[EFFORT]), "quantities = [Derived(", "is not a mapping; write quantities={'effort'"),
-    call(lambda: stated(quantities={"effort": max}), "quantities.effort = <built-in function max> is not a Derived"),
+    call(lambda: stated(quantities=[EFFORT]), "quantities = [CustomQuantity(", "is not a mapping; write quantities={'effort'"),
+    call(lambda: stated(quantities={"effort": max}), "quantities.effort = <built-in function max> is not a CustomQuantity"),
     call(lambda: stated(quantities={"stroke": EFFORT}), "quantities.stroke: the name is taken"),
     call(lambda: stated(quantities={"values": EFFORT}), "quantities.values: the name is taken"),
     call(lambda: stated(quantities={"an effort": EFFORT}), "'an effort' is no name; write letters, digits and _"),
     call(
-        lambda: stated(quantities={"own": Derived(lambda strok: 2.0 * strok, "m")}),
+        lambda: stated(quantities={"own": CustomQuantity(lambda strok: 2.0 * strok, "m")}),
         "quantities.own: <lambda> asks for strok, which is unknown; did you mean stroke?",
     ),
-    call(lambda: Derived("peak_force", "N"), "derived function = 'peak_force' is not a function; write Derived(lambda"),
-    call(lambda: Derived(lambda stroke: stroke, "Nm"), "the unit Nm is unknown; did you mean N m?"),
-    call(lambda: Derived(lambda stroke: stroke, None), "unit of <lambda> = None is not a unit; write 'N m' say"),
-    call(lambda: Derived(lambda: 1.0, "m"), "<lambda> has no parameter; name quantities"),
-    call(lambda: Derived(lambda *stroke: stroke[0], "m"), "its parameter *stroke names no quantity"),
-    call(lambda: Derived(lambda stroke, k=2.0: k * stroke, "m"), "its parameter k has a default value"),
-    call(lambda: Derived(max, "m"), "its parameters are not known; write it with def or lambda"),
+    call(lambda: CustomQuantity("peak_force", "N"), "custom quantity's function = 'peak_force' is not a function; write CustomQuantity(lambda"),
+    call(lambda: CustomQuantity(lambda stroke: stroke, "Nm"), "the unit Nm is unknown; did you mean N m?"),
+    call(lambda: CustomQuantity(lambda stroke: stroke, None), "unit of <lambda> = None is not a unit; write 'N m' say"),
+    call(lambda: CustomQuantity(lambda: 1.0, "m"), "<lambda> has no parameter; name quantities"),
+    call(lambda: CustomQuantity(lambda *stroke: stroke[0], "m"), "its parameter *stroke names no quantity"),
+    call(lambda: CustomQuantity(lambda stroke, k=2.0: k * stroke, "m"), "its parameter k has a default value"),
+    call(lambda: CustomQuantity(max, "m"), "its parameters are not known; write it with def or lambda"),
     call(
-        lambda: Derived(lambda stroke: 2 * float(stroke), "m"), "takes a number out of JAX in line", "write jax.numpy"
+        lambda: CustomQuantity(lambda stroke: 2 * float(stroke), "m"), "takes a number out of JAX in line", "write jax.numpy"
     ),
-    call(lambda: Derived(lambda stroke: 2 * np.sqrt(stroke), "m"), "takes a number out of JAX in line"),
-    call(lambda: Derived(lambda stroke: stroke if stroke > 0 else 0, "m"), "takes a number out of JAX in line"),
-    call(lambda: Derived(lambda stroke: 2 * jnp.floor(stroke), "m"), "its derivative by stroke is zero everywhere"),
-    call(lambda: Derived(lambda stroke, bending: stroke, "m"), "its derivative by bending is zero everywhere"),
-    call(lambda: Derived(lambda stroke: 1.0, "m"), "its derivative by stroke is zero everywhere: it is not used"),
-    call(lambda: Derived(lambda stroke: (stroke, 1.0), "m"), "returns (", "not a number"),
-    call(lambda: Derived(lambda stroke: stroke * jnp.ones(2), "m"), "returns an array of the shape (2,), not one"),
-    call(lambda: Derived(lambda stroke: 1j * stroke, "m"), "returns a number of the type complex128, not a real one"),
-    call(lambda: Derived(lambda stroke: stroke * random.random(), "m"), "is another one at each call"),
-    call(lambda: Derived(lambda stroke: {}["k"], "m"), "<lambda> raises KeyError: 'k' in line"),
+    call(lambda: CustomQuantity(lambda stroke: 2 * np.sqrt(stroke), "m"), "takes a number out of JAX in line"),
+    call(lambda: CustomQuantity(lambda stroke: stroke if stroke > 0 else 0, "m"), "takes a number out of JAX in line"),
+    call(lambda: CustomQuantity(lambda stroke: 2 * jnp.floor(stroke), "m"), "its derivative by stroke is zero everywhere"),
+    call(lambda: CustomQuantity(lambda stroke, bending: stroke, "m"), "its derivative by bending is zero everywhere"),
+    call(lambda: CustomQuantity(lambda stroke: 1.0, "m"), "its derivative by stroke is zero everywhere: it is not used"),
+    call(lambda: CustomQuantity(lambda stroke: (stroke, 1.0), "m"), "returns (", "not a number"),
+    call(lambda: CustomQuantity(lambda stroke: stroke * jnp.ones(2), "m"), "returns an array of the shape (2,), not one"),
+    call(lambda: CustomQuantity(lambda stroke: 1j * stroke, "m"), "returns a number of the type complex128, not a real one"),
+    call(lambda: CustomQuantity(lambda stroke: stroke * random.random(), "m"), "is another one at each call"),
+    call(lambda: CustomQuantity(lambda stroke: {}["k"], "m"), "<lambda> raises KeyError: 'k' in line"),
     call(lambda: Objective("peak_force"), "weights = 'peak_force' is not a Mapping; write Objective({'peak_force'"),
     call(lambda: Objective({"peak_force": "1"}), "objective.peak_force: '1' is not a number; expected (0, inf) N/N"),
     call(lambda: Limits(at_most=[("stroke", 0.025)]), "at_most = [('stroke', 0.025)] is not a Mapping"),
-    call(lambda: Limits({"stroke": 0.025}), "constraints.captured = {'stroke': 0.025} must be true or false"),
+    call(lambda: Limits({"stroke": 0.025}), "constraints.require_success = {'stroke': 0.025} must be true or false"),
     call(lambda: Limits(impacts=2.5), "constraints.impacts = 2.5 must be a whole number of at least 1"),
-    call(lambda: Then({"stroke": 1.0}), "objective = {'stroke': 1.0} is not an Objective; write Then(Objective("),
+    call(lambda: SecondObjective({"stroke": 1.0}), "objective = {'stroke': 1.0} is not an Objective; write SecondObjective(Objective("),
     call(lambda: grid({"approach_speed": 0.1}), "grid.approach_speed = 0.1 is not a list of values in m/s"),
     call(lambda: grid({"approach_speed": ["fast"]}), "scenario.approach_speed: 'fast' is not a number", "m/s"),
     call(lambda: Scatter(2.5, {"approach_speed": Distribution("uniform", 0.1, 0.2)}), "sample.count = 2.5 must be a"),

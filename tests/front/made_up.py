@@ -12,7 +12,7 @@ from jaxbuffer.mechanisms.energy import Balance, Energy
 from jaxbuffer.mechanisms.history import History
 from jaxbuffer.mechanisms.impacts import Impacts
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
-from jaxbuffer.mechanisms.probe_cone.capture import Capture, Docked, FirstImpact
+from jaxbuffer.mechanisms.probe_cone.capture import Capture, Docking, FirstImpact
 from jaxbuffer.sensitivities.certificate import Certificate, Peaks, Verdict
 from jaxbuffer.sensitivities.sensitivity import Sensitivity
 from jaxbuffer.sweeps.columns import column_names
@@ -83,7 +83,7 @@ def made_up_capture(scenario=None, peak=250.0, at=0.02, outcome=Outcome.captured
             "hinge_force": 1.5 * peak, "buffer_force": 4.0, "stroke": 0.0075, "hinge_angle": 0.004,
         }.items()},
         impacts=hits,
-        docked=made_up_docked(),
+        docking=made_up_docking(),
         first_impact=FirstImpact(*(jnp.asarray(x) for x in (0.2, 5e-4, 150.0, 143.0, PULSE))),
         energy=jax.tree.map(lambda share: share[-1], energy),
         balance=Balance(*(jnp.asarray(1e-9) for _ in range(4))),
@@ -93,12 +93,12 @@ def made_up_capture(scenario=None, peak=250.0, at=0.02, outcome=Outcome.captured
     )  # fmt: skip
 
 
-def made_up_docked() -> Docked:
+def made_up_docking() -> Docking:
     """Without a latch: three tenths of the energy of relative motion are left, which may take 20 mm of stroke."""
-    numbers = dict.fromkeys((field.name for field in dataclasses.fields(Docked)), 0.0)
+    numbers = dict.fromkeys((field.name for field in dataclasses.fields(Docking)), 0.0)
     numbers |= {"latch_time": np.nan, "settling_time": np.nan}
     numbers |= {"relative_energy": 0.3, "energy_left": 0.03, "arrest_stroke": 0.02}
-    return Docked(**{name: jnp.asarray(number) for name, number in numbers.items()})
+    return Docking(**{name: jnp.asarray(number) for name, number in numbers.items()})
 
 
 def made_up_certificate(paths, quantities=QUANTITIES, verdict=Verdict.trusted) -> Certificate:
@@ -190,7 +190,7 @@ def made_up_tuning(problem: Problem, count: int = 5) -> Tuned:
         ended="converged",
         borne_out=True,
         message="converged: in a test",
-        floor=PeakForceBound(0.4 * after.peaks[:, 0], 0.45 * after.peaks[:, 0], after.peaks[:, 0] / 1e5, 90.0, {}),
+        lower_bound=PeakForceBound(0.4 * after.peaks[:, 0], 0.45 * after.peaks[:, 0], after.peaks[:, 0] / 1e5, 90.0, {}),
         records=tuple(records),
         captures=123,
     )

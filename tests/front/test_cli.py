@@ -330,7 +330,7 @@ def test_a_run_outside_the_studys_limits_exits_with_1_and_says_which(computed, c
     (tmp_path / "study.toml").write_text("[problem.constraints]\nstroke = 0.02\n")
     assert run([command, "study.toml"]) == 1
     assert "not kept: not captured (timeout: neither captured nor escaped" in capsys.readouterr().err
-    (tmp_path / "study.toml").write_text("[problem.constraints]\ncaptured = false\n")
+    (tmp_path / "study.toml").write_text("[problem.constraints]\nrequire_success = false\n")
     assert run([command, "study.toml"]) == 0
 
 

@@ -3,7 +3,7 @@
 import jax.numpy as jnp
 import pytest
 
-from jaxbuffer import InputError, Limits, Objective, Scenario, Then, Variable, get, replace, table2
+from jaxbuffer import InputError, Limits, Objective, Scenario, SecondObjective, Variable, get, replace, table2
 from jaxbuffer.fields import paths
 from jaxbuffer.study.config import Config, apply_overrides, design_toml, load
 
@@ -31,7 +31,7 @@ def test_the_shipped_study_is_table_2_at_three_speeds(request):
     problem, default = config.problem(), Config().problem()
     assert problem.variables == default.variables and len(problem.variables) == 5
     assert problem.limits == default.limits and problem.limits.at_most == {"stroke": 0.025}
-    assert problem.then is not None and problem.then.slack == 0.01
+    assert problem.then is not None and problem.then.tolerance == 0.01
 
 
 def test_every_section_is_read(tmp_path):
@@ -87,7 +87,7 @@ def test_every_section_is_read(tmp_path):
     )
     assert problem.objective == Objective({"peak_force": 1, "stroke": 1e4}, "cvar", 0.5)
     assert problem.limits == Limits(True, {"stroke": 0.02}, 30)
-    assert problem.then == Then(Objective({"end_time": 1}))
+    assert problem.then == SecondObjective(Objective({"end_time": 1}))
     assert problem.duration == 3.0 and problem.scenarios_met == config.scenarios
 
 
@@ -143,9 +143,9 @@ BAD = [
     ("[problem.constraints]\nstrok = 1", ("problem.constraints.strok is unknown", "did you mean stroke?")),
     ("[problem.constraints]\nstroke = -0.1", ("problem.constraints.stroke = -0.1 m", "(0, inf) m")),
     ("[problem.constraints]\nimpacts = 2.5", ("constraints.impacts = 2.5 must be a whole number of at least 1",)),
-    ("[problem.constraints]\ncaptured = 1", ("constraints.captured = 1 must be true or false",)),
-    ("[problem.then]\nslack = 0.1", ("problem.then names no quantity",)),
-    ("[problem.then]\nstroke = 1\nslack = 0", ("then.slack = 0", "(0, 1]")),
+    ("[problem.constraints]\nrequire_success = 1", ("constraints.require_success = 1 must be true or false",)),
+    ("[problem.then]\ntolerance = 0.1", ("problem.then names no quantity",)),
+    ("[problem.then]\nstroke = 1\ntolerance = 0", ("then.tolerance = 0", "(0, 1]")),
     ("[problem.grid]\napproach_speed = []", ("problem.grid.approach_speed = []", "list of numbers in m/s")),
     ("[problem.grid]\nspeed = [1]", ("problem.grid.speed is unknown",)),
     (

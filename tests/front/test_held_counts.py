@@ -74,7 +74,7 @@ def test_a_table_tells_a_value_from_the_limit_that_it_breaks(tmp_path):
     (row,) = (row for row in section.tables[0].rows if row[0] == "relative energy left")
     assert (row[2], row[4]) == ("0.1000", "≤ 0.1") or float(row[2]) > 0.1
     assert "relative energy left in 4" in section.warnings[0]
-    assert any("broken in 4 of 4 scenarios" in line for line in results.tuned["why"])
+    assert any("broken in 4 of 4 scenarios" in line for line in results.tuned["broken_limits"])
 
 
 def test_compared_tunings_say_how_many_are_held(tmp_path):
@@ -138,7 +138,7 @@ def test_a_limit_on_what_the_design_has_not_is_no_safe_rectangle():
 def test_a_run_whose_limited_quantity_is_not_known_is_not_safe():
     """No made-up run settles: all are captured, none is held, and none has a settling time."""
     _, envelope = interrupted(12, jb.Limits(at_most={"settling_time": 5.0}), jb.replace(jb.table2(), LATCH))
-    assert not envelope.safe.any() and envelope.asked.startswith("held")
+    assert not envelope.safe.any() and envelope.criterion.startswith("held")
     stop = jb.replace(jb.table2(), {"buffer.stop_stiffness": 1e5})
     swept, _ = interrupted(12, jb.Limits(), stop)
     columns = {**swept.columns, "peak_stop_force": np.full(12, np.nan)}

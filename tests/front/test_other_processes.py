@@ -59,7 +59,7 @@ def effort(peak_force, stroke):
 
 
 def problem():
-    own = {"effort": jb.Derived(effort, "N m")}
+    own = {"effort": jb.CustomQuantity(effort, "N m")}
     variables = [jb.Variable("buffer.k_A", 100.0, 2000.0)]
     return jb.Problem(jb.table2(), [jb.Scenario()], variables, jb.Objective({"effort": 1.0}), quantities=own)
 

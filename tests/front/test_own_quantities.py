@@ -79,7 +79,7 @@ BAD = [
     (None, "objectives.py: no such file"),
     ("def efort(peak_force):\n    return peak_force", "has no function effort; did you mean efort?"),
     ("", "objectives.py has no function effort; it has none"),
-    ("effort = 3", "derived function = 3 is not a function"),
+    ("effort = 3", "custom quantity's function = 3 is not a function"),
     ("def effort(peak_force)\n    return 1", "objectives.py, line 1: expected ':'"),
     ("x = 1\ny = x / 0", "objectives.py, line 2, raises ZeroDivisionError: division by zero"),
     ("raise SystemExit(7)", "objectives.py, line 1, raises SystemExit: 7"),

@@ -69,7 +69,7 @@ def test_tune_figure():
     ]
     peaks = axes["Peak contact force"]
     names = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert names == ["before", "after", "floor: first impact, no buffer"]
+    assert names == ["before", "after", "lower bound: first impact, no buffer"]
     named = [text.get_text() for text in peaks.get_yticklabels()]
     assert named == ["0.1 m/s, 0°", "0.15 m/s, 0°", "0.2 m/s, 0°", "0.25 m/s, 0°"]
     objective = axes["Every design tried for:\npeak force, worst over the scenarios"]

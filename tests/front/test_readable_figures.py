@@ -163,7 +163,7 @@ def sampled(count):
 MANY = ("buffer.k_A", "buffer.c_A", "buffer.k_T", "buffer.c_T", "buffer.free_length", "buffer.cylinder_mass",
         "buffer.cylinder_length", "probe.tip_mass", "probe.tip_radius", "probe.rod_mass", "active.hinge_offset",
         "contact.young_modulus")  # fmt: skip
-WORK = jb.Derived(lambda peak_force, stroke: peak_force * stroke, "N m")
+WORK = jb.CustomQuantity(lambda peak_force, stroke: peak_force * stroke, "N m")
 LONG = "the_work_that_a_spring_as_stiff_as_the_peak_would_take_up_in_the_whole_stroke"
 PROBLEMS = {
     "a grid": lambda: problem(cases_of({"approach_speed": [0.08, 0.12, 0.16], "misalignment": [-0.02, 0.02]})),

@@ -141,7 +141,7 @@ def tuned_record(worst, feasible):
         "objective_after": 100.0,
         "first_order_residual [-]": 1e-6,
         "gradient_error [-]": 1e-5,
-        "above_floor [-]": 0.01,
+        "above_lower_bound [-]": 0.01,
         "captures": 100,
         "variables": [{"path": "buffer.k_A", "low": 100.0, "high": 900.0, "before": 500.0, "value": 100.0}],
         "limits": {"stroke": 0.025},
@@ -199,7 +199,7 @@ def test_a_page_is_made_anew_and_says_so(tmp_path, capsys):
     (tmp_path / "tuned.json").write_text(json.dumps(tuned_record(0.02, True)))
     assert command(["report", str(tmp_path)]) == 0
     assert command(["report", str(tmp_path), "--title", "Again"]) == 0
-    assert "is made anew" in capsys.readouterr().err
+    assert "is overwritten" in capsys.readouterr().err
     assert "<title>Again</title>" in (tmp_path / "report.html").read_text()
 
 

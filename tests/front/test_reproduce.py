@@ -59,7 +59,7 @@ def test_only_captures_that_succeed_have_a_duration():
 def test_success_at_all_values_means_all():
     rows = {"friction": (row("μ = 0.1"), row("μ = 0.5", outcome="timeout"))}
     verdict = claim("Captured at all friction").judge(rows)
-    assert verdict.verdict == PARTLY and "μ = 0.5 timeout" in verdict.said
+    assert verdict.verdict == PARTLY and "μ = 0.5 timeout" in verdict.finding
 
 
 def slip(**numbers):
@@ -91,7 +91,7 @@ def test_a_mass_grows_slowly_if_it_does_from_impact_to_impact():
 
     assert judged(0.1, 0.2, 0.3, 0.4, 0.5).verdict == YES
     assert judged(0.1, 0.2, 0.15, 0.4, 0.5).verdict == PARTLY
-    assert "rigid 5, 4 kg" in judged(0.1, 0.2, 0.3, 0.4, 0.5).said
+    assert "rigid 5, 4 kg" in judged(0.1, 0.2, 0.3, 0.4, 0.5).finding
 
 
 def test_published_studies_have_the_papers_equations_and_answer_the_same_claims():
@@ -126,7 +126,7 @@ def test_a_reading_bears_out_what_all_four_runs_say():
     assert [made[1][name] for name in readings.TESTS] == ["no", "yes", "no"]
     verdicts = [claim.judge({"readings": tuple(rows)}) for claim in readings.CLAIMS]
     assert [v.verdict for v in verdicts] == [PARTLY, YES, PARTLY, PARTLY]
-    assert verdicts[3].said.startswith("in 1 of")
+    assert verdicts[3].finding.startswith("in 1 of")
 
 
 def test_a_paper_without_equations_of_its_own_is_refused_them(tmp_path, capsys):

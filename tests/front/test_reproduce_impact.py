@@ -73,7 +73,7 @@ def test_a_rough_contact_has_the_printed_ratio_and_the_printed_forces(none, roug
 def test_equation_15_gives_another_stiffness():
     """4/3 E* √R with E* = E/2(1 - ν²), R = 2 mm: 214 463 N/mm^1.5."""
     said = claim("k = 48 049").judge({})
-    assert f"{2.0 / 3.0 * 207e3 / 0.91 * 2.0**0.5:.6g}" in said.said and said.verdict == NO
+    assert f"{2.0 / 3.0 * 207e3 / 0.91 * 2.0**0.5:.6g}" in said.finding and said.verdict == NO
 
 
 def test_the_damping_of_the_printed_step():

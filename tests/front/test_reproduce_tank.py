@@ -57,14 +57,14 @@ def test_a_time_of_what_did_not_happen_is_none_in_a_row():
 def test_responses_to_pulses():
     """Largest ones, by pyyeti and in closed form: 1.768 of a half-sine, 2 of a rectangle alone."""
     twice = claim("With T_n < τ").judge({})
-    assert twice.verdict == PARTLY and "rectangle 2.000" in twice.said and "half-sine 1.732" in twice.said
+    assert twice.verdict == PARTLY and "rectangle 2.000" in twice.finding and "half-sine 1.732" in twice.finding
     assert claim("With T_n > τ").judge({}).verdict == NO
 
 
 def test_the_depth_of_the_largest_shear():
     """0.48 of the radius for ν = 0.3 (Johnson); the paper's 2/((1 + ν)π) is 0.490 and falls with ν, Hertz's rises."""
     found = claim("The shear is largest").judge({})
-    assert found.verdict == PARTLY and "ν = 0.3: 0.481 against 0.490" in found.said
+    assert found.verdict == PARTLY and "ν = 0.3: 0.481 against 0.490" in found.finding
 
 
 def test_what_the_paper_prints_nothing_of_is_left_open():

@@ -127,7 +127,7 @@ def test_laws_and_quantities_of_ones_own_whose_code_has_changed(tmp_path, monkey
     def fingerprint(factor):
         table = np.array([factor, 1.0])
         share = jax.jit(lambda force: table[0] * force)
-        own = {"share": jb.Derived(lambda peak_force: 2.0 * share(peak_force), "N")}
+        own = {"share": jb.CustomQuantity(lambda peak_force: 2.0 * share(peak_force), "N")}
         variables = [jb.Variable("buffer.k_A", 100.0, 2000.0)]
         return jb.Problem(jb.table2(), [jb.Scenario()], variables, quantities=own).fingerprint()
 

@@ -88,10 +88,10 @@ def test_no_digit_of_a_number_is_taken_for_its_unit(number):
 
 
 NAMES = {
-    "[problem.then]\nslak = 0.1": "problem.then.slak is unknown; did you mean slack?",
-    "[problem.then]\nstroke = 1.0\nslak = 0.1": "problem.then.slak is unknown; did you mean slack?",
+    "[problem.then]\ntoleranse = 0.1": "problem.then.toleranse is unknown; did you mean tolerance?",
+    "[problem.then]\nstroke = 1.0\ntoleranse = 0.1": "problem.then.toleranse is unknown; did you mean tolerance?",
     "[problem.then]\nstrok = 1.0": "problem.then.strok is unknown; did you mean stroke?",
-    "[problem.then]\nslack = 0.1": "problem.then names no quantity",
+    "[problem.then]\ntolerance = 0.1": "problem.then names no quantity",
     '[problem.objective]\novr = "worst"': "problem.objective.ovr is unknown; did you mean over?",
     "[problem.sample.scenario]\napproach_speed = {unifrm = [0.1, 0.2]}": "unifrm is unknown; did you mean uniform?",
     "[problem.sample.factors]\nbuffer.k_A = {norml = [1, 0.1]}": "norml is unknown; did you mean normal?",

@@ -199,7 +199,7 @@ def test_a_tuned_design_keeps_its_limits(computed, capsys, tmp_path):
     assert limits(load(tmp_path / "tuned" / "design.toml").table, PROBE_CONE) == limits(
         load(tmp_path / "study.toml").table, PROBE_CONE
     )
-    assert "\ncaptured = true\n" in (tmp_path / "tuned" / "design.toml").read_text()
+    assert "\nrequire_success = true\n" in (tmp_path / "tuned" / "design.toml").read_text()
     assert run(["simulate", "tuned/design.toml"]) == 1
     assert "[problem.constraints] not kept: peak_force 250 N is above 240 N" in capsys.readouterr().err
     assert run(["sweep", "tuned/design.toml", *TWO]) == 0

@@ -33,7 +33,7 @@ over = "cvar"
 level = 0.8
 [problem.then]
 peak_hinge_force = 1.0
-slack = 0.02
+tolerance = 0.02
 [problem.constraints]
 stroke = "25 mm"
 hinge_angle = {min = "0.1 deg", max = "2 deg"}
@@ -95,7 +95,7 @@ def test_settings_that_are_not_the_default_go_with_it():
 
 
 def test_an_objective_on_ones_own_quantity_is_left_as_a_comment(tmp_path):
-    own = {"effort": jb.Derived(lambda peak_force, stroke: peak_force * stroke, "N m")}
+    own = {"effort": jb.CustomQuantity(lambda peak_force, stroke: peak_force * stroke, "N m")}
     variables, objective = [jb.Variable("buffer.k_A", 100.0, 3000.0)], jb.Objective({"effort": 1.0, "stroke": 2.0})
     problem = jb.Problem(jb.table2(), [jb.Scenario()], variables, objective, quantities=own)
     written = tuned_toml(problem.design, problem, "")

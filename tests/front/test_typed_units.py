@@ -57,7 +57,7 @@ def test_the_variables_of_a_tuning(tuned):
 def test_the_page_of_a_tuning(tuned, tmp_path):
     """Its record has SI units, and the units that people are shown."""
     record = tuned_record(tuned)
-    assert [it["shown_in"] for it in record["variables"]] == ["mm", "N/m", "deg"]
+    assert [it["display_unit"] for it in record["variables"]] == ["mm", "N/m", "deg"]
     assert record["variables"][0]["low"] == pytest.approx(0.1)
     found = Results(tmp_path, records={"tuned": record})
     (variables,) = search(found).tables

@@ -125,12 +125,12 @@ def test_a_ball_pushes_the_bars_end_and_is_pushed(evidence):
     pressed = state.at[4].add(-0.0105).at[6:n].add(1e-4).at[n + 2].set(0.3).at[n + 6 : 2 * n].set(0.2)
     q, v = assemble(mechanism.system, pressed[:n], pressed[n : 2 * n])
     pressed = pressed.at[:n].set(q).at[n : 2 * n].set(v)
-    forces = mechanism.contact_forces(mechanism.posture(pressed), closed)
+    forces = mechanism.contact_forces(mechanism.evaluate(pressed), closed)
     assert all(float(jnp.abs(force[0])) > 0.1 for pair in forces for force in pair)
     rate = mechanism.derivative(0.0, pressed, closed)
 
     def energy(state):
-        return jax.tree.leaves(mechanism.energy_at(mechanism.posture(state), closed))
+        return jax.tree.leaves(mechanism.energy_at(mechanism.evaluate(state), closed))
 
     flows = [float(flow) for flow in jax.jvp(energy, (pressed,), (rate,))[1]]
     assert max(abs(flow) for flow in flows) > 1.0

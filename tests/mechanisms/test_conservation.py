@@ -27,7 +27,7 @@ def momentum_rates(assembled, state, active):
 def energy_rate(assembled, state, active):
     """d/dt of everything stored and everything lost [W], and the size of the flows it is made of."""
     rate = assembled.derivative(0.0, state, active)
-    _, energy = jax.jvp(lambda y: assembled.energy_at(assembled.posture(y), active), (state,), (rate,))
+    _, energy = jax.jvp(lambda y: assembled.energy_at(assembled.evaluate(y), active), (state,), (rate,))
     flows = jax.tree.leaves(energy)
     return float(sum(flows)), max(abs(float(flow)) for flow in flows)
 
@@ -95,7 +95,7 @@ def test_published_arms_conserve_no_angular_momentum(place, seed):
     linear, angular, largest = momentum_rates(assembled, state, active)
     assert_allclose(linear, 0.0, atol=2e-15 * largest)
 
-    at = assembled.posture(state)
+    at = assembled.evaluate(state)
     kin, ball, forces = at.kin, at.contacts[0], assembled.contact_forces(at, active)[0]
     k = PLACES.index(place)
     a = ball.approach

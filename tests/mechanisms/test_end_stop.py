@@ -43,7 +43,7 @@ def test_force_is_that_of_a_one_sided_spring_and_damper(tip, seed):
     expected = max(0.0, STIFFNESS * depth + DAMPING * rate)
     seen = assembled.observables(state, jnp.zeros_like(state), active)[assembled.observed.index("stop_force")]
     assert_allclose(seen, expected, rtol=1e-7)
-    at = assembled.evaluated(assembled.posture(state), "stop")
+    at = assembled.evaluated(assembled.evaluate(state), "stop")
     assert float(assembled.element("stop").force(at, jnp.zeros(1))) == 0.0
 
 

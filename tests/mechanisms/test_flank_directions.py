@@ -13,9 +13,9 @@ def test_rates_of_depth_and_slip(place, tip):
     """δ̇ = b·w is minus the gap's derivative along the motion, and b·w of the tangents is the speed of slip."""
     assembled = mechanism(TIPS[tip])
     state, _ = pressed(assembled, place, 3)
-    at = assembled.posture(state)
+    at = assembled.evaluate(state)
     motion = jnp.zeros(state.shape).at[:12].set(state[12:24])
-    growing = jax.jvp(lambda y: assembled.posture(y).contacts[0].approach.gap, (state,), (motion,))[1]
+    growing = jax.jvp(lambda y: assembled.evaluate(y).contacts[0].approach.gap, (state,), (motion,))[1]
     normals, tangents = assembled.contacts[0].directions(assembled.system, at.contacts[0])
     speeds = np.asarray(state[12 : 24 + assembled.spins])
     assert np.max(np.abs(growing)) > 1e-2

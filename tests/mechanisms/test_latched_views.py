@@ -8,7 +8,7 @@ import pytest
 import jaxbuffer as jb
 from front.made_up import made_up_capture
 from jaxbuffer.errors import InputError
-from jaxbuffer.mechanisms.probe_cone.doubts import doubts
+from jaxbuffer.mechanisms.probe_cone.sanity_checks import sanity_checks
 from jaxbuffer.mechanisms.probe_cone.drawing import drawing
 from jaxbuffer.mechanisms.probe_cone.label import scenario_label
 from jaxbuffer.mechanisms.probe_cone.outcome import Outcome
@@ -40,8 +40,8 @@ def latched():
     docked = (jnp.asarray(0.004), jnp.asarray(0.01), jnp.asarray(0.02), jnp.asarray(0.0))
     return eqx.tree_at(
         lambda c: (
-            *(c.history.time, c.docked.latch_time, c.docked.settling_time, c.peak_latch_force, c.end_time),
-            *(c.docked.lateral_miss, c.docked.lateral_miss_rate, c.docked.attitude_miss, c.docked.attitude_miss_rate),
+            *(c.history.time, c.docking.latch_time, c.docking.settling_time, c.peak_latch_force, c.end_time),
+            *(c.docking.lateral_miss, c.docking.lateral_miss_rate, c.docking.attitude_miss, c.docking.attitude_miss_rate),
         ),
         run,
         (*changed, *docked),
@@ -174,19 +174,19 @@ def test_the_label_says_what_is_free_of_a_free_start():
 
 def test_what_a_heavy_design_keeps_of_the_laboratory_model_is_listed():
     heavy = {"active.mass": 8000.0, "passive.mass": 8000.0, "active.inertia": 2e4, "passive.inertia": 2e4}
-    heading, *lines = doubts(jb.replace(jb.table2(), heavy))
+    heading, *lines = sanity_checks(jb.replace(jb.table2(), heavy))
     assert "far from the laboratory model's 22 kg and 23.6 kg" in heading
     listed = [line.partition(" ")[0] for line in lines]
     assert {"cone.offset", "buffer.free_length", "probe.tip_radius", "contact.friction"} <= set(listed)
     assert not {"active.inertia", "passive.inertia"} & set(listed), "they are given"
     assert lines[listed.index("cone.offset")].endswith("grown with the mass 670 mm")  # 96 mm (8000/23.57)^(1/3)
-    assert doubts(jb.table2()) == []
+    assert sanity_checks(jb.table2()) == []
 
 
 def test_a_restitution_that_the_law_does_not_deliver_is_said():
-    (line,) = doubts(jb.replace(jb.table2(), {"contact.restitution": 0.5}))
+    (line,) = sanity_checks(jb.replace(jb.table2(), {"contact.restitution": 0.5}))
     assert line.startswith("contact.restitution 0.5: the law lankarani-nikravesh delivers 0.73;")
-    assert doubts(jb.replace(jb.table2(), {"contact.restitution": 0.5, "contact.law": "exact"})) == []
+    assert sanity_checks(jb.replace(jb.table2(), {"contact.restitution": 0.5, "contact.law": "exact"})) == []
 
 
 def test_times_of_maxima_are_those_of_one_solved_run():

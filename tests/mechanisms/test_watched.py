@@ -45,7 +45,7 @@ def test_together_as_one_by_one(tip, place):
 def test_how_fast_the_tip_nears_the_throat(tip, place):
     assembled = mechanism(TIPS[tip])
     state, _ = pressed(assembled, place, 4)
-    throat = lambda y: assembled.evaluated(assembled.posture(y), "throat")  # noqa: E731
+    throat = lambda y: assembled.evaluated(assembled.evaluate(y), "throat")  # noqa: E731
     distance = lambda y: throat(y).before  # noqa: E731
     _, receding = jax.jvp(distance, (state,), (along(state),))
     assert_allclose(throat(state).receding, receding, rtol=1e-13)

@@ -42,8 +42,8 @@ class Started(Assembled):
         super().__init__(**vars(assemble(design, scenario, stabilisation)))
         self.state, self.flanks = state, flanks
 
-    def first_posture(self):
-        return self.posture(self.state), self.flanks
+    def first_evaluation(self):
+        return self.evaluate(self.state), self.flanks
 
 
 class Seen(NamedTuple):
@@ -70,9 +70,9 @@ def _watch(parameters, duration, rtol) -> Seen:
     return Seen(
         result.status,
         log.time[jnp.maximum(log.count - 1, 0)],
-        maxima(mechanism, log, (mechanism.posture(state), closed)),
+        maxima(mechanism, log, (mechanism.evaluate(state), closed)),
         impacts(mechanism, log, seen),
-        balance(mechanism, (mechanism.posture(state), closed), log, seen.drift)[1],
+        balance(mechanism, (mechanism.evaluate(state), closed), log, seen.drift)[1],
         history(mechanism, result.steps),
         result.accepted,
     )

@@ -33,7 +33,7 @@ def compiled(free):
     @jax.jit
     def evaluated(state, active):
         rate = assembled.derivative(0.0, state, active)
-        forces = assembled.contact_forces(assembled.posture(state), active)[0]
+        forces = assembled.contact_forces(assembled.evaluate(state), active)[0]
         lost = dict(zip(assembled.loss_names, assembled.part(rate, "lost"), strict=True))
         losses = jnp.stack([lost[name] for name in LOSSES])
         return rate[12 : 24 + assembled.spins], losses, forces.normal, forces.friction

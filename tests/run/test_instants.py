@@ -71,7 +71,7 @@ def test_between_the_steps_of_a_swinging_bar():
     of a step."""
     parameters = (jb.BarDrop(), jb.BarDropScenario(height=0.194), jnp.asarray(20.0))
     system = BAR_DROP.system(*parameters)
-    posture, closed = system.first_posture()
+    posture, closed = system.first_evaluation()
     n, rate = system.coordinates, jax.jit(lambda time, state: system.derivative(time, state, closed))
     exact = solve_ivp(rate, (0.0, 0.2), posture.state, "DOP853", rtol=1e-12, atol=1e-14, dense_output=True).sol
     errors, start = [], 0.04

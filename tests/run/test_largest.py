@@ -34,7 +34,7 @@ class Toy(eqx.Module):
     def derivative(self, time, state, active):
         return jnp.array([-SPEED, 0.0, 1.0, -RATE])
 
-    def posture(self, state):
+    def evaluate(self, state):
         return SimpleNamespace(state=state)
 
     def normal_force_at(self, at, active):

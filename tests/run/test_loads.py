@@ -67,7 +67,7 @@ def test_two_free_masses_and_the_papers_transformation():
     shares = 0.5 * np.diag(diagonal) * (np.concatenate([normal, along]) @ speeds) ** 2
     assert_allclose(energy_of(mechanism), 0.5 * m1 * m2 / (m1 + m2) * (speeds[1] - speeds[0]) ** 2, rtol=1e-13)
     assert_allclose(energy_of(mechanism), shares[0], rtol=1e-13)
-    kinetic = float(mechanism.system.kinetic_energy(mechanism.first_posture()[0].kin))
+    kinetic = float(mechanism.system.kinetic_energy(mechanism.first_evaluation()[0].kin))
     assert_allclose(kinetic, shares.sum(), rtol=1e-13)
 
 

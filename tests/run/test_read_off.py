@@ -16,7 +16,7 @@ def test_an_end_by_time_stays():
     """The bar, and its ball with it, is lowered by 1 m a unit: its depth would be reached 1/`RATE` earlier."""
     asked = request(BAR_DROP, jb.BarDrop(), jb.BarDropScenario(), 0.1)
     system = asked.system
-    row = system.first_posture()[0].state[None]
+    row = system.first_evaluation()[0].state[None]
     contacts, observables = system.contact_count, len(system.observed)
     lower = jnp.zeros_like(row).at[0, 1].set(-1.0)
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from jaxbuffer import Limits, Objective, Outcome, Problem, Scenario, Then, Variable, replace, table2
+from jaxbuffer import Limits, Objective, Outcome, Problem, Scenario, SecondObjective, Variable, replace, table2
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 from jaxbuffer.tuning.evaluation import Evaluation
 from jaxbuffer.tuning.measurement import PEAKS
@@ -97,4 +97,4 @@ def shifted(functions, shift):
     return [lambda x, f=f: f(x - shift) for f in functions]
 
 
-__all__ = ["Functions", "Limits", "Objective", "Then", "gradient", "problem", "shifted"]
+__all__ = ["Functions", "Limits", "Objective", "SecondObjective", "gradient", "problem", "shifted"]

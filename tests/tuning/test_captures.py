@@ -5,7 +5,7 @@ import pytest
 
 from jaxbuffer import Case, Outcome, Problem, Scenario, Variable, get, replace, simulate, table2, tune
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
-from jaxbuffer.tuning.checks import floor
+from jaxbuffer.tuning.checks import lower_bound
 from jaxbuffer.tuning.evaluation import Evaluator
 from verification.cases import CASES, PARAMETERS
 from verification.cases import PATHS as NAMES
@@ -82,9 +82,9 @@ def test_the_margin_is_continuous_where_time_runs_out():
 
 
 def test_the_floor_without_loss_is_the_closed_form():
-    """Friction and loss taken away, the simulated floor is Hertz with T_c⁻; the lowest is that of the lightest tip."""
+    """Friction and loss taken away, the simulated lower bound is Hertz with T_c⁻; the lowest is that of the lightest tip."""
     problem = stated([Scenario(), Scenario(approach_speed=0.2)], lossless(1.0))
-    found = floor(problem, problem.start())
+    found = lower_bound(problem, problem.start())
     np.testing.assert_allclose(found.simulated, found.closed_form, rtol=5e-6)
     lightest, _ = closed_form(replace(lossless(1.0), {"probe.tip_mass": 0.02}), Scenario(approach_speed=0.2))
     assert found.lowest == pytest.approx(lightest, rel=5e-6)
@@ -97,7 +97,7 @@ def test_a_short_tuning_of_captures(tmp_path):
     tuned = tune(problem, iterations=3, starts=1, searches=1, folder=tmp_path)
     before, after = tuned.objective
     assert tuned.feasible and after < 0.97 * before
-    assert 0.0 <= tuned.above_floor < 0.05 and tuned.floor.lowest <= tuned.floor.simulated[0]
+    assert 0.0 <= tuned.above_lower_bound < 0.05 and tuned.lower_bound.lowest <= tuned.lower_bound.simulated[0]
     assert tuned.gradient_error < 1e-3
     with Evaluator(problem) as evaluate:
         (again,) = evaluate([[v.scaled(float(get(tuned.design, v.path))) for v in problem.variables]], rtol=1e-9)

@@ -14,7 +14,7 @@ from jaxbuffer import (
     Objective,
     Problem,
     Scenario,
-    Then,
+    SecondObjective,
     Variable,
     simulate,
     table2,
@@ -34,7 +34,7 @@ def solve(monkeypatch):
         functions = Functions(stated, peaks, rest)
         functions.dies_after = dies_after
         monkeypatch.setattr(tune, "Evaluator", lambda *_: functions)
-        monkeypatch.setattr("jaxbuffer.tuning.tuned.floor", lambda *_: None)
+        monkeypatch.setattr("jaxbuffer.tuning.tuned.lower_bound", lambda *_: None)
         chosen = {"starts": 1, "searches": 1, "iterations": 300, **settings}
         schedule = optax.exponential_decay(0.02, 20, 0.7)
         return tune.tune(stated, optimizer=optimizer or optax.adam(schedule), **chosen)
@@ -180,6 +180,6 @@ def test_the_whole_of_it_by_diffrax(tmp_path):
 
 
 def test_a_second_objective_is_refused():
-    stated = problem([1.0, 0.5], [4.0, 4.0], [3.0, 3.0], then=Then(Objective({"stroke": 1.0})))
+    stated = problem([1.0, 0.5], [4.0, 4.0], [3.0, 3.0], then=SecondObjective(Objective({"stroke": 1.0})))
     with pytest.raises(InputError, match="no second objective"):
         tune.tune(stated, optimizer=optax.adam(0.1))

@@ -94,7 +94,7 @@ def test_held_is_asked_for_by_name_in_python_and_in_a_study():
     [
         (lambda: jb.Limits(hold=True), "constraints.hold is unknown; did you mean held?"),
         (lambda: jb.Limits(held=1), "constraints.held = 1 must be true or false"),
-        (lambda: jb.Limits(captured=False, held=True), "captured = false and held = true contradict"),
+        (lambda: jb.Limits(require_success=False, held=True), "require_success = false and held = true contradict"),
         (
             lambda: jb.Problem(
                 jb.table2(), [jb.Scenario()], [jb.Variable("buffer.k_A", 1e2, 2e3)], limits=jb.Limits(held=True)
@@ -189,7 +189,7 @@ def test_a_scenario_that_touches_nothing_is_a_row_of_the_summary(before, after):
         peaks = point.peaks.copy()
         peaks[0, 0] = peak
         sides[name] = point._replace(peaks=peaks)
-    text = repr(dataclasses.replace(tuned, floor=None, **sides))
+    text = repr(dataclasses.replace(tuned, lower_bound=None, **sides))
     change = "+0.0 %" if before == after else "-100.0 %" if after == 0.0 else "–"
     (row,) = (line for line in text.splitlines() if "0.1 m/s" in line and "→" in line and "captured" in line)
     assert before_and_after(before, after, 5) in row and change in row
@@ -208,7 +208,7 @@ def test_progress_names_the_limit_in_the_way_and_the_first_impact_beneath_it():
 @pytest.mark.parametrize("values", [*itertools.product([0.0, 250.0], repeat=2)])
 def test_a_limit_on_nothing_that_is_known_is_broken_by_a_failed_run(values):
     """Whatever numbers stand in a failed evaluation."""
-    stated = problem(limits=jb.Limits(captured=False, at_most={"stroke": 0.1}))
+    stated = problem(limits=jb.Limits(require_success=False, at_most={"stroke": 0.1}))
     goal, point = Goal(stated, stated.objective), made_up_evaluation(stated, stated.start())
     peaks = point.peaks.copy()
     peaks[:, 0] = values

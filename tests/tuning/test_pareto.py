@@ -67,7 +67,7 @@ def test_the_front_of_force_and_depth_is_the_hyperbola_of_constant_energy(eviden
     problem = jb.Problem(design, [scenario], [stiffness], duration=0.25)
     asked = {"limits": {"penetration": LIMITS}, "starts": 1, "iterations": 20, "folder": tmp_path}
     front = jb.pareto(problem, ["peak_force", "penetration"], **asked)
-    assert front.kept.all() and front.limits[:, 0].tolist() == list(LIMITS)
+    assert front.non_dominated.all() and front.limits[:, 0].tolist() == list(LIMITS)
     force, depth = front.values.T
     bar = design.bar
     weight = 9.81 * bar.density * np.pi / 4 * bar.diameter**2 * bar.length

@@ -7,7 +7,7 @@ import sys
 import numpy as np
 import pytest
 
-from jaxbuffer import Case, InputError, Limits, Objective, Problem, Scenario, Then, Variable, get, replace, table2
+from jaxbuffer import Case, InputError, Limits, Objective, Problem, Scenario, SecondObjective, Variable, get, replace, table2
 from jaxbuffer.tuning import Distribution, Scatter, grid
 
 K = Variable("buffer.k_A", 100.0, 2000.0)
@@ -126,7 +126,7 @@ def test_bad_problems(fields, message):
         (lambda: Objective(over="best"), "objective.over = 'best' is unknown"),
         (lambda: Limits(at_most={"stroke": 0.0}), r"constraints\.stroke = 0 m"),
         (lambda: Limits(impacts=0), r"constraints\.impacts = 0"),
-        (lambda: Then(Objective(), slack=0.0), r"then\.slack = 0"),
+        (lambda: SecondObjective(Objective(), tolerance=0.0), r"then\.tolerance = 0"),
         (lambda: Distribution("uniform", 2.0, 1.0), r"uniform, second number = 1"),
         (lambda: Distribution("triangle", 2.0, 1.0), "'triangle' is unknown"),
         (lambda: grid({"speed": [1.0]}), "speed is unknown"),
@@ -153,7 +153,7 @@ def test_the_fingerprint_tells_problems_apart():
         stated(variables=[dataclasses.replace(K, high=1999.0)]),
         stated(objective=Objective(over="mean")),
         stated(limits=Limits(impacts=9)),
-        stated(then=Then(Objective())),
+        stated(then=SecondObjective(Objective())),
         stated(rtol=1e-8),
     ]
     assert len({problem.fingerprint(), *(other.fingerprint() for other in others)}) == 9

@@ -61,7 +61,7 @@ def test_every_sample_is_taken_at_every_point_of_a_grid():
     met = [(case.scenario.approach_speed, case.scenario.misalignment, case.factors) for case in problem.cases]
     assert len(met) == 15 and met[5:10] == [(0.2, *sample) for _, *sample in met[:5]]
     assert len({(angle, factors) for _, angle, factors in met}) == 5
-    assert problem.worded(problem.objective) == "peak_force, worst of 5 samples at each of 3 scenarios, no bound"
+    assert problem.format(problem.objective) == "peak_force, worst of 5 samples at each of 3 scenarios, no bound"
 
 
 @pytest.fixture(scope="module")
@@ -96,7 +96,7 @@ def test_a_design_that_fails_in_a_corner_is_not_feasible(tuned, tmp_path):
     """One verdict: the samples keep the limit, some corners do not."""
     holding = f"the design holds in {tuned.corners.holding} of 4 corners of the sampled ranges only"
     assert tuned.goal.feasible(tuned.after) and not tuned.feasible
-    assert tuned.why == [holding] and tuned.message.startswith(holding)
+    assert tuned.broken_limits == [holding] and tuned.message.startswith(holding)
     (tmp_path / "tuned.json").write_text(json.dumps(tuned_record(tuned)))
     page = review([load(tmp_path)])
     badges = {badge.text: badge.mark for badge in page.verdicts}

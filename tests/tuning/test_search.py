@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from jaxbuffer import InputError, Limits, Objective, Outcome, Then
+from jaxbuffer import InputError, Limits, Objective, Outcome, SecondObjective
 from jaxbuffer.tuning import search
 from jaxbuffer.tuning import tune as module
 from jaxbuffer.tuning.goal import Goal
@@ -21,7 +21,7 @@ def solve(monkeypatch):
     def run(stated, peaks, rest=None, margin=None, **settings):
         functions = Functions(stated, peaks, rest, margin)
         monkeypatch.setattr(module, "Evaluator", lambda *_: functions)
-        monkeypatch.setattr("jaxbuffer.tuning.tuned.floor", lambda *_: None)
+        monkeypatch.setattr("jaxbuffer.tuning.tuned.lower_bound", lambda *_: None)
         return tune(stated, **{"starts": 1, "searches": 1, **settings}), functions
 
     return run
@@ -139,8 +139,8 @@ def test_aggregates_over_cases(solve, over, expected):
 
 
 def test_the_second_objective_decides_within_the_slack(solve):
-    """First 100 + x² with 1 % slack, then (x - 5)² + 1: x = √1 (to the room kept to the ceiling)."""
-    then = Then(Objective({"peak_hinge_force": 1.0}), slack=0.01)
+    """First 100 + x² with 1 % tolerance, then (x - 5)² + 1: x = √1 (to the room kept to the ceiling)."""
+    then = SecondObjective(Objective({"peak_hinge_force": 1.0}), tolerance=0.01)
     stated = problem([SHIFT - 6], [SHIFT + 6], [SHIFT + 4], then=then)
     rest = {"peak_hinge_force": lambda x: (x[0] - SHIFT - 5) ** 2 + 1}
     tuned, _ = solve(stated, [shifted([lambda x: 100 + x[0] ** 2], SHIFT)], rest)

@@ -5,10 +5,10 @@ import json
 import numpy as np
 import pytest
 
-from jaxbuffer import Objective, Outcome, Problem, Scenario, Then, Variable, table2
+from jaxbuffer import Objective, Outcome, Problem, Scenario, SecondObjective, Variable, table2
 from jaxbuffer.tuning import checks
 from jaxbuffer.tuning import tune as module
-from jaxbuffer.tuning.checks import floor
+from jaxbuffer.tuning.checks import lower_bound
 from jaxbuffer.tuning.evaluation import Evaluator
 from jaxbuffer.tuning.measurement import Measurement
 from jaxbuffer.tuning.message import agreement_in_words
@@ -40,7 +40,7 @@ def stated(**fields):
 @pytest.fixture
 def solve(monkeypatch):
     """`tune` at its defaults, on functions instead of captures; ``dies_after`` so many batches."""
-    monkeypatch.setattr("jaxbuffer.tuning.tuned.floor", lambda *_: None)
+    monkeypatch.setattr("jaxbuffer.tuning.tuned.lower_bound", lambda *_: None)
 
     def run(margin, dies_after=None, fields=None, **settings):
         functions = Functions(stated(**(fields or {})), [[falling]], {"peak_hinge_force": lambda x: x[0]}, margin)
@@ -60,10 +60,10 @@ def test_the_far_side_of_a_cliff_is_found(solve, from_, seed):
 
 def test_where_searches_end_apart_the_message_says_so(solve):
     """What lies beyond the gap is a thousandth of the range: no search gets there, and none may claim agreement with a
-    design that it did not find; allowed one round only, the run says that there is a cliff and what to do."""
+    design that it did not find; allowed one round only, the run says that there is a discontinuity and what to do."""
     tuned, _ = solve(island(2.997), rounds=1, starts=3, searches=1)
     assert tuned.feasible and tuned.objective[1] > 28.9
-    assert "stopped at a cliff" in tuned.message
+    assert "stopped at a discontinuity" in tuned.message
     assert "raise starts (now 3) or rounds (now 1), or change seed, in [tune] of the study" in tuned.message
 
 
@@ -84,7 +84,7 @@ def test_the_message_claims_no_more_than_the_searches_show(apart, said):
 
 
 def test_searches_that_agree_end_the_rounds(solve):
-    """Without a cliff one round is enough, and the best two agree."""
+    """Without a discontinuity one round is enough, and the best two agree."""
     tuned, _ = solve(None)
     assert tuned.objective[1] == pytest.approx(27.0, abs=1e-2)
     searches = {record["search"] for record in tuned.records if record["status"] != "start"}
@@ -101,7 +101,7 @@ def test_what_was_spent_is_counted(solve):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("then", [None, Then(Objective({"peak_hinge_force": 1.0}), slack=0.1)], ids=["", "then"])
+@pytest.mark.parametrize("then", [None, SecondObjective(Objective({"peak_hinge_force": 1.0}), tolerance=0.1)], ids=["", "then"])
 def test_a_run_killed_in_any_batch_of_any_round_ends_the_same(solve, tmp_path, then):
     """Killed again and again, each time a few batches after it was resumed."""
     fields, folder = {"then": then}, tmp_path / "killed"
@@ -165,7 +165,7 @@ def test_the_lowest_floor_is_looked_for_among_designs_that_fit(monkeypatch):
     """It falls with the angle up to π/2 - 0.5, where designs cease to fit: 100 + 50 (1 - 1.0708) N."""
     monkeypatch.setattr(checks, "measure", hertz)
     stated_ = askew()
-    found = floor(stated_, stated_.start())
+    found = lower_bound(stated_, stated_.start())
     edge = np.pi / 2 - 0.5
     assert found.simulated[0] == pytest.approx(100.0 + 50.0 * (1.0 - np.pi / 4))
     assert found.unknown == 0 and 100.0 + 50.0 * (1.0 - edge) <= found.lowest <= found.simulated[0]
@@ -177,10 +177,10 @@ def test_a_floor_that_can_not_be_had_is_said_in_words(monkeypatch):
 
     stated_ = askew()
     monkeypatch.setattr(checks, "measure", lambda *_, **options: Measurement.lost(stated_))
-    found = floor(stated_, stated_.start())
+    found = lower_bound(stated_, stated_.start())
     assert found.unknown == 1 and np.isnan(found.lowest)
     tuned = made_up_tuning(stated_)
-    object.__setattr__(tuned, "floor", found)
+    object.__setattr__(tuned, "lower_bound", found)
     shown = tuned_table(tuned)
     assert "unknown, as the first impact can not be simulated in 1 of 1 scenarios" in " ".join(shown.split())
     assert "nan" not in shown
@@ -188,9 +188,9 @@ def test_a_floor_that_can_not_be_had_is_said_in_words(monkeypatch):
 
 @pytest.mark.long
 def test_an_answer_survives_bounds_that_do_not_fit(tmp_path):
-    """A half-angle of 0.1 to 1.5 under a misalignment of 0.5: the floor's search comes by angles that do not fit."""
+    """A half-angle of 0.1 to 1.5 under a misalignment of 0.5: the lower bound's search comes by angles that do not fit."""
     variables = [ANGLE, Variable("buffer.k_A", 100.0, 2000.0)]
     tuned = tune(Problem(table2(), [Scenario(misalignment=0.5)], variables), iterations=3, starts=4, folder=tmp_path)
-    assert tuned.floor.unknown == 0 and tuned.floor.lowest <= tuned.floor.simulated[0]
+    assert tuned.lower_bound.unknown == 0 and tuned.lower_bound.lowest <= tuned.lower_bound.simulated[0]
     assert 0.5 < tuned.design.cone.half_angle < np.pi / 2 - 0.5
     assert json.loads((tmp_path / "log.jsonl").read_text().splitlines()[0])["evaluation"] == 0

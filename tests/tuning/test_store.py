@@ -5,13 +5,13 @@ import shutil
 
 import pytest
 
-from jaxbuffer import InputError, Objective, Then
+from jaxbuffer import InputError, Objective, SecondObjective
 from jaxbuffer.tuning import tune as module
 from jaxbuffer.tuning.tune import tune
 from tuning.analytic import Functions, problem, shifted
 from tuning.test_search import CB2, SHIFT
 
-THEN = Then(Objective({"peak_hinge_force": 1.0}), slack=0.1)
+THEN = SecondObjective(Objective({"peak_hinge_force": 1.0}), tolerance=0.1)
 SETTINGS = {"starts": 3, "searches": 2, "seed": 1}
 
 
@@ -21,7 +21,7 @@ def stated():
 
 @pytest.fixture
 def run(monkeypatch):
-    monkeypatch.setattr("jaxbuffer.tuning.tuned.floor", lambda *_: None)
+    monkeypatch.setattr("jaxbuffer.tuning.tuned.lower_bound", lambda *_: None)
 
     def call(folder, dies_after=None, **options):
         functions = Functions(stated(), [shifted(CB2, SHIFT)], {"peak_hinge_force": lambda x: 1 + (x[1] - 12) ** 2})

@@ -37,7 +37,7 @@ def tune(monkeypatch, tmp_path):
         "jaxbuffer.cli.commands.tune.tuned_files", lambda *_: {"design.toml": lambda: "", "tuned.json": lambda: ""}
     )
     monkeypatch.setattr("jaxbuffer.tuning.tuned.Tuned.__repr__", lambda tuned: tuned.message)
-    monkeypatch.setattr("jaxbuffer.tuning.tuned.floor", lambda *_: None)
+    monkeypatch.setattr("jaxbuffer.tuning.tuned.lower_bound", lambda *_: None)
 
     def call(*words, dies_after=None):
         def evaluator(problem, workers, *_):

@@ -56,8 +56,8 @@ class DockingCase(NamedTuple):
     def _of_half_closed_latches(self, run: Capture) -> float:
         """What latches would store if they were closed where they tear, beyond what they do, over the first energy: the
         reference counts that, while here only the share that they are closed is stored energy (M176)."""
-        x = (float(run.end_time) - float(run.docked.latch_time)) / float(self.design.latch.closing_time)
-        first = float(run.docked.energy_left) / float(run.docked.relative_energy)
+        x = (float(run.end_time) - float(run.docking.latch_time)) / float(self.design.latch.closing_time)
+        first = float(run.docking.energy_left) / float(run.docking.relative_energy)
         return (1.0 / (x * x * (3.0 - 2.0 * x)) - 1.0) * float(run.energy.stored["latch"]) / first
 
 

@@ -148,5 +148,5 @@ def test_a_tuning_names_a_variable_that_changes_nothing():
         duration=0.12,
     )
     tuned = jb.tune(problem, iterations=1, starts=1)
-    assert tuned.without_effect == ("plate.length",)
+    assert tuned.inactive_variables == ("plate.length",)
     assert "plate.length changes nothing" in str(tuned)

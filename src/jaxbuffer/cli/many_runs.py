@@ -31,7 +31,7 @@ def tune(
     \b
     Files in DIR:
       design.toml  the tuned design, a study for the other commands
-      tuned.json   result, floor, evidence, every scenario before and after
+      tuned.json   result, lower bound, evidence, every scenario before and after
       history.csv  objective, worst values and variables of each evaluation
       force.json   force over time in the worst scenario, before and after
       tune.png, .svg  the worst scenario before and after, every scenario, variables, search

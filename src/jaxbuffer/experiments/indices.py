@@ -54,7 +54,7 @@ class Indices:
     paths: tuple[str, ...]
     estimates: dict[str, Estimate]
     confidence: float
-    asked: int
+    requested_rows: int
     surfaces: dict[str, Surface]
 
     def __repr__(self) -> str:
@@ -75,7 +75,7 @@ class Indices:
             parts.append(f"  acting alone, the numbers make {alone} of the variance")
             if surface:
                 parts.append(f"  {surface.worth}; the intervals do not hold what it misses")
-            elif it.rows < self.asked:
+            elif it.rows < self.requested_rows:
                 parts.append(
                     f"  {self.asked - it.rows} of {self.asked} rows are left out: a run of theirs failed, ended"
                     " otherwise or was not computed; the indices are those of the rest, whose numbers are no longer"

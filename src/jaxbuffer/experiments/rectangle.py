@@ -110,7 +110,7 @@ class SafeRectangle:
         mechanism = self.swept.mechanism
         codes = {mechanism.outcomes[name]: name for name in mechanism.successes}
         names = [name for code, name in codes.items() if np.any(self.swept.code == code)]
-        ends = (" or ".join(names) or mechanism.success or "solved") if self.limits.captured else "solved"
+        ends = (" or ".join(names) or mechanism.success or "solved") if self.limits.require_success else "solved"
         if (end := mechanism.required_end(self.limits.ends, self.limits.names)) is not None:
             ends = end.name
         limits = [line.replace("_", " ") for line in self.limits.lines(mechanism.quantities)]

@@ -256,7 +256,7 @@ class Assembled(ContactSystem):
         time = state[places["drives"]][1] if self.system.driven else 0.0
         return self.system.kinematics(state[places["q"]], state[places["v"]], time)
 
-    def posture(self, state: State) -> EvaluatedState:
+    def evaluate(self, state: State) -> EvaluatedState:
         kin, places, inertias = self.kinematics(state), self.layout.places, self.layout.spin_inertias
         spins = dict(zip(inertias, state[places["spins"]], strict=True)) if inertias else {}
         contacts = tuple(contact.evaluate(kin, spins.get(k)) for k, contact in enumerate(self.contacts))
@@ -274,19 +274,19 @@ class Assembled(ContactSystem):
         return self.part(rate, "drives")[0]
 
     def start(self) -> tuple[State, Closed]:
-        at, closed = self.first_posture()
+        at, closed = self.first_evaluation()
         return at.state, closed
 
-    def first_posture(self) -> tuple[EvaluatedState, Closed]:
+    def first_evaluation(self) -> tuple[EvaluatedState, Closed]:
         kin = self.system.kinematics(self.q, self.v)
         own = [element.start(kin) for element in self.elements]
         spins = [kin.point(self.contacts[k].body, self.contacts[k].point).spin for k in self.layout.spin_inertias]
         before = len(self.loss_names) + 2 * self.system.driven + int(self.quiet is not None)
         moving = [self.q, self.v, *([stacked(spins)] if spins else []), jnp.zeros(before)]
         without_memory = jnp.concatenate([*moving, *own, jnp.zeros(len(self.integrals))])
-        closed = self._start_closed(self.posture(jnp.concatenate([without_memory, jnp.ones(self.impact_contacts)])))
+        closed = self._start_closed(self.evaluate(jnp.concatenate([without_memory, jnp.ones(self.impact_contacts)])))
         state = jnp.concatenate([without_memory, self._start_memory(kin, closed)])
-        at = self.posture(state)
+        at = self.evaluate(state)
         if self.quiet is not None:
             # A run ends as held below a share of the first energy (M177), which therefore stands in the state.
             energy = self.relative_energy(at, closed)
@@ -347,7 +347,7 @@ class Assembled(ContactSystem):
         return Exerted(forces, self.system.motion(at.kin, tuple(loads)))
 
     def derivative(self, time: Scalar, state: State, active: Closed) -> State:
-        at = self.posture(state)
+        at = self.evaluate(state)
         return self._rate(at, active, self.exerted(at, active))
 
     def _rate(self, at: EvaluatedState, active: Closed, exerted: Exerted) -> State:
@@ -400,7 +400,7 @@ class Assembled(ContactSystem):
         # Hardly an element changes its numbers as it closes: without one, the state need not be evaluated once more.
         if all(type(element).after_closing is Element.after_closing for element in self.elements):
             return after
-        at, places = self.posture(state), self.layout.places
+        at, places = self.evaluate(state), self.layout.places
         closing = self.layout.of_elements(jnp.where(jnp.arange(self.contact_count) == contact, 1.0, 0.0))
         for k, element in enumerate(self.elements):
             mine = places[f"element {k}"]
@@ -573,7 +573,7 @@ class Assembled(ContactSystem):
         return inverse_masses(self.system, at.kin, jnp.concatenate(normals, axis=1))
 
     def linearisation(self, time: Scalar, state: State, active: Closed) -> Linearisation:
-        at = self.posture(state)
+        at = self.evaluate(state)
         return stiff_part(self.system, self.layout, at, active, self.smooth_memory(at))
 
 

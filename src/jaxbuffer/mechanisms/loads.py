@@ -67,7 +67,7 @@ def effective_energy(
 ) -> Float[Array, ""]:
     """Return T_c [J] of a state along the normals of the contacts that are ``closed``, of those that have impacts
     (M200)."""
-    at = system.posture(state)
+    at = system.evaluate(state)
     # An open contact is a row and a column of the identity, with no speed.
     inverse = jnp.where(closed[:, None] & closed[None], system.inverse_masses_at(at), jnp.eye(closed.shape[0]))
     speeds = jnp.where(closed, system.gaps_at(at)[1][: closed.shape[0]], 0.0)
@@ -94,7 +94,7 @@ def _compression_end(
     active = log.active[top]
 
     def closing(state: Array) -> Array:
-        return system.gaps_at(system.posture(state))[1][contact]
+        return system.gaps_at(system.evaluate(state))[1][contact]
 
     def rates(point: Array) -> tuple[Array, Array]:
         """Return the rates of state and time, and of the closing speed."""

@@ -53,15 +53,15 @@ class Defaults:
 
 
 @dataclasses.dataclass(frozen=True)
-class Floor:
+class LowerBound:
     """What limits a tuned peak force from below: the first impact, which the tuned parts do not soften.
 
     ``first_impact``: its closed form from design and scenario, with ``elastic_peak`` [N], ``effective_energy`` [J] and
-    ``duration`` [s]; ``softeners``: paths of the parts that are taken away to find it.
+    ``duration`` [s]; ``compliant_parts``: paths of the parts that are taken away to find it.
     """
 
     first_impact: Callable[[Any, Any], Any]
-    softeners: tuple[str, ...]
+    compliant_parts: tuple[str, ...]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -102,7 +102,7 @@ class TuningRules:
 
     ``always``: limits that hold unless a problem sets lower ones; ``check_problem``: raises `InputError` where a
     problem makes no sense; ``margin``: the quantity that is positive exactly for successful runs; ``ends``: those that
-    a study may ask for besides, each stricter than the one before it; ``floor``: what is known of the first impact
+    a study may ask for besides, each stricter than the one before it; ``lower_bound``: what is known of the first impact
     without simulating it; ``unfinished``: from a problem and the evaluation of its tuned
     design, a line for what its runs leave open; ``left_open``: the quantities that say what the runs of a design leave
     open, from its numbers by their paths.
@@ -112,7 +112,7 @@ class TuningRules:
     check_problem: Callable[[Any], None] = lambda problem: None
     margin: str | None = None
     ends: tuple[RequiredEnd, ...] = ()
-    floor: Floor | None = None
+    lower_bound: LowerBound | None = None
     unfinished: Callable[[Any, Any], list[str]] | None = None
     left_open: Callable[[Callable[[str], Any]], tuple[str, ...]] = lambda number: ()
 

@@ -95,7 +95,7 @@ class ContactSystem(HybridSystem):
         """Return whether a touchdown sets the memory (with a smooth law, the memory follows by itself)."""
         return True
 
-    def posture(self, state: State) -> Any:
+    def evaluate(self, state: State) -> Any:
         """Return a state evaluated once: it has ``state`` and ``kin``, the bodies' `Kinematics`."""
         raise NotImplementedError
 
@@ -174,10 +174,10 @@ class ContactSystem(HybridSystem):
         """Return the depth [m] at which the contact's spring alone exerts a force [N]."""
         raise NotImplementedError
 
-    def first_posture(self) -> tuple[Any, Active]:
+    def first_evaluation(self) -> tuple[Any, Active]:
         """Return the posture of `start`, and which contacts are closed there."""
         state, active = self.start()
-        return self.posture(state), active
+        return self.evaluate(state), active
 
     # --- what follows -------------------------------------------------------------------------------------------------
 
@@ -186,7 +186,7 @@ class ContactSystem(HybridSystem):
         return state[len(state) - self.impact_contacts :]
 
     def gaps(self, state: State) -> Active:
-        return self.gaps_at(self.posture(state))[0]
+        return self.gaps_at(self.evaluate(state))[0]
 
     def touching(self, active: Active) -> Bool[Array, ""]:
         return jnp.any(active[: self.impact_contacts] > 0.5)
@@ -220,25 +220,25 @@ class ContactSystem(HybridSystem):
 
     def _until_contact(self, state: State, contact: Int[Array, ""]) -> tuple[Array, Array]:
         """Return gap / δ̇ [s] and δ̇ [m/s] of one contact."""
-        gaps, closing = self.gaps_at(self.posture(state))
+        gaps, closing = self.gaps_at(self.evaluate(state))
         mine = jnp.arange(gaps.shape[0]) == contact
         gap, speed = (jnp.sum(jnp.where(mine, x, 0.0)) for x in (gaps, closing))
         # Where nothing moves there is no such time; a division by zero would make derivatives NaN.
         return gap / jnp.where(speed == 0.0, 1.0, speed), speed
 
     def terminals(self, state: State) -> Float[Array, " terminals"]:
-        return self.terminals_at(self.posture(state))
+        return self.terminals_at(self.evaluate(state))
 
     def gaps_and_terminals(self, state: State) -> tuple[Active, Float[Array, " terminals"]]:
-        at = self.posture(state)
+        at = self.evaluate(state)
         return self.gaps_at(at)[0], self.terminals_at(at)
 
     def observables(self, state: State, rate: State, active: Active) -> Float[Array, " observables"]:
-        return self.observables_at(self.posture(state), rate, active)
+        return self.observables_at(self.evaluate(state), rate, active)
 
     def watched(self, state: State, rate: State, active: Active) -> Watched:
         # One look serves gaps, guards and observables, which a step's end needs together.
-        at = self.posture(state)
+        at = self.evaluate(state)
         gap, closing = self.gaps_at(at)
         if any(self.one_way):  # closed, they are far from opening
             closed = jnp.asarray(self.one_way) & (active > 0.5)
@@ -252,7 +252,7 @@ class ContactSystem(HybridSystem):
         )
 
     def invariant(self, state: State, active: Active) -> tuple[Float[Array, ""], Float[Array, ""]]:
-        return self.invariant_at(self.posture(state), active)
+        return self.invariant_at(self.evaluate(state), active)
 
     def invariant_at(self, at: Any, active: Active) -> tuple[Float[Array, ""], Float[Array, ""]]:
         """Return energy, losses included, over its scale, and how much of that may be rounding: of the positions times

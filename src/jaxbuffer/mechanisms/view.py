@@ -64,12 +64,12 @@ class View:
     - ``summary`` of a run, None for the plain one (`plain_summary`); ``record``: tables of numbers that a run's record
       has besides, by name; ``notes``: lines below a table of a run's sensitivities; ``diagnosis``: of a run that did
       not end in ``success``, what held it back, a text by heading;
-    - ``doubts``: of a design, a line for each number that is easily left at a value that does not fit it;
+    - ``sanity_checks``: of a design, a line for each number that is easily left at a value that does not fit it;
     - ``larger_force``: of a run, a force that exceeds its peak contact force, for headlines: "the largest force on a
       vehicle is the latch's, 636 N", or "";
     - ``contradictions``: of a design in a scenario, both with plain numbers, a line for each thing that their geometry
       rules out, such as a tip that misses the cone;
-    - ``leaves_out``: what the model leaves out, a line each, and where it is told; ``warnings``: a line for each limit
+    - ``limitations``: what the model leaves out, a line each, and where it is told; ``warnings``: a line for each limit
       that a run exceeds; ``validity``: the same limits for many runs, from design, peak forces [N] and penetrations
       [m];
     - ``chaotic``: whether small differences grow until later impacts cannot be known, so that the command line tells
@@ -88,10 +88,10 @@ class View:
     record: Callable[[Any], dict[str, dict[str, Any]]] = lambda run: {}
     notes: Callable[[Any], list[str]] = lambda run: []
     diagnosis: Callable[[Any], Mapping[str, str]] = lambda run: {}
-    doubts: Callable[[Any], list[str]] = lambda design: []
+    sanity_checks: Callable[[Any], list[str]] = lambda design: []
     larger_force: Callable[[Any], str] = lambda run: ""
     contradictions: Callable[[Any, Any], list[str]] = lambda design, scenario: []
-    leaves_out: tuple[str, ...] = ()
+    limitations: tuple[str, ...] = ()
     warnings: Callable[[Any], list[str]] = lambda run: []
     validity: Callable[..., list[ValidityLimit]] = lambda design, peak_force, penetration=None: []
     chaotic: bool = False

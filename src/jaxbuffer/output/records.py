@@ -14,7 +14,7 @@ from ..mechanisms.run import Run
 from ..mechanisms.run_arrays import history_columns, run_quantities
 from ..run.trust import Trust
 from ..sensitivities.result import Sensitivity, advice, sensitivity_rows
-from ..tuning.derived import Derived
+from ..tuning.custom_quantity import CustomQuantity
 from ..tuning.objective import Constraints, Limits
 from ..version import version
 
@@ -80,13 +80,13 @@ def _impacts(run: Run) -> list[dict[str, Any]]:
     ]
 
 
-def limits_record(limits: Limits, own: Mapping[str, Derived]) -> dict[str, Any]:
+def limits_record(limits: Limits, own: Mapping[str, CustomQuantity]) -> dict[str, Any]:
     """Return the limits, and what the own quantities are that they may be on."""
     return {
         "limits": dict(limits.at_most),
         "lower_limits": dict(limits.at_least),
         "most_impacts": limits.impacts,
-        "must_succeed": limits.captured,
+        "require_success": limits.require_success,
         "ends": list(limits.ends),
         "quantities": {
             name: {"unit": it.unit, "function": it.signature, "description": it.description} for name, it in own.items()

@@ -28,14 +28,14 @@ def sweep_record(swept: Sweep, envelope: SafeRectangle | None) -> dict[str, Any]
 def _field(axis: Any) -> dict[str, str]:
     """Return a swept or sampled field: its path, the unit of its numbers, and the one in which people are shown
     them."""
-    return {"path": axis.path, "unit": axis.unit, "shown_in": axis.typed or axis.unit}
+    return {"path": axis.path, "unit": axis.unit, "display_unit": axis.typed or axis.unit}
 
 
 def _envelope(rectangle: SafeRectangle) -> dict[str, Any]:
     """Return what is asked of a safe run, how many there are, and the largest rectangle of them."""
     ranges = zip(rectangle.axes, (rectangle.first, rectangle.second), strict=True)
     return {
-        "asked": rectangle.asked,
+        "asked": rectangle.criterion,
         "safe_runs": int(rectangle.safe.sum()),
         "runs": int(rectangle.safe.size),
         "done": rectangle.done,

@@ -66,7 +66,7 @@ def tune_figure(tuned: Tuned, worst: Sequence[Run] = ()) -> Figure:
 
 def _objective_text(problem: Any, objective: Any) -> str:
     """Return an objective in words."""
-    return str(problem.worded(objective)).replace("_", " ").replace("cases", "scenarios")
+    return str(problem.format(objective)).replace("_", " ").replace("cases", "scenarios")
 
 
 def worst_case(tuned: Tuned) -> int:
@@ -76,7 +76,7 @@ def worst_case(tuned: Tuned) -> int:
 
 def _cases(axes: Axes, tuned: Tuned) -> None:
     """Draw a row for each scenario, or for those with the largest peaks: its peak force before and after."""
-    problem, floor = tuned.problem, tuned.floor
+    problem, lower_bound = tuned.problem, tuned.lower_bound
     count = len(problem.cases)
     # Those with the largest peaks, in the order of the problem.
     drawn = np.sort(np.argsort(-tuned.after.peak_force, kind="stable")[:MOST])
@@ -89,8 +89,8 @@ def _cases(axes: Axes, tuned: Tuned) -> None:
         if not np.all(met):
             missed = f"{name}, not {problem.success or 'solved'}"
             axes.plot(forces[~met], row[~met], "x", color=colour, markersize=7, label=missed)
-    if floor is not None:
-        axes.plot(floor.simulated[drawn], row, "|", color="black", markersize=9, label="floor: first impact, no buffer")
+    if lower_bound is not None:
+        axes.plot(lower_bound.simulated[drawn], row, "|", color="black", markersize=9, label="lower bound: first impact, no buffer")
     limit = problem.limits.at_most.get("peak_force")
     if limit is not None:
         axes.axvline(limit, color=RED, label=f"limit, {limit:.4g} N")
@@ -257,7 +257,7 @@ def front_figure(front: Front) -> Figure:
     (first, unit, factor), values = drawn[0], front.values
     for axes, k in zip(grid[0], range(1, len(front.objectives)), strict=False):
         name, other, scale = drawn[k]
-        order = [i for i in np.argsort(values[:, k]) if front.kept[i]]
+        order = [i for i in np.argsort(values[:, k]) if front.non_dominated[i]]
         # With more objectives a front is a surface, of which a panel shows a projection: no line joins its points.
         line = "-" if len(front.objectives) == 2 else ""
         axes.plot(scale * values[order, k], factor * values[order, 0], "o", linestyle=line, color=BLUE, label="front")

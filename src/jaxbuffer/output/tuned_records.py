@@ -18,11 +18,11 @@ from .records import Table, limits_record
 
 
 def tuned_record(tuned: Tuned) -> dict[str, Any]:
-    """Return the result: problem, objective, floor, evidence, and every scenario before and after at tight
+    """Return the result: problem, objective, lower bound, evidence, and every scenario before and after at tight
     tolerance."""
     problem, (start, end) = tuned.problem, tuned.objective
     scenarios = zip(problem.cases, _cases(tuned, tuned.before), _cases(tuned, tuned.after), strict=True)
-    floors, lowest = _floors(tuned), None if tuned.floor is None else tuned.floor.lowest
+    lower_bounds, lowest = _floors(tuned), None if tuned.lower_bound is None else tuned.lower_bound.lowest
     return {
         "kind": problem.mechanism.name,
         "identity": tuned.identity,
@@ -31,17 +31,17 @@ def tuned_record(tuned: Tuned) -> dict[str, Any]:
         "ended": tuned.ended,
         "borne_out": tuned.borne_out,
         "feasible": tuned.feasible,
-        "why": tuned.why,
+        "broken_limits": tuned.broken_limits,
         "broken": tuned.goal.broken(tuned.after),
         "outside_validity": tuned_warnings(tuned),
-        "objective": problem.worded(problem.objective),
+        "objective": problem.format(problem.objective),
         "objective_unit": problem.objective.unit(problem.catalogue),
         "objective_before": json_number(start),
         "objective_after": json_number(end),
         heading("first_order_residual", "-"): json_number(tuned.residual),
         heading("gradient_error", "-"): json_number(tuned.gradient_error),
         heading("rtol_of_check", "-"): tuned.tight,
-        heading("above_floor", "-"): json_number(tuned.above_floor),
+        heading("above_lower_bound", "-"): json_number(tuned.above_lower_bound),
         heading("lowest_first_impact_within_bounds", "N"): json_number(lowest),
         "captures": tuned.captures,
         "settings": dataclasses.asdict(tuned.settings),
@@ -53,7 +53,7 @@ def tuned_record(tuned: Tuned) -> dict[str, Any]:
                 "scale": v.scale,
                 "before": get(problem.design, v.path),
                 "value": get(tuned.design, v.path),
-                "shown_in": problem.shown(v.path, 0.0)[1],  # the numbers beside it are in SI units
+                "display_unit": problem.shown(v.path, 0.0)[1],  # the numbers beside it are in SI units
             }
             for v in problem.variables
         ],
@@ -62,11 +62,11 @@ def tuned_record(tuned: Tuned) -> dict[str, Any]:
             {
                 **part_record(case.scenario),
                 "factors": dict(case.factors),
-                **floor,
+                **lower_bound,
                 "before": before,
                 "after": after,
             }
-            for (case, before, after), floor in zip(scenarios, floors, strict=True)
+            for (case, before, after), lower_bound in zip(scenarios, lower_bounds, strict=True)
         ],
         **_scattered(tuned),
         "design": part_record(tuned.design),
@@ -109,11 +109,11 @@ def _scattered(tuned: Tuned) -> dict[str, Any]:
 
 def _floors(tuned: Tuned) -> list[dict[str, float | None]]:
     """Return what is known of each case's first impact."""
-    floor = tuned.floor
-    if floor is None:
+    lower_bound = tuned.lower_bound
+    if lower_bound is None:
         return [{} for _ in tuned.problem.cases]
-    names = headings({"floor": "N", "closed_form_first_peak": "N", "T_c": "J"})
-    rows = zip(floor.simulated, floor.closed_form, floor.energy, strict=True)
+    names = headings({"lower_bound": "N", "closed_form_first_peak": "N", "T_c": "J"})
+    rows = zip(lower_bound.simulated, lower_bound.closed_form, lower_bound.energy, strict=True)
     return [dict(zip(names, map(json_number, row), strict=True)) for row in rows]
 
 
@@ -145,7 +145,7 @@ def tuned_comment(tuned: Tuned) -> str:
         f"{headline(tuned.message, tuned.goal.feasible(tuned.after), tuned.end_count(tuned.after))}.",
         f"By jaxbuffer {version()} with {tuned.captures} {problem.mechanism.view.run_name}s.",
         f"Simulated up to {problem.duration:g} s at rtol {problem.rtol:g}; {', '.join(limits) or 'no limits'}.",
-        f"{problem.worded(problem.objective)}, before and after: {before}, {after}.",
+        f"{problem.format(problem.objective)}, before and after: {before}, {after}.",
     ]
     for k, scenario in enumerate(problem.scenarios_met[:SHOWN]):
         peaks = f"{tuned.before.peak_force[k]:.6g} N, {tuned.after.peak_force[k]:.6g} N"

@@ -29,7 +29,7 @@ TRUST = {"check": "unsure", "ill-conditioned": "bad", "unknown": "unsure"}  # ve
 STOPPED = {
     "limit_of_steps": "the search stopped at its limit of steps",
     "stalled": "the search stalled",
-    "cliff": "the search stopped where a small change makes a run fail",
+    "discontinuity": "the search stopped where a small change makes a run fail",
 }
 MANY = 4  # variables that are named
 
@@ -211,7 +211,7 @@ def _variables(mechanism: Mechanism, tuned: Record) -> str:
     usual, texts = mechanism.design(), list[str]()
     moved = [it for it in tuned["variables"] if not same(it["before"], it["value"])]
     for it in moved[:MANY]:
-        typed = it.get("shown_in", "")
+        typed = it.get("display_unit", "")
         first, last, symbol = ends_as_typed(it["before"], it["value"], unit(usual, it["path"]), typed)
         texts.append(f"{it['path']} from {table_text(first)} to {table_text(last)}{unit_text(symbol)}")
     left = len(moved) - len(texts)

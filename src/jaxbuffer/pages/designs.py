@@ -29,7 +29,7 @@ def requirements(first: Results, every: Sequence[Results]) -> PageSection | None
         rows += _variables(mechanism, tuned["variables"])
     elif run is not None:
         rows += _scenarios(mechanism, [run["scenario"]], units_of(first))
-    text = [f"What the model leaves out: {' '.join(mechanism.view.leaves_out)}"] if mechanism.view.leaves_out else []
+    text = [f"What the model leaves out: {' '.join(mechanism.view.limitations)}"] if mechanism.view.limitations else []
     if not rows and not text:
         return None
     return PageSection(TITLE, text, tables=[Table(TITLE, ("what", "of", "asked"), rows)] if rows else [])
@@ -76,7 +76,7 @@ def _range(met: Sequence[Any], usual: Part, path: str, typed: str) -> list[str]:
 def _variables(mechanism: Mechanism, variables: Sequence[Record]) -> Rows:
     usual, rows = mechanism.design(), list[list[str]]()
     for it in variables:
-        typed = it.get("shown_in", "")
+        typed = it.get("display_unit", "")
         low, high, symbol = ends_as_typed(it["low"], it["high"], unit(usual, it["path"]), typed)
         rows.append(["variable", it["path"], f"{table_text(low)} to {table_text(high)}{unit_text(symbol)}"])
     return rows

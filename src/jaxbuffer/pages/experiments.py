@@ -121,7 +121,7 @@ def not_found(envelope: Record, axes: Sequence[Record]) -> list[str]:
 
 def _end(value: float, field: Record) -> str:
     """Return a value of a swept field: in the unit that was typed, else angles in degrees."""
-    number, symbol = as_typed(value, field["unit"], field.get("shown_in", ""))
+    number, symbol = as_typed(value, field["unit"], field.get("display_unit", ""))
     if symbol == "rad":
         return degrees_text(math.degrees(number), 3)
     return f"{table_text(number)}{unit_text(symbol)}"
@@ -141,7 +141,7 @@ def sample(results: Results) -> PageSection | None:
         return None
     ranges = []
     for r in record["ranges"]:
-        low, high, symbol = ends_as_typed(r["low"], r["high"], r["unit"], r.get("shown_in", ""))
+        low, high, symbol = ends_as_typed(r["low"], r["high"], r["unit"], r.get("display_unit", ""))
         ranges.append([r["path"], symbol, table_text(low), table_text(high), r["scale"]])
     tables = [Table("Ranges", ("number", "unit", "low", "high", "spread evenly on a scale"), ranges)]
     tables.append(_outcomes(results.mechanism, record["outcomes"]))
@@ -232,12 +232,12 @@ def _front_column(results: Results, name: str) -> tuple[str, float]:
     objective or its limit, or of a variable."""
     start, symbol = parts(name)
     quantity = results.mechanism.quantities.get(start.removeprefix("worst ").removeprefix("limit of "))
-    shown_in, factor = symbol, 1.0
+    display_unit, factor = symbol, 1.0
     if quantity is not None:
-        shown_in, factor = quantity.in_figures
+        display_unit, factor = quantity.in_figures
     elif typed := units_of(results).get(start):
-        factor, shown_in = as_typed(1.0, symbol, typed)
-    return heading(words(start), shown_in), factor
+        factor, display_unit = as_typed(1.0, symbol, typed)
+    return heading(words(start), display_unit), factor
 
 
 def _outcomes(mechanism: Mechanism, counts: Mapping[str, int]) -> Table:

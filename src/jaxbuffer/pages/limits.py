@@ -123,7 +123,7 @@ def required_success(results: Results, source: Record) -> str | None:
     """Return how a folder's runs must end by a record's limits, in a word; None where any end will do."""
     if (end := required_end(results.mechanism, source)) is not None:
         return end.name
-    return results.success if source.get("must_succeed", True) else None
+    return results.success if source.get("require_success", True) else None
 
 
 def end_count(results: Results, side: str = "after") -> EndCount | None:
@@ -235,7 +235,7 @@ def limits(results: Results, every: Sequence[Results] = (), named: bool = False)
     if results.tuned is None:
         return PageSection("Limits", tables=tables)
     said = [f"{line[:1].upper()}{line[1:]}." for line in results.tuned["outside_validity"]]
-    said = [*(f"Limit {line}." for line in results.tuned.get("why", [])), *said]
+    said = [*(f"Limit {line}." for line in results.tuned.get("broken_limits", [])), *said]
     if beyond := _beyond(check):
         heading = f"{where}{len(beyond)} times a limit is broken, the worst first"
         tables.append(Table(heading, BEYOND, beyond, folded=len(beyond) > MANY))

@@ -151,7 +151,7 @@ def search(results: Results) -> PageSection | None:
     usual, numbers = results.mechanism.design(), ("low", "high", "before", "value")
     rows = []
     for v in tuned["variables"]:
-        values = [as_typed(v[name], unit(usual, v["path"]), v.get("shown_in", "")) for name in numbers]
+        values = [as_typed(v[name], unit(usual, v["path"]), v.get("display_unit", "")) for name in numbers]
         bound = Variable(v["path"], v["low"], v["high"], v.get("scale", "log")).at_bound(v["value"])
         rows.append([v["path"], values[0][1], *(table_text(value) for value, _ in values), bound])
     table = Table("Variables", ("field", "unit", "low", "high", "before", "tuned", "bound"), rows)
@@ -162,7 +162,7 @@ def search(results: Results) -> PageSection | None:
         f" gain by small changes (checked at rtol {tuned.get('rtol_of_check', 1e-9):g}), the search's slopes right"
         f" to {percent_text(error)}.",
     ]
-    if (above := tuned.get("above_floor")) is not None:
+    if (above := tuned.get("above_lower_bound")) is not None:
         more = percent_text(above, ".3g")
         facts.append(f"The largest force is {more} above the first impact's, which no buffer softens.")
     figures = figure(results, "tune", "The search: objective, limits and variables over its evaluations")

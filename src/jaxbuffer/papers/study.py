@@ -57,7 +57,7 @@ Rows = dict[str, tuple[Row, ...]]
 class ClaimVerdict(NamedTuple):
     """``said``: what the model shows, with its numbers; ``verdict``: `YES`, `PARTLY`, `NO` or `OPEN`."""
 
-    said: str
+    finding: str
     verdict: str
 
 
@@ -171,6 +171,6 @@ def verdicts_of(claims: Sequence[Claim], studied: Sequence[Studied]) -> list[dic
     """Judge claim by claim: what the text says, what the model says, and whether they agree."""
     rows = {one.study.name: one.rows for one in studied}
     return [
-        {"claim": c.claim, "section": c.where, "model": v.said, "verdict": v.verdict}
+        {"claim": c.claim, "section": c.where, "model": v.finding, "verdict": v.verdict}
         for c, v in ((claim, claim.judge(rows)) for claim in claims)
     ]

@@ -21,7 +21,7 @@ def balance(
     """
     last = jnp.maximum(log.count - 1, 0)
     states, closed = jnp.stack([start[0].state, log.rows[last, 0]]), jnp.stack([start[1], log.active[last]])
-    energies = jax.vmap(lambda state, active: system.energy_at(system.posture(state), active))(states, closed)
+    energies = jax.vmap(lambda state, active: system.energy_at(system.evaluate(state), active))(states, closed)
     # The exact motion conserves all of this, so its derivative is zero: what is computed are errors.
     constant = jax.lax.stop_gradient
     total = constant(energies.total)

@@ -28,7 +28,7 @@ def history_at(system: ContactSystem, time: Array, active: Array, state: Array) 
 
     **Arguments:** ``system``; ``time`` [s]; ``active``: 1 for each closed contact, else 0; ``state``.
     """
-    posture = system.posture(state)
+    posture = system.evaluate(state)
     snapshot, kin = system.snapshot_at(posture, active), posture.kin
     return History(
         time=time,

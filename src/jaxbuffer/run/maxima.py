@@ -73,7 +73,7 @@ def _peak_time(
 ) -> Float[Array, ""]:
     """Return when a contact force is largest, with the derivative -(∂slope/∂p)/(dslope/dt)."""
     state, active = state_at(log, slot), log.active[slot]
-    slope = jax.jvp(lambda y: system.normal_force_at(system.posture(y), active), (state,), (rate,))[1]
+    slope = jax.jvp(lambda y: system.normal_force_at(system.evaluate(y), active), (state,), (rate,))[1]
     its_own = (log.kind[slot] == Kind.PEAK) & (log.which[slot] == contact)
     if system.jumps:
         touchdown = (log.kind[slot] == Kind.TOUCHDOWN) & (log.which[slot] == contact) & (log.time[slot] > 0.0)

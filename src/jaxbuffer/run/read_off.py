@@ -29,7 +29,7 @@ def read_off(request: Request, result: Result) -> Run:
 def _read_off(request: Request, system: ContactSystem, result: Result) -> Solved:
     """Read off what every mechanism's runs have."""
     mechanism, parameters, duration, _, options = request
-    start = system.first_posture()
+    start = system.first_evaluation()
     log = moving_end(system, result.log, result.status < Status.TIMEOUT)
     events = survey(system, log)
     log = moving_events(log, events)

@@ -93,7 +93,7 @@ def with_tolerances(request: Request) -> Options:
     if (share := system.tolerance_share) < 1.0:
         rtol, atol = jnp.maximum(share * rtol, TOLERANCES["low"]), jnp.maximum(share * atol, TOLERANCES["low"])
     # It depends on the design, but is a setting: its derivative would be refused as one by the tolerance.
-    event_time = jax.lax.stop_gradient(_event_time(system, system.first_posture()[0].state, rtol))
+    event_time = jax.lax.stop_gradient(_event_time(system, system.first_evaluation()[0].state, rtol))
     return dataclasses.replace(request.options, tolerance=Tolerance(rtol, atol), event_time=event_time, shortfall=rtol)
 
 

@@ -48,8 +48,8 @@ def survey(system: ContactSystem, log: Log) -> Survey:
 
     def look(slot: Array) -> Survey:
         state, active = state_at(log, slot), log.active[slot]
-        at = system.posture(state)
-        highest = system.posture(state_of_maximum(system, log, slot)) if system.jumps else at
+        at = system.evaluate(state)
+        highest = system.evaluate(state_of_maximum(system, log, slot)) if system.jumps else at
         drift = jnp.abs(system.constraint_errors(jax.lax.stop_gradient(at.kin)))
         force = system.normal_force_at(highest, active)
         return Survey(system.gaps_at(at)[0], force, jnp.max(drift, initial=0.0))

@@ -132,7 +132,7 @@ def _problem(mechanism: Mechanism, design: Part) -> Iterator[str]:
     yield from _sampled(mechanism, first)
     yield "# [problem.then]  # what decides among designs that are about as good as the best"
     yield f"# {next(name for name in reversed(mechanism.tuned) if mechanism.has(name, design))} = 1.0"
-    yield "# slack = 0.01"
+    yield "# tolerance = 0.01"
 
 
 def _sampled(mechanism: Mechanism, field: str) -> Iterator[str]:

@@ -33,15 +33,15 @@ def explained(study: Config, name: str) -> str:
     parts = {
         "mechanism": [f'{mechanism.view.title}, kind = "{mechanism.name}"'],
         "differs from default": _differences(study) or ["nothing"],
-        "worth a look": [*cautions(study.design, study.scenarios, study.varied), *mechanism.view.doubts(study.design)],
+        "worth a look": [*cautions(study.design, study.scenarios, study.varied), *mechanism.view.sanity_checks(study.design)],
         "scenario": [mechanism.view.label(study.scenario)],
         "scenarios": _scenarios(study) if len(study.scenarios) > 1 else [],
         "options": [", ".join(_shown(study.options, path) for path in paths(study.options))],
         "variables": missing or ([] if problem is None else _variables(problem)),
-        "objective": [] if problem is None else [problem.worded(problem.objective)],
+        "objective": [] if problem is None else [problem.format(problem.objective)],
         "own quantities": [f"{name} [{it.unit}] = {it.signature}" for name, it in own.items()],
         "limits": [] if problem is None else _limits(problem),
-        "then": [] if problem is None or problem.then is None else [problem.worded(problem.then.objective)],
+        "then": [] if problem is None or problem.then is None else [problem.format(problem.then.objective)],
         "sweep": [f"{axis.path} {axis.spanned()}" for axis in swept.axes] if study.sweep else [],
         "commands": _commands(study, name, problem, swept, bool(missing)),
     }
@@ -121,7 +121,7 @@ def _limits(problem: Problem) -> list[str]:
     lines += [f"{it.line(problem.catalogue[it.name])}, always" for it in always if it.name not in limits.at_most]
     if limits.impacts is not None:
         lines.append(f"at most {limits.impacts} impacts")
-    if limits.captured and mechanism.successes:
+    if limits.require_success and mechanism.successes:
         ends = mechanism.successes if problem.end is None else (problem.end.name,)
         lines.append(f"every case must end {' or '.join(ends)}")
     return lines

@@ -13,7 +13,7 @@ from ..errors import InputError, check_known, nearest, shown
 from ..fields.units import check_unit
 from ..files import user_path
 from ..mechanisms.mechanism import Mechanism
-from ..tuning.derived import Derived, check_derived, check_name, line_in, raised
+from ..tuning.custom_quantity import CustomQuantity, check_custom_quantities, check_name, line_in, raised
 
 EXAMPLE = '{function = "objectives.py:effort", unit = "N m"}'
 FIELDS = ("function", "unit", "description")
@@ -57,7 +57,7 @@ def _named(name: str, entry: Any, mechanism: Mechanism) -> NamedQuantity:
     return NamedQuantity(file, function, entry["unit"], entry.get("description", ""))
 
 
-def own_quantities(table: Mapping[str, Any], mechanism: Mechanism, folder: Path) -> dict[str, Derived]:
+def own_quantities(table: Mapping[str, Any], mechanism: Mechanism, folder: Path) -> dict[str, CustomQuantity]:
     """Load the own quantities of a ``[problem]``; their files, beside the study in ``folder``, are run.
 
     **Raises:** `InputError` for files that are missing or raise something, and functions that make no quantity.
@@ -71,11 +71,11 @@ def own_quantities(table: Mapping[str, Any], mechanism: Mechanism, folder: Path)
             if named.file not in modules:
                 modules[named.file] = _run(folder / user_path(named.file), named.file)
             function = _function(modules[named.file], named)
-            own[name] = Derived(function, named.unit, named.description)
+            own[name] = CustomQuantity(function, named.unit, named.description)
         except InputError as error:
             raise InputError(f"{where}: {error}") from None
     try:
-        return check_derived(own, mechanism.quantities)
+        return check_custom_quantities(own, mechanism.quantities)
     except InputError as error:
         raise InputError(f"problem.{error}") from None
 

@@ -33,7 +33,7 @@ from ..suggestions import Meaning, listed
 from ..sweeps.axis import EXAMPLE, choices_example, span
 from ..tuning.cases import KINDS, MOST, Case, Distribution, Scatter, grid
 from ..tuning.objective import quantity_in_words
-from ..tuning.problem import SCALES, Limits, Objective, Problem, Then, Variable
+from ..tuning.problem import SCALES, Limits, Objective, Problem, SecondObjective, Variable
 from ..value_text import interval_text, with_unit
 from .own_quantities import named_quantities, own_quantities
 
@@ -258,7 +258,7 @@ def limits(table: Mapping[str, Any], mechanism: Mechanism) -> Limits:
     units, ends = _units(table, mechanism), tuple(end.name for end in mechanism.tuning.ends)
     table = _table(table, "constraints", mechanism.defaults.limits)
     of_ends = {name: value for name, value in table.items() if name in ends}
-    check_known(table, ("captured", *ends, "impacts", *units), "problem.constraints", quantity_in_words)
+    check_known(table, ("require_success", *ends, "impacts", *units), "problem.constraints", quantity_in_words)
     at_most, at_least = dict[str, float](), dict[str, float]()
     for name, given in table.items():
         if name not in units:
@@ -277,15 +277,15 @@ def limits(table: Mapping[str, Any], mechanism: Mechanism) -> Limits:
             value = in_unit(where, text, symbol, low=0.0, low_open=True)
             check_number(where, value, symbol, low=0.0, low_open=True)
             (at_most if side == "max" else at_least)[name] = value
-    return Limits(table.get("captured", True), at_most, table.get("impacts"), at_least, **of_ends)
+    return Limits(table.get("require_success", True), at_most, table.get("impacts"), at_least, **of_ends)
 
 
-def _then(table: Mapping[str, Any], units: Mapping[str, str]) -> Then:
-    check_known(table, (*units, *OPTIONS, "slack"), "problem.then", quantity_in_words)
+def _then(table: Mapping[str, Any], units: Mapping[str, str]) -> SecondObjective:
+    check_known(table, (*units, *OPTIONS, "tolerance"), "problem.then", quantity_in_words)
     if not set(table) & set(units):
         raise InputError(f"problem.then names no quantity; choose some of {listed(units)}")
-    objective = {name: value for name, value in table.items() if name != "slack"}
-    return Then(_objective(objective, "then", units), table.get("slack", Then.slack))
+    objective = {name: value for name, value in table.items() if name != "tolerance"}
+    return SecondObjective(_objective(objective, "then", units), table.get("tolerance", SecondObjective.tolerance))
 
 
 def _table(data: Mapping[str, Any], name: str, default: Mapping[str, Any]) -> Mapping[str, Any]:

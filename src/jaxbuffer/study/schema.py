@@ -173,7 +173,7 @@ def _problem(mechanism: Mechanism, design: Part, scenario: Part) -> Schema:
     bound: Schema = {"anyOf": [{"type": "number", "exclusiveMinimum": 0}, TEXT]}
     sides: Schema = {"anyOf": [bound, _object({"min": bound, "max": bound}, minProperties=1)]}
     over: dict[str, Schema] = {"over": {"enum": ["worst", "mean", "cvar"]}, "level": {"type": "number", "minimum": 0}}
-    limits: dict[str, Schema] = {"captured": {"type": "boolean"}, "impacts": {"type": "integer", "minimum": 1}}
+    limits: dict[str, Schema] = {"require_success": {"type": "boolean"}, "impacts": {"type": "integer", "minimum": 1}}
     limits |= {end.name: {"type": "boolean"} for end in mechanism.tuning.ends}
     return _object(
         {
@@ -187,7 +187,7 @@ def _problem(mechanism: Mechanism, design: Part, scenario: Part) -> Schema:
                 "description": "quantities of your own, by name: Python functions of those above",
                 "additionalProperties": _own(),
             },
-            "then": _open(weights | over | {"slack": {"type": "number", "exclusiveMinimum": 0, "maximum": 1}}),
+            "then": _open(weights | over | {"tolerance": {"type": "number", "exclusiveMinimum": 0, "maximum": 1}}),
         }
     )
 

@@ -68,7 +68,7 @@ def _list(values: Iterable[Any]) -> str:
 def _objective(problem: Problem) -> list[str]:
     lines = ["", "[problem.objective]", *_weights(problem, problem.objective)]
     if (then := problem.then) is not None:
-        lines += ["", "[problem.then]", *_weights(problem, then.objective), f"slack = {float(then.slack)!r}"]
+        lines += ["", "[problem.then]", *_weights(problem, then.objective), f"tolerance = {float(then.tolerance)!r}"]
     return lines
 
 
@@ -85,8 +85,8 @@ def _weights(problem: Problem, objective: Objective) -> list[str]:
 
 def _limits(problem: Problem) -> list[str]:
     limits, lines = problem.limits, ["", "[problem.constraints]"]
-    if problem.mechanism.success is not None or not limits.captured:
-        lines.append(f"captured = {str(limits.captured).lower()}")
+    if problem.mechanism.success is not None or not limits.require_success:
+        lines.append(f"require_success = {str(limits.require_success).lower()}")
     lines += [f"{name} = true" for name in limits.ends]
     if limits.impacts is not None:
         lines.append(f"impacts = {limits.impacts}")

@@ -68,9 +68,9 @@ class RunTable(Saved):
         """
         return [VERDICTS[index] if index >= 0 else "" for index in self.columns["trust"]]
 
-    def doubts(self, where: str) -> list[str]:
+    def sanity_checks(self, where: str) -> list[str]:
         """Return how many runs are not trusted, in words; ``where`` they are marked."""
-        return doubts(self.mechanism, len(self), tally(self.columns["trust"]), where)
+        return sanity_checks(self.mechanism, len(self), tally(self.columns["trust"]), where)
 
     def contacts(self) -> tuple[str, ...]:
         """Return the names of the contacts, by their numbers."""
@@ -78,7 +78,7 @@ class RunTable(Saved):
         return self.mechanism.view.names(design).contacts
 
 
-def doubts(mechanism: Mechanism, runs: int, verdicts: Mapping[int, int], where: str) -> list[str]:
+def sanity_checks(mechanism: Mechanism, runs: int, verdicts: Mapping[int, int], where: str) -> list[str]:
     """Return how many of the ``runs`` are not trusted, in words.
 
     - ``mechanism``: of which these are runs; ``runs``: how many there are.

@@ -8,7 +8,7 @@ from .._types import Dataset
 from ..block_store import TOKEN
 from ..errors import InputError
 from ..mechanisms.mechanism import Mechanism
-from .columns import doubts, empty_columns
+from .columns import sanity_checks, empty_columns
 from .cut import BlockSweep, RunsSweep
 from .result import Sweep
 from .store import existing, fill, opened
@@ -83,7 +83,7 @@ class StoredSweep:
         name = self.mechanism.view.run_name
         ended = ", ".join(f"{count} {outcome}" for outcome, count in self.outcomes.items())
         head = f"Sweep of {self.count} {name}s" + ("" if self.done == self.count else f"; {self.done} of them done")
-        doubtful = doubts(self.mechanism, self.done, self.verdicts, "see trust in the store")
+        doubtful = sanity_checks(self.mechanism, self.done, self.verdicts, "see trust in the store")
         where = f"  in {self.store}: to_xarray() reads what is asked for, load() all"
         return "\n".join([f"{head}: {ended}", *doubtful, where])
 

@@ -46,7 +46,7 @@ def sweep_table(sweep: RunTable) -> Table:
         known = factor * values[np.isfinite(values)]
         figures = [f"{f(known):.5g}" for f in (np.min, np.median, np.max)] if known.size else ["-"] * 3
         shown.add_row(heading(name, symbol), *figures)
-    shown.caption = "\n".join(sweep.doubts("see trust")) or None
+    shown.caption = "\n".join(sweep.sanity_checks("see trust")) or None
     return shown
 
 
@@ -89,7 +89,7 @@ def summary(sweep: RunTable, title: str, fields: Mapping[str, str], file: str) -
     return [
         *parts,
         *_beyond_validity(sweep),
-        *sweep.doubts(f"see trust in {file}"),
+        *sweep.sanity_checks(f"see trust in {file}"),
         *_failures(sweep, file),
     ]
 

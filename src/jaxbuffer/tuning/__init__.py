@@ -10,6 +10,6 @@ from .cases import Scatter as Scatter
 from .cases import grid as grid
 from .objective import Limits as Limits
 from .objective import Objective as Objective
-from .objective import Then as Then
+from .objective import SecondObjective as SecondObjective
 from .problem import Problem as Problem
 from .problem import Variable as Variable

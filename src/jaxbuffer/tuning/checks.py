@@ -1,6 +1,6 @@
-"""Checks of a tuned design beside its search: the floor of the peak force, and the corners of what scatters.
+"""Checks of a tuned design beside its search: the lower bound of the peak force, and the corners of what scatters.
 
-The floor of the peak contact force is the first impact, which no buffer softens: it is over before a spring or damper
+The lower bound of the peak contact force is the first impact, which no buffer softens: it is over before a spring or damper
 has moved, and sets the peak of a buffer gone soft. Friction and hysteresis lower its closed form (`first_impact`) by
 some per cent; so the floor itself is the first impact *simulated* with the buffer taken away, and the closed form
 stands beside it and says what it is made of.
@@ -30,7 +30,7 @@ DURATIONS = 4.0  # of an undamped Hertz impact, 2.943 δ/v each
 SHARPER = 0.1  # of the problem's tolerance
 LATE = 1e-3  # of a flight: by how much the touchdown may move without the buffer
 SPARE = 0.1  # of a flight: by how much that of another design within the bounds may be longer
-FAR = 10.0  # times the floor at the design: what counts for designs whose parts do not fit, or that fail
+FAR = 10.0  # times the lower bound at the design: what counts for designs whose parts do not fit, or that fail
 
 
 @dataclasses.dataclass(frozen=True)
@@ -55,7 +55,7 @@ class PeakForceBound:
 
     @property
     def unknown(self) -> int:
-        """Return in how many load cases the floor is not known."""
+        """Return in how many load cases the lower bound is not known."""
         return int(np.sum(~np.isfinite(self.simulated)))
 
 
@@ -70,9 +70,9 @@ class Flight(NamedTuple):
     undisturbed: bool
 
 
-def floor(problem: Problem, scaled: Float[np.ndarray, " variables"]) -> PeakForceBound | None:
-    """Compute the floor at a design, and the lowest one within the bounds; None for a mechanism without one."""
-    known = problem.mechanism.tuning.floor
+def lower_bound(problem: Problem, scaled: Float[np.ndarray, " variables"]) -> PeakForceBound | None:
+    """Compute the lower bound at a design, and the lowest one within the bounds; None for a mechanism without one."""
+    known = problem.mechanism.tuning.lower_bound
     if known is None:
         return None
     built = [(built_design(problem, scaled, case), case.scenario) for case in problem.cases]
@@ -87,14 +87,14 @@ def floor(problem: Problem, scaled: Float[np.ndarray, " variables"]) -> PeakForc
         np.array([np.nan if c is None else float(c.elastic_peak) for c in closed]),
         np.array([np.nan if c is None else float(c.effective_energy) for c in closed]),
         lowest,
-        {path: value for path, value in at.items() if path not in _gone(problem.design, known.softeners)},
+        {path: value for path, value in at.items() if path not in _gone(problem.design, known.compliant_parts)},
     )
 
 
 def _lowest(
     problem: Problem, scaled: np.ndarray, peaks: np.ndarray, flights: Sequence[Flight | None]
 ) -> tuple[float, np.ndarray]:
-    """Search for the least floor within the bounds [N] and where it is, from the design with these ``peaks``."""
+    """Search for the least lower bound within the bounds [N] and where it is, from the design with these ``peaks``."""
     here = problem.objective.aggregate(peaks)
     if not np.isfinite(here):
         return np.nan, scaled
@@ -105,7 +105,7 @@ def _lowest(
         peaks, slopes = _without_buffer(problem, where, flights)
         weights = problem.objective.case_weights(peaks)
         value, slope = float(weights @ peaks), weights @ slopes
-        # L-BFGS-B takes numbers only: one far above the floor at the start stands for designs that cannot be simulated.
+        # L-BFGS-B takes numbers only: one far above the lower bound at the start stands for designs that cannot be simulated.
         if not (np.isfinite(value) and np.all(np.isfinite(slope))):
             return FAR * here, np.zeros_like(where)
         # The line search's last point need not be its best, and it may have left the designs that fit.
@@ -124,9 +124,9 @@ def _without_buffer(
 
     They are NaN where a first impact can not be simulated, and 0 where nothing is touched.
     """
-    known, values = problem.mechanism.tuning.floor, problem.values(scaled)
+    known, values = problem.mechanism.tuning.lower_bound, problem.values(scaled)
     assert known is not None
-    gone = _gone(problem.design, known.softeners)
+    gone = _gone(problem.design, known.compliant_parts)
     peaks, slopes = np.full(len(problem.cases), np.nan), np.full((len(problem.cases), len(scaled)), np.nan)
     for k, case in enumerate(problem.cases):
         if (built := built_design(problem, scaled, case)) is None:
@@ -135,7 +135,7 @@ def _without_buffer(
         if run is None:
             continue
         factors = dict(case.factors)
-        # The softeners are taken away whatever their variables say, so the floor has no slope by these.
+        # The compliant_parts are taken away whatever their variables say, so the floor has no slope by these.
         scale = [
             v.slope(float(x)) * factors.get(v.path, 1.0) * (v.path not in gone)
             for v, x in zip(problem.variables, values, strict=True)
@@ -147,7 +147,7 @@ def _without_buffer(
 
 def _flight(problem: Problem, built: Part, case: Case) -> Flight | None:
     """Simulate the approach of a design to its first touch; None where the run starts with it, or fails."""
-    known = problem.mechanism.tuning.floor
+    known = problem.mechanism.tuning.lower_bound
     assert known is not None
     if np.isfinite(float(known.first_impact(built, case.scenario).duration)):
         return None
@@ -171,7 +171,7 @@ def _first_impact(problem: Problem, built: Part, case: Case, flight: Flight | No
 
     Where the buffer takes part in the ``flight`` to it, under thrust say, it stays: it hardly moves within an impact.
     """
-    known = problem.mechanism.tuning.floor
+    known = problem.mechanism.tuning.lower_bound
     assert known is not None
     design = _without_softeners(problem, built) if flight is None or flight.undisturbed else built
     if flight is None:
@@ -190,15 +190,15 @@ def _first_impact(problem: Problem, built: Part, case: Case, flight: Flight | No
 
 
 def _without_softeners(problem: Problem, built: Part) -> Part:
-    assert problem.mechanism.tuning.floor is not None
-    return replace(built, _gone(built, problem.mechanism.tuning.floor.softeners))
+    assert problem.mechanism.tuning.lower_bound is not None
+    return replace(built, _gone(built, problem.mechanism.tuning.lower_bound.compliant_parts))
 
 
-def _gone(design: Part, softeners: Sequence[str]) -> dict[str, float]:
-    """Return what is left of a design's softeners by path: of measured curves their values; parts that are not there
+def _gone(design: Part, compliant_parts: Sequence[str]) -> dict[str, float]:
+    """Return what is left of a design's compliant_parts by path: of measured curves their values; parts that are not there
     are left out."""
     numbers = dict[str, Any]()
-    for path in softeners:
+    for path in compliant_parts:
         value = get(design, path)
         if isinstance(value, Curve):
             numbers |= {f"{path}.{address}": value.get(address) for address in value.value_addresses()}

@@ -202,7 +202,7 @@ def _rows(goal: Goal, point: Evaluation) -> tuple[Float[np.ndarray, " rows"], Fl
     tangent, size = Tangent.of(point), len(point.scaled)
     rows = goal.rows(*tangent.after(np.zeros(size)))
     slopes = [limit.slopes(point.quantities_slope[:, q]) for q, limit in goal.indexed_limits]
-    if goal.must_succeed:
+    if goal.require_success:
         # A margin must be positive, a row at most zero.
         slopes.append(-point.margin_slope)
     return rows, np.concatenate([*slopes, np.zeros((0, size))])

@@ -132,16 +132,16 @@ class Goal:
         return [(self.problem.names.index(limit.name), limit) for limit in self.limits.each]
 
     @property
-    def must_succeed(self) -> bool:
+    def require_success(self) -> bool:
         """Return whether each load case must end as the problem asks, and a margin says how near it is to that."""
-        return self.problem.limits.captured and self.problem.mechanism.tuning.margin is not None
+        return self.problem.limits.require_success and self.problem.mechanism.tuning.margin is not None
 
     def rows(
         self, quantities: Float[np.ndarray, "cases quantities"], margin: Float[np.ndarray, " cases"]
     ) -> Float[np.ndarray, " rows"]:
         """Return all constraints that have slopes: limits by quantity, then margins, then the ceiling."""
         parts = [limit.rows(quantities[:, q]) for q, limit in self.indexed_limits]
-        if self.must_succeed:
+        if self.require_success:
             parts.append(-margin)
         if self.ceiling is not None:
             ceiling = self.ceiling
@@ -161,7 +161,7 @@ class Goal:
 
     def feasible(self, evaluation: Evaluation) -> bool:
         """Return whether every constraint holds in every load case, and every one ends as it must."""
-        ended = not self.must_succeed or np.all(evaluation.succeeded)
+        ended = not self.require_success or np.all(evaluation.succeeded)
         return bool(ended) and not np.any(self.excess(evaluation))
 
     def merit(self, evaluation: Evaluation, scale: float, penalty: float) -> float:
@@ -206,7 +206,7 @@ class Goal:
         quantities, solved, each = evaluation.quantities, evaluation.solved, list[Breach]()
         for q, limit in self.indexed_limits:
             each.append(Breach(np.where(solved, limit.excess(quantities[:, q]), 0.0), limit, quantities[:, q]))
-        if self.must_succeed:
+        if self.require_success:
             each.append(Breach(np.where(solved, beyond(-evaluation.margin), 0.0), None, evaluation.margin))
         for limit in self.limits.of_impacts:
             each.append(Breach(np.where(solved, limit.excess(evaluation.impacts), 0.0), limit, evaluation.impacts))
@@ -235,7 +235,7 @@ class Goal:
             return f"{value:.0f} impacts are above {limit.bound:.0f}"
         quantity, first = problem.catalogue[limit.name], float(np.max(evaluation.first, initial=0.0))
         text = limit.sentence(value, quantity)
-        softened = limit.lowest or limit.name != PEAK_FORCE or problem.mechanism.tuning.floor is None
+        softened = limit.lowest or limit.name != PEAK_FORCE or problem.mechanism.tuning.lower_bound is None
         if softened or limit.keeps(first):
             return text
         return f"{text}, and the first impact, which no buffer softens, has {quantity.in_words(first, 4)}"
@@ -262,9 +262,9 @@ class Goal:
             own = f" or {', '.join(problem.quantities)} is not finite" if problem.quantities else ""
             return [f"the simulation failed{own}"]
         lines, stricter = [], problem.end is not None and not evaluation.succeeded[k]
-        if self.must_succeed and (beyond(-evaluation.margin[k]) > 0.0 or stricter):
+        if self.require_success and (beyond(-evaluation.margin[k]) > 0.0 or stricter):
             lines.append(f"not {problem.success} ({self.lack(evaluation, k, cases)})")
-        elif not evaluation.succeeded[k] and (self.must_succeed or problem.limits.captured):
+        elif not evaluation.succeeded[k] and (self.require_success or problem.limits.require_success):
             lines.append(outcome.reason)
         # A search takes the duration for a time that a run waited for in vain; here that is unknown and keeps no limit.
         known = np.where(problem.known(evaluation.code[k : k + 1])[0], evaluation.quantities[k], np.nan)

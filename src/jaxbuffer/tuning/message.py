@@ -19,7 +19,7 @@ LEAST = 1e-6  # change of a limited quantity, relative to its limit, for a chang
 WEAK = 0.1  # change relative to the strongest variable's: one with less is not named
 WEAK_AT_BOUND = 0.01  # the same of a variable at its bound
 FARTHEST = 10.0  # times a variable's value: beyond it no guess is made
-Ended = Literal["converged", "limit_of_steps", "stalled", "cliff"]
+Ended = Literal["converged", "limit_of_steps", "stalled", "discontinuity"]
 """How a search ends: nothing left to gain within its tolerance, at its limit of steps, steps that gain less than the
 tolerance though more seems to be left, or where a small change makes a run fail."""
 
@@ -61,7 +61,7 @@ def ending(branch: Branch, settings: Settings) -> Ended:
         return "converged"
     if branch.steps >= settings.iterations:
         return "limit_of_steps"
-    return "cliff" if np.any(np.isfinite(branch.cliffs)) else "stalled"
+    return "discontinuity" if np.any(np.isfinite(branch.discontinuities)) else "stalled"
 
 
 def left_to_gain(branch: Branch) -> str:
@@ -74,7 +74,7 @@ def _ending(branch: Branch, settings: Settings) -> str:
         "converged": "converged",
         "limit_of_steps": f"stopped at the limit of {settings.iterations} steps",
         "stalled": "stalled: steps gain less than the tolerance",
-        "cliff": "stopped at a cliff: ahead a small change makes a run fail",
+        "discontinuity": "stopped at a discontinuity: ahead a small change makes a run fail",
     }
     within = f", the tolerance being {percent_text(settings.tolerance, 'g')}" if branch.status == CONVERGED else ""
     return f"{words[ending(branch, settings)]}; {left_to_gain(branch)}{within}"
@@ -158,7 +158,7 @@ def _described(goal: Goal, point: Evaluation, breach: Breach) -> BrokenLimit:
 
 def _otherwise(goal: Goal, point: Evaluation) -> list[BrokenLimit]:
     """Return that load cases end otherwise than they must, where no limit and no margin says it."""
-    if not goal.must_succeed or np.all(point.succeeded):
+    if not goal.require_success or np.all(point.succeeded):
         return []
     reasons = sorted({goal.problem.mechanism.outcomes(int(code)).reason for code in point.code[~point.succeeded]})
     count = f"broken in {int(np.sum(~point.succeeded))} of {len(point.code)} scenarios"

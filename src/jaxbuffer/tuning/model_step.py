@@ -214,7 +214,7 @@ class _Model(Programme):
             for k in self.cases:
                 entries, constant, sources = self.weighted(k, one)
                 rows.append((entries, limit.sign - constant, sources))
-        if goal.must_succeed:
+        if goal.require_success:
             for k in self.cases:
                 rows.append((self.along(-tangent.margin_slope[k]), float(tangent.margin[k]), (("margin", k, -1.0),)))
         if goal.ceiling is not None:

@@ -25,7 +25,7 @@ from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.quantity import Catalogue
 from ..mechanisms.run import Run
 from ..value_text import with_unit
-from .derived import Derived
+from .custom_quantity import CustomQuantity
 
 AGGREGATES = ("worst", "mean", "cvar")
 ONE_LIMIT = "it holds for all cases"
@@ -111,9 +111,9 @@ class Objective:
         return weights
 
     def __str__(self) -> str:
-        return self.worded()
+        return self.format()
 
-    def worded(self, samples: str = "") -> str:
+    def format(self, samples: str = "") -> str:
         """Return it in words. ``samples``: "24 samples", where the load cases are such: their worst is no bound."""
         names = [f"{w:g} {name}" if w != 1.0 else name for name, w in self.weights.items()]
         over = f"mean of the worst {1.0 - self.level:.3g}" if self.over == "cvar" else self.over
@@ -127,7 +127,7 @@ class Limits:
 
     **Arguments:**
 
-    - ``captured``: whether it must end as the mechanism's runs should, within the duration.
+    - ``require_success``: whether it must end as the mechanism's runs should, within the duration.
     - ``at_most``: upper limits by quantity, in its unit or with one ("25 mm"), beside those that the mechanism always
       has.
     - ``at_least``: lower limits by quantity, likewise.
@@ -145,12 +145,12 @@ class Limits:
     >>> limits = jb.Limits(at_most={"stroke": 0.025}, at_least={"end_time": 0.5})
     >>> problem = jb.Problem(jb.table2(), scenarios, variables, limits=limits)
     >>> problem.limits
-    Limits(captured=True, at_most={'stroke': 0.025}, impacts=None, at_least={'end_time': 0.5})
+    Limits(require_success=True, at_most={'stroke': 0.025}, impacts=None, at_least={'end_time': 0.5})
     >>> jb.Limits(held=True).held
     True
     """
 
-    captured: bool = True
+    require_success: bool = True
     at_most: Mapping[str, float] = dataclasses.field(default_factory=dict)
     impacts: int | None = None
     at_least: Mapping[str, float] = dataclasses.field(default_factory=dict)
@@ -158,7 +158,7 @@ class Limits:
 
     def __init__(
         self,
-        captured: bool = True,
+        require_success: bool = True,
         at_most: Mapping[str, float] | None = None,
         impacts: int | None = None,
         at_least: Mapping[str, float] | None = None,
@@ -170,7 +170,7 @@ class Limits:
         check_known(also, known, "constraints")
         for name, asked in also.items():
             check_flag(f"constraints.{name}", asked)
-        given: dict[str, Any] = {"captured": captured, "impacts": impacts}
+        given: dict[str, Any] = {"require_success": require_success, "impacts": impacts}
         given |= {"at_most": {} if at_most is None else at_most, "at_least": {} if at_least is None else at_least}
         given["ends"] = tuple(name for name in known if also.get(name, name in ends))
         for name, value in given.items():
@@ -194,9 +194,9 @@ class Limits:
             if not any(isinstance(end, str) for end in ends) and not ends[0] < ends[1]:
                 low, high = (with_unit(end, _units().get(name, "")) for end in ends)
                 raise InputError(f"constraints.{name}: at least {low} and at most {high} contradict")
-        check_flag("constraints.captured", self.captured)
-        if self.ends and not self.captured:
-            raise InputError(f"constraints: captured = false and {self.ends[-1]} = true contradict; keep one")
+        check_flag("constraints.require_success", self.require_success)
+        if self.ends and not self.require_success:
+            raise InputError(f"constraints: require_success = false and {self.ends[-1]} = true contradict; keep one")
         if self.impacts is not None:
             check_whole("constraints.impacts", self.impacts, 1)
 
@@ -207,7 +207,7 @@ class Limits:
         raise AttributeError(f"{type(self).__name__} has no {name!r}")
 
     def __repr__(self) -> str:
-        plain = ("captured", "at_most", "impacts", "at_least")
+        plain = ("require_success", "at_most", "impacts", "at_least")
         fields = [f"{name}={getattr(self, name)!r}" for name in plain]
         return f"Limits({', '.join([*fields, *(f'{name}=True' for name in self.ends)])})"
 
@@ -236,7 +236,7 @@ class Limits:
         **Arguments:** ``value_at``: the design, as its value at a path; ``own``: quantities beside the mechanism's.
         """
         parts = {end.name: end.part for end in mechanism.tuning.ends}
-        check_known(self.ends, ("captured", "impacts", *parts), "constraints")
+        check_known(self.ends, ("require_success", "impacts", *parts), "constraints")
         check_known(self.names, (*mechanism.quantities, *own), "constraints", quantity_in_words)
         parts |= {it: mechanism.quantities[it].part for it in self.names if it in mechanism.quantities}
         for name in (*self.ends, *self.names):
@@ -254,7 +254,7 @@ class Limits:
         if end is not None:
             return np.isin(code, [int(mechanism.outcomes[name]) for name in end.outcomes])
         solved = (code >= 0) & (code < mechanism.outcomes["failed_steps"])
-        return solved & mechanism.succeeded(code) if self.captured else solved
+        return solved & mechanism.succeeded(code) if self.require_success else solved
 
     def broken(self, values: Mapping[str, float], impacts: int, catalogue: Catalogue) -> list[str]:
         """Return a line for each limit that a run with these quantities and this number of impacts breaks."""
@@ -286,31 +286,31 @@ class Limits:
 
 
 @dataclasses.dataclass(frozen=True)
-class Then:
+class SecondObjective:
     """A second objective, which decides among designs that are about as good as the best.
 
     **Arguments:**
 
     - ``objective``: the second one.
-    - ``slack``: how far the first objective may be above its best, relative [-].
+    - ``tolerance``: how far the first objective may be above its best, relative [-].
 
-    **Raises:** `InputError` for a slack outside (0, 1].
+    **Raises:** `InputError` for a tolerance outside (0, 1].
 
     **Example:** the least hinge force of all designs within 2 % of the least contact force.
 
     >>> scenarios, variables = [jb.Scenario(approach_speed=0.2)], [jb.Variable("buffer.k_A", 100.0, 2000.0)]
-    >>> then = jb.Then(jb.Objective({"peak_hinge_force": 1.0}), slack=0.02)
+    >>> then = jb.SecondObjective(jb.Objective({"peak_hinge_force": 1.0}), tolerance=0.02)
     >>> problem = jb.Problem(jb.table2(), scenarios, variables, then=then)
     >>> print(problem.then.objective)
     peak_hinge_force, worst over the cases
     """
 
     objective: Objective
-    slack: float = 0.01
+    tolerance: float = 0.01
 
     def __post_init__(self) -> None:
-        check_type("then's objective", self.objective, Objective, "Then(Objective({'stroke': 1.0}))")
-        check_number("then.slack", self.slack, "", low=0.0, high=1.0, low_open=True)
+        check_type("then's objective", self.objective, Objective, "SecondObjective(Objective({'stroke': 1.0}))")
+        check_number("then.tolerance", self.tolerance, "", low=0.0, high=1.0, low_open=True)
 
 
 def end_names() -> tuple[str, ...]:
@@ -339,7 +339,7 @@ class Constraints(NamedTuple):
     """A study's constraints on a single run: limits, and the ``own`` quantities, by name, that they may be on."""
 
     limits: Limits
-    own: Mapping[str, Derived]
+    own: Mapping[str, CustomQuantity]
 
     def broken_by(self, run: Run) -> list[str]:
         """Return a line for each limit that the run breaks."""

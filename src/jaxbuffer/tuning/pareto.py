@@ -78,7 +78,7 @@ class Front(Saved):
         return dominated(self.values, self.feasible)
 
     @property
-    def kept(self) -> Bool[np.ndarray, " points"]:
+    def non_dominated(self) -> Bool[np.ndarray, " points"]:
         """Return which points make the front: those that are feasible, and not dominated."""
         return self.feasible & ~self.dominated
 
@@ -148,7 +148,7 @@ def pareto(
     ...     jb.BarDrop(), [jb.BarDropScenario()], [jb.Variable("impact.stiffness", 1e10, 1e12)], duration=0.25
     ... )
     >>> front = jb.pareto(problem, ["peak_force", "penetration"], points=2, starts=1, iterations=3)
-    >>> [bool(kept) for kept in front.kept]
+    >>> [bool(best) for best in front.non_dominated]
     [True, True]
     """
     check_front(problem, objectives, points, limits)
@@ -360,7 +360,7 @@ def front_table(front: Front) -> str:
             point_status(front, k),
         )
     count, lost = int(front.dominated.sum()), int((~front.feasible).sum())
-    lines = [f"{int(front.kept.sum())} of {len(front.points)} points are on the front"]
+    lines = [f"{int(front.non_dominated.sum())} of {len(front.points)} points are on the front"]
     if count:
         lines.append(f"{count} left out: another point is as good or better in every objective")
     if lost:

@@ -34,8 +34,8 @@ from ..mechanisms.registry import mechanism_of
 from ..run.request import DEFAULT_TOLERANCE, TOLERANCES, check_pair
 from ..value_text import interval_text, with_unit
 from .cases import Case, Scatter
-from .derived import Derived, check_derived
-from .objective import ONE_LIMIT, Limits, Objective, Then, in_units, quantity_in_words
+from .custom_quantity import CustomQuantity, check_custom_quantities
+from .objective import ONE_LIMIT, Limits, Objective, SecondObjective, in_units, quantity_in_words
 
 SCALES = ("log", "linear")
 PEAK_FORCE = "peak_force"  # the quantity that every mechanism has, and a search knows of every impact
@@ -114,7 +114,7 @@ class Problem:
     - ``limits``: the constraints (default: captured in every load case).
     - ``then``: what decides beyond the objective, or None.
     - ``duration`` [s], ``rtol`` [-]: as for `simulate`.
-    - ``quantities``: your own by name, a `Derived` each; objective, limits and ``then`` use them as any other.
+    - ``quantities``: your own by name, a `CustomQuantity` each; objective, limits and ``then`` use them as any other.
     - ``units``: in which people are shown the numbers at some dotted paths; default: each in its own.
     - ``scatter``: how each of the ``scenarios`` and the design scatter, a `jaxbuffer.tuning.Scatter`; ``cases`` are
       then samples of that, each at every scenario, and a tuning runs its result in the corners of the ranges too.
@@ -137,17 +137,17 @@ class Problem:
     variables: Sequence[Variable]
     objective: Objective = dataclasses.field(default_factory=Objective)
     limits: Limits = dataclasses.field(default_factory=Limits)
-    then: Then | None = None
+    then: SecondObjective | None = None
     duration: float | None = None
     rtol: float = DEFAULT_TOLERANCE
-    quantities: Mapping[str, Derived] = dataclasses.field(default_factory=dict)
+    quantities: Mapping[str, CustomQuantity] = dataclasses.field(default_factory=dict)
     scatter: Scatter | None = None
     units: Mapping[str, str] = dataclasses.field(default_factory=dict)
 
     def __post_init__(self) -> None:
         mechanism = self.mechanism
         # The class is frozen, so that fields which are completed here are set past its own assignment.
-        object.__setattr__(self, "quantities", check_derived(self.quantities, mechanism.quantities))
+        object.__setattr__(self, "quantities", check_custom_quantities(self.quantities, mechanism.quantities))
         if self.duration is None:
             object.__setattr__(self, "duration", mechanism.duration(self.design))
         self._check_parts(mechanism)
@@ -191,7 +191,7 @@ class Problem:
         check_type("objective", self.objective, Objective, "Objective({'peak_force': 1.0})")
         check_type("limits", self.limits, Limits, "Limits(at_most={'stroke': 0.025})")
         if self.then is not None:
-            check_type("then", self.then, Then, "Then(Objective({'stroke': 1.0}))")
+            check_type("then", self.then, SecondObjective, "SecondObjective(Objective({'stroke': 1.0}))")
         self._check_quantities(mechanism)
         check_single("duration", self.duration, "s", ONE_LIMIT, low=0.0, low_open=True)
         check_single("rtol", self.rtol, "-", ONE_LIMIT, **TOLERANCES)
@@ -292,9 +292,9 @@ class Problem:
         scenarios = len(self.cases) // self.scatter.count
         return f"{self.scatter.count} samples" + (f" at each of {scenarios} scenarios" if scenarios > 1 else "")
 
-    def worded(self, objective: Objective) -> str:
+    def format(self, objective: Objective) -> str:
         """Return an objective of this problem in words."""
-        return objective.worded(self.samples)
+        return objective.format(self.samples)
 
     def shown(self, path: str, value: float) -> tuple[float, str]:
         """Return a number of the design in the unit that people are shown, and that unit."""

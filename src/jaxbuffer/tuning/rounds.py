@@ -128,8 +128,8 @@ class Rounds:
         """Begin the second stage, from the first one's best design."""
         assert self.problem.then is not None
         lowest = search.goal.value(best.best)
-        # The slack makes room above the least value, also where that is negative.
-        ceiling = (1.0 + (self.problem.then.slack if lowest >= 0.0 else -self.problem.then.slack)) * lowest
+        # The tolerance makes room above the least value, also where that is negative.
+        ceiling = (1.0 + (self.problem.then.tolerance if lowest >= 0.0 else -self.problem.then.tolerance)) * lowest
         scale = abs(Goal(self.problem, self.problem.then.objective).value(best.best)) or 1.0
         progress = progress._replace(stage=1, scale=scale, ceiling=ceiling, branches=())
         return progress._replace(branches=(self._search(progress).begin(best.best),))
@@ -190,7 +190,7 @@ def check_starts(problem: Problem, points: list[Evaluation]) -> None:
             f"every {problem.mechanism.view.run_name} of the start fails ({reasons}): there is no slope to climb"
         )
     margin = problem.mechanism.tuning.margin
-    if margin and problem.limits.captured and not any(np.any(p.succeeded) or np.any(p.margin_slope) for p in points):
+    if margin and problem.limits.require_success and not any(np.any(p.succeeded) or np.any(p.margin_slope) for p in points):
         raise InputError(
             f"no {problem.mechanism.view.run_name} of the start succeeds ({reasons}), and no variable changes that to"
             " first order: start from another design or tune other variables"
@@ -218,13 +218,13 @@ class Agreement(NamedTuple):
 
     ``families``: the best objective [N] of each independent search that ended feasible, rising; searches that began
     around another's design belong to its family. ``difference`` [-]: of the best two, relative, infinite where there
-    are none; ``cliffs``: whether a search met a discontinuity; ``gain`` [-]: by how much the last round lowered the
+    are none; ``discontinuities``: whether a search met a discontinuity; ``gain`` [-]: by how much the last round lowered the
     best objective, infinite where nothing feasible was known before.
     """
 
     families: tuple[float, ...]
     difference: float
-    cliffs: bool
+    discontinuities: bool
     gain: float
 
     @staticmethod
@@ -236,7 +236,7 @@ class Agreement(NamedTuple):
         return Agreement(
             tuple(families),
             _above(families[1], families[0]) if len(families) > 1 else np.inf,
-            any(bool(np.any(np.isfinite(branch.cliffs))) for branch in branches),
+            any(bool(np.any(np.isfinite(branch.discontinuities))) for branch in branches),
             _above(earlier[0], families[0]) if earlier else np.inf,
         )
 
@@ -249,7 +249,7 @@ class Agreement(NamedTuple):
         if not self.families:
             return False
         agree = stage > 0 or self.difference <= AGREE
-        return (agree or len(self.families) == 1) if not self.cliffs else (agree and self.gain <= AGREE)
+        return (agree or len(self.families) == 1) if not self.discontinuities else (agree and self.gain <= AGREE)
 
 
 def _above(value: float, lowest: float) -> float:

@@ -28,7 +28,7 @@ FIRST_PENALTY = 0.1  # raised until the model is within the limits; a large one 
 LARGEST_PENALTY = 1e5
 SCREENING_PENALTY = 10.0  # by which designs are ranked that break a limit
 AGREE = 0.01  # relative difference of objectives below which two searches agree
-CLIFFS = 12  # designs beyond a discontinuity that are remembered, the latest ones
+DISCONTINUITIES = 12  # designs beyond a discontinuity that are remembered, the latest ones
 PATIENCE = 8  # steps that together must gain more than the tolerance
 FAIR_TRIAL = 5  # steps before a search may be dropped as hopeless
 RUNNING, CONVERGED, STALLED, BEHIND = 0, 1, 2, 3
@@ -37,7 +37,7 @@ RUNNING, CONVERGED, STALLED, BEHIND = 0, 1, 2, 3
 class Branch(NamedTuple):
     """One local search: its best design so far, its trust region and its model. All arrays, so that it can be stored.
 
-    ``point``: its present design; ``best``: the best one so far, feasible before infeasible; ``cliffs``: the scaled
+    ``point``: its present design; ``best``: the best one so far, feasible before infeasible; ``discontinuities``: the scaled
     variables of designs beyond a discontinuity, NaN where none; ``merits``: of the last steps, latest last; ``round``
     it began in; ``family``: the number of the search around whose design it began, or its own; ``restarted``: its
     merit when its curvature was last set to zero.
@@ -47,7 +47,7 @@ class Branch(NamedTuple):
     best: Evaluation
     radius: float
     curvature: Float[np.ndarray, "n n"]
-    cliffs: Float[np.ndarray, "cliffs n"]
+    discontinuities: Float[np.ndarray, "discontinuities n"]
     merits: Float[np.ndarray, " memory"]
     penalty: float
     residual: float
@@ -72,7 +72,7 @@ class Search:
             best=point,
             radius=FIRST_RADIUS,
             curvature=np.zeros((size, size)),
-            cliffs=np.full((CLIFFS, size), np.nan),
+            discontinuities=np.full((DISCONTINUITIES, size), np.nan),
             merits=np.full(PATIENCE, np.inf),
             penalty=FIRST_PENALTY,
             residual=np.inf,
@@ -92,7 +92,7 @@ class Search:
         """Return the step to try next."""
         tangent, scaled = Tangent.of(branch.point), branch.point.scaled
         # Steps stay nearer to the present design than to any one beyond a discontinuity.
-        normals = branch.cliffs[np.all(np.isfinite(branch.cliffs), axis=1)] - scaled
+        normals = branch.discontinuities[np.all(np.isfinite(branch.discontinuities), axis=1)] - scaled
         cuts = Cuts(normals, 0.5 * np.sum(normals**2, axis=1))
         arguments = (self.goal, tangent, scaled, branch.radius, self.scale, branch.penalty, cuts)
         move = best_step(*arguments, room=ROOM, curvature=branch.curvature)
@@ -106,12 +106,12 @@ class Search:
         # A model that predicts nothing is taken for a failure, which shrinks the trust region.
         ratio = (before - after) / move.predicted_reduction if move.predicted_reduction > 0.0 else -1.0
         length = float(np.max(np.abs(move.step)))
-        radius, cliffs = branch.radius, branch.cliffs
+        radius, discontinuities = branch.radius, branch.discontinuities
         beyond = self._is_beyond(branch.point, move.step, trial)
         # The cut that `plan` makes of the refused design does most, so that the radius shrinks little.
         if beyond:
             radius = 0.7 * radius
-            cliffs = np.vstack([cliffs[1:], trial.scaled])
+            discontinuities = np.vstack([discontinuities[1:], trial.scaled])
         elif ratio < 0.25:
             radius = 0.35 * min(length, radius)
         elif ratio > 0.7 and length > 0.8 * radius:
@@ -126,7 +126,7 @@ class Search:
             best=min(branch.best, trial, key=self.rank),
             radius=radius,
             curvature=curvature,
-            cliffs=cliffs,
+            discontinuities=discontinuities,
             steps=branch.steps + 1,
         )
         return self._examine(moved)
@@ -141,7 +141,7 @@ class Search:
             return True
         expected = Tangent.of(point).after(step)[1]
         failed = (point.margin >= 0.0) & (expected >= 0.0) & (trial.margin < 0.0)
-        return self.goal.must_succeed and bool(np.any(failed))
+        return self.goal.require_success and bool(np.any(failed))
 
     def _examine(self, branch: Branch) -> Branch:
         """Return the branch with its residual, a penalty that outweighs the objective, and whether it goes on."""

@@ -18,7 +18,7 @@ from ..mechanisms.energy import energy_text
 from ..mechanisms.mechanism import EndCount
 from ..tables import html, table, text
 from ..value_text import before_and_after, change_text, percent_text, relative_change
-from .checks import Corners, PeakForceBound, corners, floor
+from .checks import Corners, PeakForceBound, corners, lower_bound
 from .evaluation import Evaluation, Evaluator
 from .goal import Goal, Tangent
 from .message import Ended, broken_limits, headline
@@ -44,7 +44,7 @@ class Tuned(Saved):
       largest [-].
     - ``ended``: how the search ended, a name of `message.Ended`; ``borne_out``: whether an independent search agrees;
       ``message``: both in words.
-    - ``floor``: first impacts, which no buffer softens; None where the mechanism has no such floor.
+    - ``lower_bound``: first impacts, which no buffer softens; None where the mechanism has no such lower bound.
     - ``records``: every evaluation, as in the log.
     - ``captures``: solved in all, the last check included.
     - ``corners``: the design in the corners of the ranges that the problem scatters over; None where nothing scatters.
@@ -69,7 +69,7 @@ class Tuned(Saved):
     ended: str
     borne_out: bool
     message: str
-    floor: PeakForceBound | None
+    lower_bound: PeakForceBound | None
     records: tuple[Record, ...]
     captures: int
     corners: Corners | None = None
@@ -106,7 +106,7 @@ class Tuned(Saved):
         return self.goal.feasible(self.after) and (self.corners is None or self.corners.hold)
 
     @property
-    def without_effect(self) -> tuple[str, ...]:
+    def inactive_variables(self) -> tuple[str, ...]:
         """Return the paths of variables that change no quantity of any load case, neither at the start nor in the
         result."""
         points = (self.before, self.after)
@@ -116,7 +116,7 @@ class Tuned(Saved):
         return tuple(path for path, none in zip(self.problem.paths, still, strict=True) if none)
 
     @property
-    def why(self) -> list[str]:
+    def broken_limits(self) -> list[str]:
         """Return a line for each limit that an infeasible result breaks, the worst first; none for a feasible one.
 
         A line says in how many scenarios, how far, and which variables hold the result back to first order.
@@ -127,13 +127,13 @@ class Tuned(Saved):
         return lines
 
     @property
-    def above_floor(self) -> float:
+    def above_lower_bound(self) -> float:
         """Return how far the worst peak is above the floor of its own first impacts, relative [-].
 
-        It is NaN without a floor, and where nothing touches.
+        It is NaN without a lower bound, and where nothing touches.
         """
         above = (
-            None if self.floor is None else relative_change(self.floor.highest, float(np.max(self.after.peak_force)))
+            None if self.lower_bound is None else relative_change(self.lower_bound.highest, float(np.max(self.after.peak_force)))
         )
         return float("nan") if above is None else above
 
@@ -202,7 +202,7 @@ def assess(
         ended=ended,
         borne_out=borne_out,
         message=with_corners(message(after), in_corners, goal.feasible(after)),
-        floor=floor(problem, scaled),
+        lower_bound=lower_bound(problem, scaled),
         records=tuple(records),
         captures=evaluator.captures,
         corners=in_corners,
@@ -250,12 +250,12 @@ def _tuned_objective(tuned: Tuned) -> Table:
     change = "" if relative_change(start, end) is None else f" ({change_text(start, end, '+.2f')})"
     unit, factor = problem.objective.in_figures(problem.catalogue)
     summary.add_row(
-        f"{problem.worded(problem.objective)} [{unit}]", f"{factor * start:.6g}", f"{factor * end:.6g}{change}"
+        f"{problem.format(problem.objective)} [{unit}]", f"{factor * start:.6g}", f"{factor * end:.6g}{change}"
     )
     if problem.then is not None and tuned.goal.ceiling is not None:
         unit, factor = problem.then.objective.in_figures(problem.catalogue)
         then = [factor * tuned.goal.value(point) for point in (tuned.before, tuned.after)]
-        summary.add_row(f"then {problem.worded(problem.then.objective)} [{unit}]", *(f"{value:.6g}" for value in then))
+        summary.add_row(f"then {problem.format(problem.then.objective)} [{unit}]", *(f"{value:.6g}" for value in then))
     points = (tuned.before, tuned.after)
     succeeded = f"cases {problem.success or 'solved'}"
     summary.add_row(succeeded, *(f"{int(np.sum(p.succeeded))} of {len(p.code)}" for p in points))
@@ -279,7 +279,7 @@ def tuned_warnings(tuned: Tuned) -> list[str]:
     if problem.mechanism.tuning.unfinished is not None:
         lines += problem.mechanism.tuning.unfinished(problem, tuned.after)
     lines += unasked_end(tuned)
-    for path in tuned.without_effect:
+    for path in tuned.inactive_variables:
         lines.append(f"without effect: {path} changes nothing, neither at the start nor in the result; leave it out")
     return lines
 
@@ -290,7 +290,7 @@ def unasked_end(tuned: Tuned) -> list[str]:
     if before is None or after is None or after.complete or after.name == problem.success:
         return []
     # Where no end is asked for, none is missed.
-    if not problem.limits.captured:
+    if not problem.limits.require_success:
         return []
     earlier = f", {before.reached} before" if before.reached != after.reached else ""
     name = after.name
@@ -301,22 +301,22 @@ def unasked_end(tuned: Tuned) -> list[str]:
 
 
 def _floor_facts(tuned: Tuned) -> list[str]:
-    """Return lines about the floor of the worst scenario, or one that says that it is not known."""
-    floor, cases = tuned.floor, len(tuned.problem.cases)
-    if floor is None:
+    """Return lines about the lower bound of the worst scenario, or one that says that it is not known."""
+    lower_bound, cases = tuned.lower_bound, len(tuned.problem.cases)
+    if lower_bound is None:
         return []
-    if floor.unknown:
+    if lower_bound.unknown:
         return [
-            "floor, the first impact that no buffer softens: unknown, as the first impact can not be simulated in"
-            f" {floor.unknown} of {cases} scenarios"
+            "lower bound, the first impact that no buffer softens: unknown, as the first impact can not be simulated in"
+            f" {lower_bound.unknown} of {cases} scenarios"
         ]
-    heading = "floor, the first impact in the worst scenario, which no buffer softens:"
-    if not floor.highest > 0.0:
+    heading = "lower bound, the first impact in the worst scenario, which no buffer softens:"
+    if not lower_bound.highest > 0.0:
         return [heading, "  none: nothing is touched"]
-    above, closed = tuned.above_floor, float(np.max(floor.closed_form))
+    above, closed = tuned.above_lower_bound, float(np.max(lower_bound.closed_form))
     beyond = f"; the tuned peak is {percent_text(above, '+.3f')} above it" if np.isfinite(above) else ""
-    lowest = f"  within the bounds none gets below {floor.lowest:.6g} N"
-    first = f"  without any buffer {floor.highest:.6g} N{beyond}"
+    lowest = f"  within the bounds none gets below {lower_bound.lowest:.6g} N"
+    first = f"  without any buffer {lower_bound.highest:.6g} N{beyond}"
     if not np.isfinite(closed):  # of a free start
         return [heading, first, lowest]
     return [

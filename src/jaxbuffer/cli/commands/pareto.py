@@ -49,4 +49,4 @@ def pareto(
         return INTERRUPTED
     made = request.made(study, resume)
     files.save_and_show(lambda: front_files(front, made), front, lambda: table_json("points", *front_rows(front)))
-    return OK if front.kept.any() else fail("no design was found that keeps to the limits", LIMITS_BROKEN)
+    return OK if front.non_dominated.any() else fail("no design was found that keeps to the limits", LIMITS_BROKEN)

@@ -48,7 +48,7 @@ def loaded(folder: Path) -> Results:
 def _saved(file: Path, page: Page) -> Path:
     """Write a page; another one of ours may be replaced, and a note says so, nothing else."""
     if write_page(page, file, "--html FILE"):
-        note(f"the page {file} is made anew")
+        note(f"the page {file} is overwritten")
     return file
 
 

@@ -28,7 +28,7 @@ def dropped(mechanism: Assembled, solved: Solved) -> BarDropRun:
     """
     log, scenario = solved.log, solved.parameters[1]
     released = (log.kind == Kind.RELEASE) & (jnp.arange(log.kind.shape[0]) < log.room)
-    at = mechanism.posture(log.rows[jnp.argmax(released), 0])
+    at = mechanism.evaluate(log.rows[jnp.argmax(released), 0])
     gap, closing = mechanism.gaps_at(at)
     height = gap[0] + closing[0] ** 2 / (3.0 * scenario.gravity)
     rises = jnp.any(released) & (height > 0.0)

@@ -107,7 +107,7 @@ VIEW = View(
     approach=lambda scenario: f"dropped {label(scenario)}",
     summary=summary,
     record=record,
-    leaves_out=(
+    limitations=(
         "The motion is planar: nothing moves or turns out of the plane.",
         "The forces have not been compared with a measurement: docs/verification.md.",
     ),

@@ -55,7 +55,7 @@ DOCKED_UNITS: Mapping[str, tuple[str, float]] = MappingProxyType(
 )
 
 
-class Docked(Portable):
+class Docking(Portable):
     """Docking beyond the crossing of the capture plane; scalars, NaN where a run has no such thing.
 
     - ``latch_time``: when the latches began to close [s].
@@ -118,7 +118,7 @@ class Capture(Run):
     - ``peak_latch_force``: largest force of the latches [N], 0 without any.
     - ``passive_force``: largest sum of the forces on the passive vehicle [N]; NaN where it was not followed, in a run
       from contact without latches.
-    - ``docked``: what it says of docking beyond the capture plane.
+    - ``docking``: what it says of docking beyond the capture plane.
     - ``first_impact``: its closed form; NaN for a free start.
 
     **Example:**
@@ -140,7 +140,7 @@ class Capture(Run):
     capture_share: Float[Array, ""]
     peak_latch_force: Float[Array, ""]
     passive_force: Float[Array, ""]
-    docked: Docked
+    docking: Docking
     first_impact: FirstImpact
 
     @property

@@ -50,7 +50,7 @@ def first_impact(design: Design, scenario: Scenario | None = None) -> FirstImpac
 @stored
 def _first_impact(parameters: tuple[Design, Scenario]) -> FirstImpact:
     mechanism = assemble(*parameters)
-    return predict(mechanism, mechanism.first_posture()[0])
+    return predict(mechanism, mechanism.first_evaluation()[0])
 
 
 def predict(mechanism: Assembled, at: EvaluatedState) -> FirstImpact:

@@ -45,7 +45,7 @@ class Comparison(NamedTuple):
 def first_contact(design: Design, scenario: Scenario) -> tuple[float, float]:
     """Return effective mass [kg] and approach speed [m/s] of the first impact."""
     mechanism = assemble(design, scenario)
-    mass, speed = first_flank(mechanism, mechanism.first_posture()[0])
+    mass, speed = first_flank(mechanism, mechanism.first_evaluation()[0])
     return float(mass), float(speed)
 
 

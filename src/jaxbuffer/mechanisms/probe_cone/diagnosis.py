@@ -48,7 +48,7 @@ def course(
     active = design.active.mass + design.buffer.cylinder_mass + mechanism.parts.probe.mass
 
     def at(state: Float[Array, " state"], touching: Float[Array, " contacts"]) -> Course:
-        posture = mechanism.posture(state)
+        posture = mechanism.evaluate(state)
         tip = mechanism.evaluated(posture, "throat")
         momentum = mechanism.momentum(state)[0]
         cone = posture.kin.frame(T)
@@ -122,7 +122,7 @@ def diagnosis(capture: Capture) -> dict[str, str]:
 
 def _torn(capture: Capture) -> str:
     """Return when the latches tore, and how far they had closed."""
-    latch, begin = capture.design.latch, float(capture.docked.latch_time)
+    latch, begin = capture.design.latch, float(capture.docking.latch_time)
     since, closing = float(capture.end_time) - begin, float(latch.closing_time)
     how = f"still closing, which takes {1e3 * closing:.4g} ms" if since < closing else "closed"
     return (
@@ -133,11 +133,11 @@ def _torn(capture: Capture) -> str:
 
 def _met(capture: Capture) -> str:
     """Return how the tip crossed the capture plane."""
-    docked = capture.docked
+    docking = capture.docking
     return (
-        f"{1e3 * float(docked.lateral_miss):.4g} mm off the axis, moving across it at"
-        f" {1e3 * float(docked.lateral_miss_rate):.3g} mm/s;"
-        f" {np.degrees(float(docked.attitude_miss)):.4g} deg against it"
+        f"{1e3 * float(docking.lateral_miss):.4g} mm off the axis, moving across it at"
+        f" {1e3 * float(docking.lateral_miss_rate):.3g} mm/s;"
+        f" {np.degrees(float(docking.attitude_miss)):.4g} deg against it"
     )
 
 

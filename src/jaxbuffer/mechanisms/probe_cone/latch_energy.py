@@ -29,12 +29,12 @@ def reference_share(capture: Capture) -> Float[Array, ""]:
     design = capture.design
     active = design.active.mass + design.buffer.cylinder_mass + design.probe.rod_mass + design.probe.tip_mass
     reduced = active * design.passive.mass / (active + design.passive.mass)
-    return jnp.asarray(capture.docked.energy_left / (0.5 * reduced * REFERENCE_SPEED**2))
+    return jnp.asarray(capture.docking.energy_left / (0.5 * reduced * REFERENCE_SPEED**2))
 
 
 def _brought(capture: Capture) -> Float[Array, ""]:
     """Return the energy of relative motion at the start [J]."""
-    return capture.docked.energy_left / capture.docked.relative_energy
+    return capture.docking.energy_left / capture.docking.relative_energy
 
 
 def closing_words(capture: Capture) -> str:

@@ -7,7 +7,7 @@ from ..._types import Scalar
 from ...elements import BufferForce
 from ...hybrid import Log
 from ..assembled import Assembled
-from .docked import PlaneCrossing
+from .docking import PlaneCrossing
 from .throat import ThroatState
 
 
@@ -20,7 +20,7 @@ def throat(mechanism: Assembled, log: Log, cross: PlaneCrossing, duration: Scala
     crossing it is a jump.
     """
     last = jnp.maximum(log.count - 1, 0)
-    end = mechanism.evaluated(mechanism.posture(log.rows[last, 0]), "throat")
+    end = mechanism.evaluated(mechanism.evaluate(log.rows[last, 0]), "throat")
     # With latches a run goes on beyond the plane: how the tip crossed it counts, not where the latches hold it.
     if mechanism.element("latch") is None:
         return end.before, _through(mechanism, end, -(end.before + end.receding * (duration - log.time[last])))
@@ -47,7 +47,7 @@ def stroke_margin(
     push on in later impacts. Runs with a longer stroke need 1 to 1000 times as much.
     """
     last = jnp.maximum(log.count - 1, 0)
-    at = mechanism.posture(log.rows[last, 0])
+    at = mechanism.evaluate(log.rows[last, 0])
     buffer, axial = mechanism.parts.design.buffer, mechanism.element("buffer").force
     mass = mechanism.system.effective_mass(at.kin, mechanism.system.direction(axial.springs(at.kin)[0].blocks))
     speed = jnp.maximum(mechanism.evaluated(at, "buffer").stroke_rate, 0.0)

@@ -2,7 +2,7 @@
 
 from ...errors import InputError
 from ...fields import replace
-from ..mechanism import Defaults, Floor, Mechanism, RequiredEnd, TuningRules
+from ..mechanism import Defaults, LowerBound, Mechanism, RequiredEnd, TuningRules
 from ..registry import register
 from .assembly import assemble
 from .closed_form import first_impact
@@ -13,7 +13,7 @@ from .quantities import QUANTITIES
 from .solved import capture
 from .view import VIEW
 
-SOFTENERS = ("k_A", "c_A", "k_T", "c_T", "spring_curve", "damper_curve", "preload", "c_A2", "friction")
+COMPLIANT_PARTS = ("k_A", "c_A", "k_T", "c_T", "spring_curve", "damper_curve", "preload", "c_A2", "friction")
 
 LATCHED = {  # defaults of designs with a latch: how hard it is held, and how long until it is at rest
     "duration": 20.0,
@@ -59,7 +59,7 @@ PROBE_CONE = register(
             ),
             unfinished=unfinished,
             left_open=left_open,
-            floor=Floor(first_impact, tuple(f"buffer.{name}" for name in SOFTENERS)),
+            lower_bound=LowerBound(first_impact, tuple(f"buffer.{name}" for name in COMPLIANT_PARTS)),
         ),
         defaults=Defaults(
             duration=8.0,

@@ -141,7 +141,7 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "latch_share": Quantity(
         "-",
-        lambda c: c.docked.latch_share,
+        lambda c: c.docking.latch_share,
         "largest force of the latches over their strength; of torn ones above 1",
         "share of the latches' strength",
         tuned=True,
@@ -149,7 +149,7 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "latch_time": Quantity(
         "s",
-        lambda c: c.docked.latch_time,
+        lambda c: c.docking.latch_time,
         "when the tip crosses the capture plane and the latches begin to close",
         "latch time",
         swept=True,
@@ -157,7 +157,7 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "settling_time": Quantity(
         "s",
-        lambda c: c.docked.settling_time,
+        lambda c: c.docking.settling_time,
         "from the latching until the vehicles are held; NaN where they are not yet",
         "settling time",
         swept=True,
@@ -167,7 +167,7 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "relative_energy": Quantity(
         "-",
-        lambda c: c.docked.relative_energy,
+        lambda c: c.docking.relative_energy,
         "energy of relative motion at the end over that at the start",
         "relative energy left",
         swept=True,
@@ -176,7 +176,7 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "energy_left": Quantity(
         "J",
-        lambda c: c.docked.energy_left,
+        lambda c: c.docking.energy_left,
         "energy of relative motion at the end",
         "energy of relative motion left",
         swept=True,
@@ -209,7 +209,7 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "arrest_stroke": Quantity(
         "m",
-        lambda c: c.docked.arrest_stroke,
+        lambda c: c.docking.arrest_stroke,
         "stroke at which the axial spring would store the energy of relative motion left at the end",
         "arrest stroke",
         swept=True,
@@ -232,21 +232,21 @@ QUANTITIES: dict[str, Quantity] = {
         part="latch.stiffness",
     ),
     **{f"{vehicle}_shock_{k + 1}": _shock(vehicle, k + 1) for vehicle in VEHICLES for k in range(SLOTS)},
-    "impulse": Quantity("N s", lambda c: c.docked.impulse, "impulse on the passive vehicle, to the end of the run"),
+    "impulse": Quantity("N s", lambda c: c.docking.impulse, "impulse on the passive vehicle, to the end of the run"),
     "lateral_miss": Quantity(
         "m",
-        lambda c: c.docked.lateral_miss,
+        lambda c: c.docking.lateral_miss,
         "of the tip from the cone's axis where it crosses the capture plane",
         "lateral miss",
         signed=True,
         shown=MILLIMETRES,
     ),
     "lateral_miss_rate": Quantity(
-        "m/s", lambda c: c.docked.lateral_miss_rate, "how fast that changes there", signed=True, shown=("mm/s", 1e3)
+        "m/s", lambda c: c.docking.lateral_miss_rate, "how fast that changes there", signed=True, shown=("mm/s", 1e3)
     ),
     "attitude_miss": Quantity(
         "rad",
-        lambda c: c.docked.attitude_miss,
+        lambda c: c.docking.attitude_miss,
         "angle of the probe against the cone's axis where the tip crosses the capture plane",
         "attitude miss",
         signed=True,
@@ -254,7 +254,7 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "attitude_miss_rate": Quantity(
         "rad/s",
-        lambda c: c.docked.attitude_miss_rate,
+        lambda c: c.docking.attitude_miss_rate,
         "how fast that changes there",
         signed=True,
         shown=("deg/s", 180.0 / math.pi),

@@ -7,7 +7,7 @@ from ..assembled import Assembled
 from ..run import Solved
 from .capture import Capture, FlankImpacts
 from .closed_form import predict
-from .docked import crossing, docked, latched
+from .docking import crossing, docking, latched
 from .margins import stroke_margin, throat
 from .outcome import Outcome
 
@@ -24,7 +24,7 @@ def capture(mechanism: Assembled, solved: Solved) -> Capture:
     margin = stroke_margin(mechanism, log, stroke, code == Outcome.bottomed)
     # Before the crossing it is what keeps its square root differentiable.
     latch_force = jnp.where(latched(mechanism, log), largest.get("latch_force", 0.0), 0.0) * known
-    beyond_capture = docked(mechanism, solved.start, log, code, latch_force)
+    beyond_capture = docking(mechanism, solved.start, log, code, latch_force)
     common = {**solved.common, "code": code, "impacts": FlankImpacts(**vars(solved.common["impacts"]))}
     return Capture(
         **common,
@@ -40,6 +40,6 @@ def capture(mechanism: Assembled, solved: Solved) -> Capture:
         passive_force=largest.get("passive_force", jnp.nan * known),
         capture_margin=jnp.minimum(beyond, margin) * known,
         capture_share=beyond / before * known,
-        docked=jax.tree.map(lambda value: value * known, beyond_capture),
+        docking=jax.tree.map(lambda value: value * known, beyond_capture),
         first_impact=predict(mechanism, solved.start),
     )

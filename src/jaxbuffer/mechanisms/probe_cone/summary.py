@@ -98,16 +98,16 @@ def _first_impact(capture: Capture) -> list[str]:
 
 def _latch(capture: Capture) -> list[str]:
     """Return when the latches closed, what they exerted, and how the tip met them."""
-    latch, docked = capture.design.latch, capture.docked
-    if latch.stiffness is None or not np.isfinite(float(docked.latch_time)):
+    latch, docking = capture.design.latch, capture.docking
+    if latch.stiffness is None or not np.isfinite(float(docking.latch_time)):
         return []
-    settled = "" if capture.outcome != Outcome.held else f", held {float(docked.settling_time):.4g} s later"
+    settled = "" if capture.outcome != Outcome.held else f", held {float(docking.settling_time):.4g} s later"
     strength = "" if latch.strength is None else f" of {float(latch.strength):.6g} N strength"
     return [
-        f"  latched              at {float(docked.latch_time):.6g} s{settled}; latch force at most"
+        f"  latched              at {float(docking.latch_time):.6g} s{settled}; latch force at most"
         f" {float(capture.peak_latch_force):.6g} N{strength}{_when(capture.maximum_times.get('latch_force', np.nan))}",
-        f"  tip at the latches   {1e3 * float(docked.lateral_miss):.4g} mm off the axis,"
-        f" {np.degrees(float(docked.attitude_miss)):.4g} deg against it",
+        f"  tip at the latches   {1e3 * float(docking.lateral_miss):.4g} mm off the axis,"
+        f" {np.degrees(float(docking.attitude_miss)):.4g} deg against it",
         *(f"  energy of the latch  {text}" for text in (closing_words(capture),) if text),
     ]
 
@@ -123,7 +123,7 @@ def _shock(capture: Capture) -> list[str]:
 
 def _energy_before(capture: Capture) -> str:
     """Return the energy of relative motion at the start, and what latches and thrust put in."""
-    begin = float(capture.docked.energy_left) / float(capture.docked.relative_energy)
+    begin = float(capture.docking.energy_left) / float(capture.docking.relative_energy)
     put_in = {
         name: -float(np.asarray(capture.energy.stored[key]))
         for name, key in (("the closing of the latches", "latch_closing"), ("the thrust", "thrust"))
@@ -135,10 +135,10 @@ def _energy_before(capture: Capture) -> str:
 
 def _energy_left(capture: Capture) -> str:
     """Return the energy of relative motion left, and the stroke that it may still take."""
-    docked, longest = capture.docked, float(capture.design.buffer.longest_stroke)
-    share = percent_text(float(docked.relative_energy), ".3g")
-    left = f"{energy_text(docked.energy_left)} of relative motion, {share} of that"
-    needed = float(docked.arrest_stroke)
+    docking, longest = capture.docking, float(capture.design.buffer.longest_stroke)
+    share = percent_text(float(docking.relative_energy), ".3g")
+    left = f"{energy_text(docking.energy_left)} of relative motion, {share} of that"
+    needed = float(docking.arrest_stroke)
     beyond = ", more than the buffer has" if needed > longest else ""
     left = f"at capture, where the run ends, {left}" if capture.outcome == Outcome.captured else left
     return f"{left} at the start; it may take up to {1e3 * needed:.4g} mm of stroke{beyond}"

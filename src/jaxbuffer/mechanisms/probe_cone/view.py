@@ -5,7 +5,7 @@ from .assembly import CONTACTS
 from .contradictions import contradictions
 from .design import Design
 from .diagnosis import diagnosis
-from .doubts import doubts
+from .sanity_checks import sanity_checks
 from .drawing import drawing
 from .label import scenario_label
 from .law_validity import limits, warnings
@@ -52,10 +52,10 @@ VIEW = View(
     record=lambda run: {"first_impact": first_impact_record(run)},
     notes=lambda run: [first_impact_line(run)],
     diagnosis=diagnosis,
-    doubts=doubts,
+    sanity_checks=sanity_checks,
     contradictions=contradictions,
     larger_force=larger_than_contact,
-    leaves_out=(
+    limitations=(
         "The motion is planar: nothing moves or turns out of the plane.",
         "Without latches (latch.stiffness) the run ends at capture: what the parts do afterwards is not simulated.",
         "The forces have not been compared with a test of hardware: docs/verification.md.",

@@ -33,7 +33,7 @@ VIEW = View(
     label=label,
     approach=label,
     summary=summary,
-    leaves_out=(
+    limitations=(
         "The motion is planar: nothing moves or turns out of the plane.",
         "The forces have not been compared with a measurement: docs/verification.md.",
     ),

@@ -95,7 +95,7 @@ VIEW = View(
     names=names,
     label=label,
     approach=label,
-    leaves_out=(
+    limitations=(
         "The tank is infinitely long: its ends are left out (plane strain), and ribs are spread evenly along it.",
         "The liquid is a linear acoustic medium on the mesh it has at rest; it neither flows nor is torn, and"
         " neither baffle plates nor ribs hinder it.",

@@ -28,19 +28,19 @@ def _rising(values: Sequence[float]) -> bool:
 def _cut(rows: Rows) -> ClaimVerdict:
     rigid, soft = rows["rigid"]
     first, peak = (float(soft[name]) / float(rigid[name]) for name in ("first_peak", "peak_force"))
-    said = (
+    finding = (
         f"first impact {float(soft['first_peak']):.4g} N against {float(rigid['first_peak']):.4g} N ({first:.0%}), "
         f"whole capture {float(soft['peak_force']):.4g} N against {float(rigid['peak_force']):.4g} N ({peak:.0%})"
     )
-    return ClaimVerdict(said, _verdict([first < 0.5, peak < 0.5]))
+    return ClaimVerdict(finding, _verdict([first < 0.5, peak < 0.5]))
 
 
 def _longer(rows: Rows) -> ClaimVerdict:
     rigid, soft = rows["rigid"]
     first = [1e3 * float(row["first_contact"]) for row in (rigid, soft)]
     total = [1e3 * float(row["contact_time"]) for row in (rigid, soft)]
-    said = f"rigid, buffered: first impact {_listed(first)} ms, contact in all {_listed(total)} ms"
-    return ClaimVerdict(said, _verdict([first[1] > first[0], total[1] > total[0]]))
+    finding = f"rigid, buffered: first impact {_listed(first)} ms, contact in all {_listed(total)} ms"
+    return ClaimVerdict(finding, _verdict([first[1] > first[0], total[1] > total[0]]))
 
 
 def _back(rows: Rows) -> ClaimVerdict:
@@ -48,27 +48,27 @@ def _back(rows: Rows) -> ClaimVerdict:
     axial, last = (abs(float(row[name])) / float(row["stroke"]) for name in ("end_stroke", "stroke_at_release"))
     turned = abs(float(row["end_hinge_angle"])) / float(row["hinge_angle"])
     passed = "never passed" if row["returns_at"] == NONE else f"first passed at {float(row['returns_at']):.3g} s"
-    said = (
+    finding = (
         f"axial compressed by up to {1e3 * float(row['stroke']):.3g} mm, {axial:.0%} of that left at capture, "
         f"{last:.0%} at the last release, its length {passed}; torsional {turned:.0%} left at capture"
     )
-    return ClaimVerdict(said, _verdict([axial < BACK, turned < BACK]))
+    return ClaimVerdict(finding, _verdict([axial < BACK, turned < BACK]))
 
 
 def _literature(rows: Rows) -> ClaimVerdict:
     rigid = rows["rigid"][0]
     peak = float(rigid["first_peak"])
-    said = f"ours {peak:.4g} N; the figure is lost, and the data of its reference [27] are not available"
-    return ClaimVerdict(said, OPEN)
+    finding = f"ours {peak:.4g} N; the figure is lost, and the data of its reference [27] are not available"
+    return ClaimVerdict(finding, OPEN)
 
 
 def _masses(rows: Rows) -> ClaimVerdict:
     rigid, soft = ([v for k in range(1, FIRST + 1) if (v := row[f"mass_{k}"]) != NONE] for row in rows["rigid"])
     hard, slow = [float(m) for m in rigid], [float(m) for m in soft]
-    said = (
+    finding = (
         f"impulse over change of normal speed, impact by impact: rigid {_listed(hard)} kg; buffered {_listed(slow)} kg"
     )
-    return ClaimVerdict(said, _verdict([slow[0] < 0.5 * hard[0], _rising(slow)]))
+    return ClaimVerdict(finding, _verdict([slow[0] < 0.5 * hard[0], _rising(slow)]))
 
 
 def _aligned(rows: Rows) -> ClaimVerdict:
@@ -76,44 +76,44 @@ def _aligned(rows: Rows) -> ClaimVerdict:
     offset = [max(abs(x) for x in _of(made, name)) for name in ("start_offset", "end_offset")]
     first, last, probe = ([abs(x) for x in _of(made, f"{name}_attitude")] for name in ("start", "end", "probe"))
     turned = [f"{math.degrees(a):.2g} to {math.degrees(b):.2g}" for a, b in zip(first, last, strict=True)]
-    said = (
+    finding = (
         f"offset of the tip from {1e3 * offset[0]:.3g} to at most {1e3 * offset[1]:.2g} mm; angle between the vehicles "
         f"{', '.join(turned)}°; probe and cone within {math.degrees(max(probe)):.2g}° at capture"
     )
-    return ClaimVerdict(said, _verdict([offset[1] < offset[0], all(b <= a for a, b in zip(first, last, strict=True))]))
+    return ClaimVerdict(finding, _verdict([offset[1] < offset[0], all(b <= a for a, b in zip(first, last, strict=True))]))
 
 
 def _rebound(rows: Rows) -> ClaimVerdict:
     rigid, soft = rows["rigid"]
     speeds = [f"{float(row['parting']):.0%}" for row in (rigid, soft)]
     bounces = [1e3 * float(row["bounce"]) for row in (rigid, soft)]
-    said = (
+    finding = (
         f"after the first impact the rigid probe leaves the flank by {bounces[0]:.3g} mm and has {rigid['outcome']}, "
         f"the buffered one by {bounces[1]:.3g} mm and is {soft['outcome']}; they part with {speeds[0]} and "
         f"{speeds[1]} of the approach speed (restitution 0.9, assumed)"
     )
-    return ClaimVerdict(said, _verdict([bounces[1] < 0.1 * bounces[0], soft["outcome"] == "captured"]))
+    return ClaimVerdict(finding, _verdict([bounces[1] < 0.1 * bounces[0], soft["outcome"] == "captured"]))
 
 
 def _rolls(rows: Rows) -> ClaimVerdict:
     welded, free = _of(rows["tip"], "rolling_share")
-    said = (
+    finding = (
         f"no slip beyond the slip speed in {free:.0%} of a free tip's time in contact, {welded:.0%} of a welded one's"
     )
-    return ClaimVerdict(said, _verdict([1.0 - SLIDING < free < 1.0, welded < 1.0 - SLIDING]))
+    return ClaimVerdict(finding, _verdict([1.0 - SLIDING < free < 1.0, welded < 1.0 - SLIDING]))
 
 
 def _friction_falls(rows: Rows) -> ClaimVerdict:
     (w, f), (wp, fp) = (_of(rows["tip"], name) for name in ("friction_impulse", "peak_friction"))
-    said = f"welded, free: impulse of friction {w:.3g}, {f:.3g} N s; largest friction {wp:.3g}, {fp:.3g} N"
-    return ClaimVerdict(said, _verdict([f < LESS * w, fp < LESS * wp]))
+    finding = f"welded, free: impulse of friction {w:.3g}, {f:.3g} N s; largest friction {wp:.3g}, {fp:.3g} N"
+    return ClaimVerdict(finding, _verdict([f < LESS * w, fp < LESS * wp]))
 
 
 def _success(name: str) -> Callable[[Rows], ClaimVerdict]:
     def judge(rows: Rows) -> ClaimVerdict:
         outcomes = {str(row["case"]): str(row["outcome"]) for row in rows[name]}
-        said = ", ".join(f"{case} {outcome}" for case, outcome in outcomes.items())
-        return ClaimVerdict(said, _verdict([outcome == "captured" for outcome in outcomes.values()]))
+        finding = ", ".join(f"{case} {outcome}" for case, outcome in outcomes.items())
+        return ClaimVerdict(finding, _verdict([outcome == "captured" for outcome in outcomes.values()]))
 
     return judge
 
@@ -127,11 +127,11 @@ def _times(row: str, rising: bool) -> Callable[[Rows], ClaimVerdict]:
         # How long a capture takes says nothing where there is none.
         made = [one for one in rows[row] if one["outcome"] == "captured"]
         contact, capture = _of(made, "contact_time"), _of(made, "capture_time")
-        said = (
+        finding = (
             f"{made[0]['case']} to {made[-1]['case']}: from first contact to capture {_listed(capture)} s; "
             f"in contact {_listed(contact)} s"
         )
-        return ClaimVerdict(said, _verdict([_rising([sign * t for t in times]) for times in (capture, contact)]))
+        return ClaimVerdict(finding, _verdict([_rising([sign * t for t in times]) for times in (capture, contact)]))
 
     return judge
 
@@ -139,15 +139,15 @@ def _times(row: str, rising: bool) -> Callable[[Rows], ClaimVerdict]:
 def _seven(rows: Rows) -> ClaimVerdict:
     welded, free = rows["tip"]
     first, peak = (float(free[name]) / float(welded[name]) - 1.0 for name in ("first_peak", "peak_force"))
-    said = f"first impact {first:+.1%}, whole capture {peak:+.1%}"
-    return ClaimVerdict(said, _verdict([abs(change + 0.07) < 0.02 for change in (first, peak)]))
+    finding = f"first impact {first:+.1%}, whole capture {peak:+.1%}"
+    return ClaimVerdict(finding, _verdict([abs(change + 0.07) < 0.02 for change in (first, peak)]))
 
 
 def _less(name: str, unit: str, scale: float) -> Callable[[Rows], ClaimVerdict]:
     def judge(rows: Rows) -> ClaimVerdict:
         welded, free = _of(rows["tip"], name)
-        said = f"welded {scale * welded:.4g} {unit}, free {scale * free:.4g} {unit}"
-        return ClaimVerdict(said, YES if free < LESS * welded else NO)
+        finding = f"welded {scale * welded:.4g} {unit}, free {scale * free:.4g} {unit}"
+        return ClaimVerdict(finding, YES if free < LESS * welded else NO)
 
     return judge
 
@@ -159,8 +159,8 @@ def _faster(rows: Rows) -> ClaimVerdict:
     both = [pair for pair in pairs if all(row["outcome"] == "captured" for row in pair)]
     quicker = [float(free["capture_time"]) < LESS * float(welded["capture_time"]) for welded, free in both]
     welded, free = (float(row["capture_time"]) for row in rows["tip"])
-    said = f"Table 2: {free:.3g} s against {welded:.3g} s; faster in {sum(quicker)} of {len(quicker)} pairs of captures"
-    return ClaimVerdict(said, _verdict(quicker))
+    finding = f"Table 2: {free:.3g} s against {welded:.3g} s; faster in {sum(quicker)} of {len(quicker)} pairs of captures"
+    return ClaimVerdict(finding, _verdict(quicker))
 
 
 CLAIMS = (

@@ -133,15 +133,15 @@ def _holding(rows: Rows, tests: Sequence[str]) -> list[str]:
 def _any(*tests: str) -> Callable[[Rows], ClaimVerdict]:
     def judge(rows: Rows) -> ClaimVerdict:
         holding = _holding(rows, tests)
-        said = f"in {len(holding)} of {len(READINGS)} readings"
+        finding = f"in {len(holding)} of {len(READINGS)} readings"
         if holding:
-            said += f", such as: {holding[0]}"
+            finding += f", such as: {holding[0]}"
         elif len(tests) > 1:
             # Where no reading bears all of it out, how far the best pair gets is told.
             best = max(itertools.combinations(tests, 2), key=lambda pair: len(_holding(rows, pair)))
             two = _holding(rows, best)
-            said += f"; «{best[0]}» and «{best[1]}» in {len(two)}" + (f", such as: {two[0]}" if two else "")
-        return ClaimVerdict(said, YES if len(holding) == len(READINGS) else PARTLY if holding else NO)
+            finding += f"; «{best[0]}» and «{best[1]}» in {len(two)}" + (f", such as: {two[0]}" if two else "")
+        return ClaimVerdict(finding, YES if len(holding) == len(READINGS) else PARTLY if holding else NO)
 
     return judge
 

@@ -127,8 +127,8 @@ def _alignment(capture: Capture, history: History) -> Row:
     along = float(capture.scenario.contact_distance)
     return {
         "start_offset": radius * math.cos(half) - float(cone.throat_radius) - along * math.sin(half),
-        "end_offset": float(capture.docked.lateral_miss),
+        "end_offset": float(capture.docking.lateral_miss),
         "start_attitude": float(active[0] - passive[0]),
         "end_attitude": float(active[-1] - passive[-1]),
-        "probe_attitude": float(capture.docked.attitude_miss),
+        "probe_attitude": float(capture.docking.attitude_miss),
     }

@@ -131,22 +131,22 @@ def _over_time(axes: Any, run: Any, which: int, title: str) -> None:
 def _seen(rows: Rows) -> ClaimVerdict:
     names = ("spring_seen", "spring", "damper_seen", "damper")
     pairs = [[float(row[name]) for name in names] for row in rows["algorithm"]]
-    said = "; ".join("F₁ {:.3g} of {:.4g} N, F₂ {:.3g} of {:.4g} N".format(*numbers) for numbers in pairs)
+    finding = "; ".join("F₁ {:.3g} of {:.4g} N, F₂ {:.3g} of {:.4g} N".format(*numbers) for numbers in pairs)
     forces = [number for numbers in pairs for number in numbers[::2]]
-    said = (
-        f"c = 1 and 6: {said}. It is given the motion, so that its force stops nothing, and its instants pass over a "
+    finding = (
+        f"c = 1 and 6: {finding}. It is given the motion, so that its force stops nothing, and its instants pass over a "
         "damper that acts for some 10 µs"
     )
-    return ClaimVerdict(said, verdict([near(a, b) for a, b in zip(forces, (250, 3e3, 450, 5e4), strict=True)]))
+    return ClaimVerdict(finding, verdict([near(a, b) for a, b in zip(forces, (250, 3e3, 450, 5e4), strict=True)]))
 
 
 def _printed_step(rows: Rows) -> ClaimVerdict:
     printed, right = (float(rows["algorithm"][0][name]) for name in ("damper_as_printed", "damper"))
-    said = (
+    finding = (
         "with the printed a = c damping is 2 c at the touch and falls to c at the depth d, a force that jumps; a = -c "
         f"is meant. F₂ of the same motion: {printed:.4g} N against {right:.4g} N"
     )
-    return ClaimVerdict(said, verdict([near(printed, right)]))
+    return ClaimVerdict(finding, verdict([near(printed, right)]))
 
 
 def _fixed(rows: Rows) -> ClaimVerdict:
@@ -159,9 +159,9 @@ def _fixed(rows: Rows) -> ClaimVerdict:
         )
         fine.append(near(middle, right))
         within.append(f"{PRINTED[step]} N {'is' if low <= PRINTED[step] <= high else 'is not'}")
-    said = f"c = 1: {parts[0]}; c = 6: {parts[1]}, by where the steps begin. Of the printed forces "
-    said += f"{' and '.join(within)} in the band of 1e-4 s"
-    return ClaimVerdict(said, verdict(fine))
+    finding = f"c = 1: {parts[0]}; c = 6: {parts[1]}, by where the steps begin. Of the printed forces "
+    finding += f"{' and '.join(within)} in the band of 1e-4 s"
+    return ClaimVerdict(finding, verdict(fine))
 
 
 CLAIMS = (

@@ -13,36 +13,36 @@ LESS = 0.01  # relative: what counts as less
 
 def _time(rows: Rows) -> ClaimVerdict:
     drop, slower = rows["drop"][1], rows["speed"][1]
-    said = f"{number(drop, 'contact_at'):.4f} s from 194 mm, {number(slower, 'contact_at'):.4f} s from 59.65 mm"
-    return ClaimVerdict(said, verdict([near(number(drop, "contact_at"), printed) for printed in (0.1824, 0.18426)]))
+    finding = f"{number(drop, 'contact_at'):.4f} s from 194 mm, {number(slower, 'contact_at'):.4f} s from 59.65 mm"
+    return ClaimVerdict(finding, verdict([near(number(drop, "contact_at"), printed) for printed in (0.1824, 0.18426)]))
 
 
 def _speed(rows: Rows) -> ClaimVerdict:
     speed = number(rows["drop"][1], "speed")
-    said = f"√(3 g H) = {speed:.4f} m/s; 1.325 m/s belongs to a height of 59.65 mm"
-    return ClaimVerdict(said, verdict([near(speed, 1.325)]))
+    finding = f"√(3 g H) = {speed:.4f} m/s; 1.325 m/s belongs to a height of 59.65 mm"
+    return ClaimVerdict(finding, verdict([near(speed, 1.325)]))
 
 
 def _analytical(rows: Rows) -> ClaimVerdict:
     none, one = (number(row, "spring_peak") for row in rows["speed"][:2])
     damped = number(rows["speed"][1], "peak_force")
-    said = (
+    finding = (
         f"at 1.325 m/s {none:.4g} N without damper; with c = 1 N s/mm {one:.4g} N, and {damped:.4g} N in all: the "
         "printed number fits N and mm and a spring alone"
     )
-    return ClaimVerdict(said, YES if near(one, 250.0) else PARTLY if near(none, 250.0) else NO)
+    return ClaimVerdict(finding, YES if near(one, 250.0) else PARTLY if near(none, 250.0) else NO)
 
 
 def _spring_grows(rows: Rows) -> ClaimVerdict:
     one, six = (number(row, "spring_peak") for row in rows["speed"][1:])
-    said = f"at 1.325 m/s {one:.3g} N for c = 1, {six:.3g} N for c = 6: a damper takes from the penetration"
-    return ClaimVerdict(said, verdict([six > one, near(six, 450.0)]))
+    finding = f"at 1.325 m/s {one:.3g} N for c = 1, {six:.3g} N for c = 6: a damper takes from the penetration"
+    return ClaimVerdict(finding, verdict([six > one, near(six, 450.0)]))
 
 
 def _viscous(rows: Rows) -> ClaimVerdict:
     one, six = (number(row, "damper_peak") for row in rows["speed"][1:])
-    said = f"at 1.325 m/s {one:.4g} N and {six:.4g} N; c v, which no damper passes, is 1325 N and 7950 N"
-    return ClaimVerdict(said, verdict([near(one, 3000.0), near(six, 5e4)]))
+    finding = f"at 1.325 m/s {one:.4g} N and {six:.4g} N; c v, which no damper passes, is 1325 N and 7950 N"
+    return ClaimVerdict(finding, verdict([near(one, 3000.0), near(six, 5e4)]))
 
 
 def _force_of(printed: tuple[float, ...], case: int) -> Callable[[Rows], ClaimVerdict]:
@@ -50,11 +50,11 @@ def _force_of(printed: tuple[float, ...], case: int) -> Callable[[Rows], ClaimVe
 
     def judge(rows: Rows) -> ClaimVerdict:
         names = {"drop": "rigid", "speed": "rigid at 1.325 m/s", "plate": "bending plate", "bodies": "both bend"}
-        forces = {said: number(rows[name][case], "peak_force") for name, said in names.items()}
+        forces = {finding: number(rows[name][case], "peak_force") for name, finding in names.items()}
         median = number(rows["drop"][case], "seen_at_1e-4")
-        said = "; ".join(f"{name} {value:.4g} N" for name, value in forces.items())
-        said += f"; a step of 1e-4 s sees {median:.3g} N of the first (median)"
-        return ClaimVerdict(said, verdict([any(near(value, p) for value in forces.values()) for p in printed]))
+        finding = "; ".join(f"{name} {value:.4g} N" for name, value in forces.items())
+        finding += f"; a step of 1e-4 s sees {median:.3g} N of the first (median)"
+        return ClaimVerdict(finding, verdict([any(near(value, p) for value in forces.values()) for p in printed]))
 
     return judge
 
@@ -63,50 +63,50 @@ def _stays(rows: Rows) -> ClaimVerdict:
     last_cases = [rows[name][2] for name in ("drop", "plate", "bodies")]
     times = [math.inf if row["stays"] else number(row, "first_contact") for row in last_cases]
     shown = ["stays" if math.isinf(t) else f"{1e3 * t:.3g} ms" for t in times]
-    said = f"first contact with c = 6: rigid {shown[0]}, bending plate {shown[1]}, both bend {shown[2]}"
-    return ClaimVerdict(said, verdict([t > 0.0441 for t in times]))
+    finding = f"first contact with c = 6: rigid {shown[0]}, bending plate {shown[1]}, both bend {shown[2]}"
+    return ClaimVerdict(finding, verdict([t > 0.0441 for t in times]))
 
 
 def _harmonics(rows: Rows) -> ClaimVerdict:
     pairs = [[int(row["harmonics"]) for row in rows[name][1:]] for name in ("drop", "plate", "bodies")]
-    said = "rigid {0[0]}, {0[1]}; bending plate {1[0]}, {1[1]}; both bend {2[0]}, {2[1]}".format(*pairs)
-    return ClaimVerdict(f"maxima in the first 3.8 ms, c = 1 and 6: {said}", verdict([six > one for one, six in pairs]))
+    finding = "rigid {0[0]}, {0[1]}; bending plate {1[0]}, {1[1]}; both bend {2[0]}, {2[1]}".format(*pairs)
+    return ClaimVerdict(f"maxima in the first 3.8 ms, c = 1 and 6: {finding}", verdict([six > one for one, six in pairs]))
 
 
 def _displacement(rows: Rows) -> ClaimVerdict:
     pairs = [[1e6 * number(row, "plate_deflection") for row in rows[name][1:]] for name in ("plate", "bodies")]
-    said = "c = 1 and 6: {0[0]:.5g}, {0[1]:.5g} µm under a rigid bar; {1[0]:.5g}, {1[1]:.5g} µm if both bend"
-    return ClaimVerdict(said.format(*pairs), verdict([six < (1.0 - LESS) * one for one, six in pairs]))
+    finding = "c = 1 and 6: {0[0]:.5g}, {0[1]:.5g} µm under a rigid bar; {1[0]:.5g}, {1[1]:.5g} µm if both bend"
+    return ClaimVerdict(finding.format(*pairs), verdict([six < (1.0 - LESS) * one for one, six in pairs]))
 
 
 def _contacts(rows: Rows) -> ClaimVerdict:
     counts = [[int(row["impacts"]) for row in rows[name][1:]] for name in ("drop", "plate", "bodies")]
-    said = "contacts, c = 1 and 6: rigid {0[0]}, {0[1]}; bending plate {1[0]}, {1[1]}; both {2[0]}, {2[1]}"
-    return ClaimVerdict(said.format(*counts), verdict([b < a for a, b in zip(counts[0], counts[2], strict=True)]))
+    finding = "contacts, c = 1 and 6: rigid {0[0]}, {0[1]}; bending plate {1[0]}, {1[1]}; both {2[0]}, {2[1]}"
+    return ClaimVerdict(finding.format(*counts), verdict([b < a for a, b in zip(counts[0], counts[2], strict=True)]))
 
 
 def _small(rows: Rows) -> ClaimVerdict:
     one = rows["plate"][1]
     share, bent = number(one, "plate_share_at_peak"), 1e6 * number(one, "plate_deflection")
-    said = f"at the force's peak the plate has {share:.1%} of its largest deflection, {bent:.3g} µm"
-    return ClaimVerdict(said, verdict([share < 0.1]))
+    finding = f"at the force's peak the plate has {share:.1%} of its largest deflection, {bent:.3g} µm"
+    return ClaimVerdict(finding, verdict([share < 0.1]))
 
 
 def _later(rows: Rows) -> ClaimVerdict:
     pairs = [(number(row, "first_peak"), number(row, "later_peak")) for row in rows["bodies"]]
-    said = "first and largest later peak, both bend: " + ", ".join(f"{a:.3g} and {b:.3g} N" for a, b in pairs)
-    return ClaimVerdict(said, verdict([b < a for a, b in pairs]))
+    finding = "first and largest later peak, both bend: " + ", ".join(f"{a:.3g} and {b:.3g} N" for a, b in pairs)
+    return ClaimVerdict(finding, verdict([b < a for a, b in pairs]))
 
 
 def _rough(rows: Rows) -> ClaimVerdict:
     none, rough = (number(rows["friction"][k], "peak_force") for k in (0, -1))
     rigid = [number(rows["friction_rigid"][k], "peak_force") for k in (0, -1)]
-    said = (
+    finding = (
         f"both bend {none:.4g} N without friction, {rough:.4g} N for μ = 10: {rough / none:.3g} times; rigid "
         f"{rigid[0]:.4g}, {rigid[1]:.4g} N: friction acts on an arm of the ball's radius about the hinge, but it stops "
         "the end of a bar that bends from turning, too much so in modes, which do not stretch (elements: below)"
     )
-    return ClaimVerdict(said, verdict([near(rough / none, 915.0 / 433.0), near(none, 433.0), near(rough, 915.0)]))
+    return ClaimVerdict(finding, verdict([near(rough / none, 915.0 / 433.0), near(none, 433.0), near(rough, 915.0)]))
 
 
 def _heights(rows: Rows) -> tuple[list[float], str]:
@@ -117,35 +117,35 @@ def _heights(rows: Rows) -> tuple[list[float], str]:
 
 
 def _bounce(rows: Rows) -> ClaimVerdict:
-    heights, said = _heights(rows)
+    heights, finding = _heights(rows)
     start, length = 194.0, 240.0  # mm
     # The printed height is above what energy allows; this is what it may have been taken for.
     path = 2.0 * length * math.sin(0.5 * math.asin(start / length))
-    said += f"; energy allows {start:.0f} mm. The end's way from its start to the plate is a chord of {path:.1f} mm"
-    return ClaimVerdict(said, verdict([near(max(heights), 230.16)]))
+    finding += f"; energy allows {start:.0f} mm. The end's way from its start to the plate is a chord of {path:.1f} mm"
+    return ClaimVerdict(finding, verdict([near(max(heights), 230.16)]))
 
 
 def _livelier(rows: Rows) -> ClaimVerdict:
-    heights, said = _heights(rows)
-    return ClaimVerdict(said, verdict([heights[-1] > heights[0]]))
+    heights, finding = _heights(rows)
+    return ClaimVerdict(finding, verdict([heights[-1] > heights[0]]))
 
 
 def _zones(rows: Rows) -> ClaimVerdict:
     first, later = (number(rows["friction"][-1], name) for name in ("first_peak", "later_peak"))
-    said = f"μ = 10: first {first:.4g} N, largest later {later:.4g} N"
-    return ClaimVerdict(said, verdict([later < first, near(later, 735.0)]))
+    finding = f"μ = 10: first {first:.4g} N, largest later {later:.4g} N"
+    return ClaimVerdict(finding, verdict([later < first, near(later, 735.0)]))
 
 
 def _lasts(rows: Rows) -> ClaimVerdict:
     times = [1e3 * number(row, "impact_lasts") for row in rows["bodies"]]
-    said = "both bend, c = 0, 1, 6: {:.3g}, {:.3g}, {:.3g} ms, in several touches".format(*times)
-    return ClaimVerdict(said, verdict([near(time, 2.0) for time in times]))
+    finding = "both bend, c = 0, 1, 6: {:.3g}, {:.3g}, {:.3g} ms, in several touches".format(*times)
+    return ClaimVerdict(finding, verdict([near(time, 2.0) for time in times]))
 
 
 def _falls(rows: Rows) -> ClaimVerdict:
     height = 1e3 * number(rows["bodies"][1], "height_after")
-    said = f"194 mm; after the first impact {height:.3g} mm (both bend, c = 1)"
-    return ClaimVerdict(said, verdict([near(194.0, 200.0), height < 194.0]))
+    finding = f"194 mm; after the first impact {height:.3g} mm (both bend, c = 1)"
+    return ClaimVerdict(finding, verdict([near(194.0, 200.0), height < 194.0]))
 
 
 def _stiffness(rows: Rows) -> ClaimVerdict:
@@ -153,11 +153,11 @@ def _stiffness(rows: Rows) -> ClaimVerdict:
     # From N/m^1.5 to the paper's N/mm^1.5.
     hertz = float(bar.hertz_stiffness) * 1e-3**HERTZ_EXPONENT
     radius = float(bar.bar.ball_radius) * 1e3 * (PRINTED_STIFFNESS / hertz) ** 2
-    said = (
+    finding = (
         f"equation 15 gives {hertz:.6g} N/mm^1.5 for a ball of 2 mm of steel on a flat plate, and 48 049 for a ball of "
         f"{radius:.3g} mm; its exponent is 1.5, the printed one 2.2"
     )
-    return ClaimVerdict(said, verdict([near(hertz, PRINTED_STIFFNESS)]))
+    return ClaimVerdict(finding, verdict([near(hertz, PRINTED_STIFFNESS)]))
 
 
 CLAIMS = (

@@ -22,20 +22,20 @@ def _swing(row: Row) -> float:
 
 def _cycle(rows: Rows) -> ClaimVerdict:
     turns = [time for name in ("first_turn", "second_turn") for time in _numbers(rows["crank"], name)]
-    said = f"{min(turns):.4f} to {max(turns):.4f} s a turn in all printed sets: 2π/ω0, whatever the contact"
-    return ClaimVerdict(said, verdict([near(time, 0.63) for time in turns]))
+    finding = f"{min(turns):.4f} to {max(turns):.4f} s a turn in all printed sets: 2π/ω0, whatever the contact"
+    return ClaimVerdict(finding, verdict([near(time, 0.63) for time in turns]))
 
 
 def _start(rows: Rows) -> ClaimVerdict:
     pairs = [(number(row, "torque_at_start"), number(row, "largest_torque")) for row in rows["crank"][:STIFF_ONLY]]
-    said = f"M₀ at rest by its formula, {_list([a for a, _ in pairs])} N m; later {_list([b for _, b in pairs])} N m"
-    return ClaimVerdict(said, verdict([start > later for start, later in pairs]))
+    finding = f"M₀ at rest by its formula, {_list([a for a, _ in pairs])} N m; later {_list([b for _, b in pairs])} N m"
+    return ClaimVerdict(finding, verdict([start > later for start, later in pairs]))
 
 
 def _inertia(rows: Rows) -> ClaimVerdict:
     times = _numbers(rows["crank"][:STIFF_ONLY], "start_takes")
-    said = f"a tenth of it is left after {_list([1e3 * t for t in times], '.2g')} ms, with the assumed inertia"
-    return ClaimVerdict(said, verdict([t < 5e-3 for t in times]))
+    finding = f"a tenth of it is left after {_list([1e3 * t for t in times], '.2g')} ms, with the assumed inertia"
+    return ClaimVerdict(finding, verdict([t < 5e-3 for t in times]))
 
 
 def _torque_of(printed: tuple[float, ...], case: int) -> Callable[[Rows], ClaimVerdict]:
@@ -44,16 +44,16 @@ def _torque_of(printed: tuple[float, ...], case: int) -> Callable[[Rows], ClaimV
     def judge(rows: Rows) -> ClaimVerdict:
         row = rows["crank"][case]
         ends = [number(row, name) for name in ("least_torque", "largest_torque")]
-        said = f"{ends[0]:.4g} to {ends[1]:.4g} N m; cannot be compared, as no geometry is printed"
-        return ClaimVerdict(said, verdict([any(near(abs(x), p) for x in ends) for p in printed]))
+        finding = f"{ends[0]:.4g} to {ends[1]:.4g} N m; cannot be compared, as no geometry is printed"
+        return ClaimVerdict(finding, verdict([any(near(abs(x), p) for x in ends) for p in printed]))
 
     return judge
 
 
 def _order(rows: Rows) -> ClaimVerdict:
     pairs = [(number(row, "across"), number(row, "along")) for row in rows["crank"][:STIFF_ONLY]]
-    said = f"across over along {_list([a / b for a, b in pairs], '.3f')}; the printed ratios are 3.5 to 4.2"
-    return ClaimVerdict(said, verdict([a > b for a, b in pairs]))
+    finding = f"across over along {_list([a / b for a, b in pairs], '.3f')}; the printed ratios are 3.5 to 4.2"
+    return ClaimVerdict(finding, verdict([a > b for a, b in pairs]))
 
 
 def _forces(printed: tuple[float, float], case: int) -> Callable[[Rows], ClaimVerdict]:
@@ -61,8 +61,8 @@ def _forces(printed: tuple[float, float], case: int) -> Callable[[Rows], ClaimVe
 
     def judge(rows: Rows) -> ClaimVerdict:
         forces = [number(rows["crank"][case], name) for name in ("across", "along")]
-        said = f"{forces[0]:.5g} N across, {forces[1]:.5g} N along"
-        return ClaimVerdict(said, verdict([near(a, p) for a, p in zip(forces, printed, strict=True)]))
+        finding = f"{forces[0]:.5g} N across, {forces[1]:.5g} N along"
+        return ClaimVerdict(finding, verdict([near(a, p) for a, p in zip(forces, printed, strict=True)]))
 
     return judge
 
@@ -73,11 +73,11 @@ def _exponent(first: int, second: int) -> Callable[[Rows], ClaimVerdict]:
     def judge(rows: Rows) -> ClaimVerdict:
         pairs = [_numbers([rows["crank"][k] for k in (first, second)], name) for name in ("across", "along")]
         deep = 1e6 * max(_numbers(rows["crank"], "depth"))
-        said = (
+        finding = (
             f"across {_list(pairs[0])} N, along {_list(pairs[1])} N: for depths below 1 mm, here {deep:.2g} µm at "
             "most, δ^e falls as e grows"
         )
-        return ClaimVerdict(said, verdict([b > a for a, b in pairs]))
+        return ClaimVerdict(finding, verdict([b > a for a, b in pairs]))
 
     return judge
 
@@ -87,47 +87,47 @@ def _stiffness(rows: Rows) -> ClaimVerdict:
     parts = []
     for name in ("across", "along"):
         parts.append(f"{name} {_list(_numbers((one, only, both), name))} N")
-    said = "; ".join(parts) + " for k = 1e4, k = 1e5, and k = 1e5 with ten times the torque"
-    return ClaimVerdict(said, verdict([number(both, name) > number(one, name) for name in ("across", "along")]))
+    finding = "; ".join(parts) + " for k = 1e4, k = 1e5, and k = 1e5 with ten times the torque"
+    return ClaimVerdict(finding, verdict([number(both, name) > number(one, name) for name in ("across", "along")]))
 
 
 def _torque_needed(rows: Rows) -> ClaimVerdict:
     small, large = (number(rows["crank"][k], "second_turn") for k in (STIFF_ONLY, STIFF))
-    said = f"with the smaller torque a turn takes {small:.4f} s, with the larger {large:.4f} s: it is not needed"
-    return ClaimVerdict(said, verdict([not near(small, large)]))
+    finding = f"with the smaller torque a turn takes {small:.4f} s, with the larger {large:.4f} s: it is not needed"
+    return ClaimVerdict(finding, verdict([not near(small, large)]))
 
 
 def _cyclic(rows: Rows) -> ClaimVerdict:
     pairs = [(number(row, "across"), number(row, "across_second_turn")) for row in rows["crank"][:STIFF_ONLY]]
-    said = ", ".join(f"{a:.4g} and {b:.4g} N" for a, b in pairs)
-    said = f"the turns repeat in time; the largest force across, overall and in the second turn, does not: {said}"
-    return ClaimVerdict(said, verdict([True, *(near(b, a) for a, b in pairs)]))
+    finding = ", ".join(f"{a:.4g} and {b:.4g} N" for a, b in pairs)
+    finding = f"the turns repeat in time; the largest force across, overall and in the second turn, does not: {finding}"
+    return ClaimVerdict(finding, verdict([True, *(near(b, a) for a, b in pairs)]))
 
 
 def _jump(rows: Rows) -> ClaimVerdict:
     cases = rows["crank_rod"]
-    said = (
+    finding = (
         f"the torque is M₀ at rest and a tenth after {_list([1e3 * t for t in _numbers(cases, 'start_takes')])} ms; "
         f"the first touch comes at {_list([1e3 * t for t in _numbers(cases, 'first_impact')])} ms, rigid, 2 and 4 modes"
     )
-    return ClaimVerdict(said, verdict([number(row, "first_impact") < number(row, "start_takes") for row in cases]))
+    return ClaimVerdict(finding, verdict([number(row, "first_impact") < number(row, "start_takes") for row in cases]))
 
 
 def _amplitude(rows: Rows) -> ClaimVerdict:
     swings = [_swing(row) for row in rows["crank_rod"]]
-    said = f"rigid, 2 and 4 modes {_list(swings, '.3g')} N m in the first 0.1 s, after the start"
-    return ClaimVerdict(said, verdict([near(x, 50.0) for x in swings[1:]]))
+    finding = f"rigid, 2 and 4 modes {_list(swings, '.3g')} N m in the first 0.1 s, after the start"
+    return ClaimVerdict(finding, verdict([near(x, 50.0) for x in swings[1:]]))
 
 
 def _periodic(rows: Rows) -> ClaimVerdict:
     cases = rows["crank_cycles"][1:]
     turns = [time for name in ("first_turn", "second_turn") for time in _numbers(cases, name)]
     swings = [(number(row, "swing_first_turn"), number(row, "swing_second_turn")) for row in cases]
-    said = (
+    finding = (
         f"2 and 4 modes: a turn in {min(turns):.4f} to {max(turns):.4f} s; largest torque after the start, first and "
     )
-    said += "second turn, " + ", ".join(f"{a:.4g} and {b:.4g} N m" for a, b in swings)
-    return ClaimVerdict(said, verdict([*(near(time, 0.63) for time in turns), *(near(b, a) for a, b in swings)]))
+    finding += "second turn, " + ", ".join(f"{a:.4g} and {b:.4g} N m" for a, b in swings)
+    return ClaimVerdict(finding, verdict([*(near(time, 0.63) for time in turns), *(near(b, a) for a, b in swings)]))
 
 
 def _lower(name: str) -> Callable[[Rows], ClaimVerdict]:
@@ -136,11 +136,11 @@ def _lower(name: str) -> Callable[[Rows], ClaimVerdict]:
     def judge(rows: Rows) -> ClaimVerdict:
         forces = [_numbers(rows[name], one) for one in ("across", "along")]
         torques = [_swing(row) for row in rows[name]]
-        said = (
+        finding = (
             f"across {_list(forces[0])} N; along {_list(forces[1])} N; torque {_list(torques, '.3g')} N m; impacts "
             f"{_list(_numbers(rows[name], 'impacts'))}: rigid, 2 and 4 modes"
         )
-        return ClaimVerdict(said, verdict([b < values[0] for values in (*forces, torques) for b in values[1:]]))
+        return ClaimVerdict(finding, verdict([b < values[0] for values in (*forces, torques) for b in values[1:]]))
 
     return judge
 
@@ -148,11 +148,11 @@ def _lower(name: str) -> Callable[[Rows], ClaimVerdict]:
 def _frequencies(rows: Rows) -> ClaimVerdict:
     row = rows["crank_rod"][-1]
     lowest, highest = (1e-3 * number(row, name) for name in ("lowest_mode", "highest_mode"))
-    said = (
+    finding = (
         "frequencies rise with the number of the mode, so that the two are swapped at the least; ours go from "
         f"{lowest:.3g} to {highest:.3g} kHz in 4 modes"
     )
-    return ClaimVerdict(said, NO)
+    return ClaimVerdict(finding, NO)
 
 
 CLAIMS = (

@@ -164,39 +164,39 @@ def _list(rows: Rows, name: str, *cases: int, factor: float = 1.0) -> tuple[list
 
 
 def _forces(rows: Rows) -> ClaimVerdict:
-    (free, _, rough), said = _list(rows, "peak_force", FREE, COULOMB, STUCK)
-    said = f"elements, μ = 0, 0.3, rough: {said} N (finer mesh, μ = 0: {_list(rows, 'peak_force', FINER)[1]} N); "
-    said += f"rough over frictionless {rough / free:.3g}, printed 2.11"
-    return ClaimVerdict(said, verdict([near(free, 433.0), near(rough, 915.0), near(rough / free, 915.0 / 433.0)]))
+    (free, _, rough), finding = _list(rows, "peak_force", FREE, COULOMB, STUCK)
+    finding = f"elements, μ = 0, 0.3, rough: {finding} N (finer mesh, μ = 0: {_list(rows, 'peak_force', FINER)[1]} N); "
+    finding += f"rough over frictionless {rough / free:.3g}, printed 2.11"
+    return ClaimVerdict(finding, verdict([near(free, 433.0), near(rough, 915.0), near(rough / free, 915.0 / 433.0)]))
 
 
 def _same(rows: Rows) -> ClaimVerdict:
-    (elements, modal, rigid), said = _list(rows, "first_peak", FREE, MODAL, RIGID)
-    said = (
-        f"first peak {said} N by elements, 8 modes, rigid; rough {_list(rows, 'first_peak', STUCK, MODAL_ROUGH)[1]} N"
+    (elements, modal, rigid), finding = _list(rows, "first_peak", FREE, MODAL, RIGID)
+    finding = (
+        f"first peak {finding} N by elements, 8 modes, rigid; rough {_list(rows, 'first_peak', STUCK, MODAL_ROUGH)[1]} N"
     )
-    return ClaimVerdict(f"{said} by elements, modes", verdict([near(modal, elements), near(rigid, elements)]))
+    return ClaimVerdict(f"{finding} by elements, modes", verdict([near(modal, elements), near(rigid, elements)]))
 
 
 def _lasts(rows: Rows) -> ClaimVerdict:
-    times, said = _list(rows, "impact_lasts", FREE, MODAL, RIGID, factor=1e3)
-    return ClaimVerdict(f"{said} ms by elements, 8 modes, rigid", verdict([near(times[0], 2.0)]))
+    times, finding = _list(rows, "impact_lasts", FREE, MODAL, RIGID, factor=1e3)
+    return ClaimVerdict(f"{finding} ms by elements, 8 modes, rigid", verdict([near(times[0], 2.0)]))
 
 
 def _bounce(rows: Rows) -> ClaimVerdict:
-    (free, _, rough), said = _list(rows, "rises_to", FREE, COULOMB, STUCK, factor=1e3)
-    said = f"elements, μ = 0, 0.3, rough: {said} mm; modes, μ = 0, rough: "
-    said += f"{_list(rows, 'rises_to', MODAL, MODAL_ROUGH, factor=1e3)[1]} mm"
-    return ClaimVerdict(said, verdict([rough > free, near(rough, 230.16)]))
+    (free, _, rough), finding = _list(rows, "rises_to", FREE, COULOMB, STUCK, factor=1e3)
+    finding = f"elements, μ = 0, 0.3, rough: {finding} mm; modes, μ = 0, rough: "
+    finding += f"{_list(rows, 'rises_to', MODAL, MODAL_ROUGH, factor=1e3)[1]} mm"
+    return ClaimVerdict(finding, verdict([rough > free, near(rough, 230.16)]))
 
 
 def _stressed(rows: Rows) -> ClaimVerdict:
-    squeezed, said = _list(rows, "contact_pressure", FREE, STUCK, factor=1e-9)
-    said = (
-        f"Hertz's pressure under the ball {said} GPa, where hard steel yields from {1e-9 * YIELDS:g} GPa on; von Mises "
+    squeezed, finding = _list(rows, "contact_pressure", FREE, STUCK, factor=1e-9)
+    finding = (
+        f"Hertz's pressure under the ball {finding} GPa, where hard steel yields from {1e-9 * YIELDS:g} GPa on; von Mises "
     )
-    said += f"in the plate's elements {_list(rows, 'plate_stress', FREE, STUCK, factor=1e-6)[1]} MPa: μ = 0, rough"
-    return ClaimVerdict(said, verdict([max(squeezed) < 1e-9 * YIELDS]))
+    finding += f"in the plate's elements {_list(rows, 'plate_stress', FREE, STUCK, factor=1e-6)[1]} MPa: μ = 0, rough"
+    return ClaimVerdict(finding, verdict([max(squeezed) < 1e-9 * YIELDS]))
 
 
 CLAIMS = (

@@ -23,10 +23,10 @@ def _ordered(case: int, column: str) -> Callable[[Rows], ClaimVerdict]:
 
     def judge(rows: Rows) -> ClaimVerdict:
         ranks, speeds = _values(rows, case, column), _values(rows, case, "rank_speed")
-        said = f"rank correlation {_listed(ranks)}"
+        finding = f"rank correlation {_listed(ranks)}"
         if column == "rank_first":
-            said += f" (of the approach speed alone {_listed(speeds, '.2f')})"
-        return ClaimVerdict(said, verdict([rank >= ORDERS for rank in ranks]))
+            finding += f" (of the approach speed alone {_listed(speeds, '.2f')})"
+        return ClaimVerdict(finding, verdict([rank >= ORDERS for rank in ranks]))
 
     return judge
 
@@ -36,14 +36,14 @@ def _only(rows: Rows) -> ClaimVerdict:
         max(abs(float(row["mean_energy"]) / float(rows[name][0]["mean_energy"]) - 1.0) for row in rows[name][1:])
         for name in NAMES
     ]
-    said = f"friction and loss change the mean by {_listed(changes, '.0e')}; but it grows with the speeds squared"
-    return ClaimVerdict(said, PARTLY if max(changes) < SAME else NO)
+    finding = f"friction and loss change the mean by {_listed(changes, '.0e')}; but it grows with the speeds squared"
+    return ClaimVerdict(finding, PARTLY if max(changes) < SAME else NO)
 
 
 def _identified(rows: Rows) -> ClaimVerdict:
     elastic, random = _values(rows, 0, "scatter"), _values(rows, 2, "scatter")
-    said = f"rms of ln F at one T_c⁻: {_listed(elastic, '.3f')}; contact at random {_listed(random, '.3f')}"
-    return ClaimVerdict(said, verdict([value > SPREAD for value in random]))
+    finding = f"rms of ln F at one T_c⁻: {_listed(elastic, '.3f')}; contact at random {_listed(random, '.3f')}"
+    return ClaimVerdict(finding, verdict([value > SPREAD for value in random]))
 
 
 def _open(why: str) -> Callable[[Rows], ClaimVerdict]:

@@ -11,12 +11,12 @@ PULSES = ("half-sine", "triangle", "versed sine", "rectangle")
 
 
 def _survives(rows: Rows) -> ClaimVerdict:
-    said = "; ".join(
+    finding = "; ".join(
         f"{row['case']}: {row['outcome']}, {1e-3 * number(row, 'peak_force'):.3g} kN, top down by "
         f"{1e3 * number(row, 'deflection'):.3g} mm, plastic strain {number(row, 'plastic_strain'):.2g}"
         for row in rows["drop"]
     )
-    return ClaimVerdict(f"{said}; the paper prints no result to compare with", OPEN)
+    return ClaimVerdict(f"{finding}; the paper prints no result to compare with", OPEN)
 
 
 def _along(rows: Rows) -> ClaimVerdict:
@@ -26,8 +26,8 @@ def _along(rows: Rows) -> ClaimVerdict:
 
 
 def _order(rows: Rows) -> ClaimVerdict:
-    said = "; ".join(f"{row['case']}: {row['order']}" for row in rows["drop"])
-    return ClaimVerdict(said, verdict([row["order"] != "none" for row in rows["drop"]]))
+    finding = "; ".join(f"{row['case']}: {row['order']}" for row in rows["drop"])
+    return ClaimVerdict(finding, verdict([row["order"] != "none" for row in rows["drop"]]))
 
 
 def _experiment(rows: Rows) -> ClaimVerdict:
@@ -37,59 +37,59 @@ def _experiment(rows: Rows) -> ClaimVerdict:
 def _exact(rows: Rows) -> ClaimVerdict:
     node, multiplier, *penalties = (number(row, "penetration") for row in rows["contact"])
     soft = ", ".join(f"{1e3 * p:.3g}" for p in penalties)
-    said = f"wall in the slider by {1e6 * node:.2g} µm, multipliers {1e6 * multiplier:.2g} µm, penalties {soft} mm"
-    return ClaimVerdict(said, verdict([node < 1e-2 * min(penalties), multiplier < 1e-2 * min(penalties)]))
+    finding = f"wall in the slider by {1e6 * node:.2g} µm, multipliers {1e6 * multiplier:.2g} µm, penalties {soft} mm"
+    return ClaimVerdict(finding, verdict([node < 1e-2 * min(penalties), multiplier < 1e-2 * min(penalties)]))
 
 
 def _force(rows: Rows) -> ClaimVerdict:
     node, multiplier = ([number(row, name) for name in ("impulse", "peak_force")] for row in rows["contact"][:2])
     off = [abs(a / b - 1.0) for a, b in zip(node, multiplier, strict=True)]
-    said = (
+    finding = (
         f"impulse within 20 ms {node[0]:.5g} against {multiplier[0]:.5g} N s by multipliers ({off[0]:.1%} apart), "
         f"largest force {1e-3 * node[1]:.4g} against {1e-3 * multiplier[1]:.4g} kN ({off[1]:.0%})"
     )
-    return ClaimVerdict(said, verdict([part < 0.02 for part in off]))
+    return ClaimVerdict(finding, verdict([part < 0.02 for part in off]))
 
 
 def _penalty(rows: Rows) -> ClaimVerdict:
     penalties = rows["contact"][2:]
     forces = ", ".join(f"{1e-3 * number(row, 'peak_force'):.3g}" for row in penalties)
     steps = [number(row, "steps") for row in rows["contact"]]
-    said = f"{forces} kN for a stiffness ten times as large each; steps {', '.join(f'{s:.0f}' for s in steps)}"
+    finding = f"{forces} kN for a stiffness ten times as large each; steps {', '.join(f'{s:.0f}' for s in steps)}"
     differs = number(penalties[0], "peak_force") < 0.9 * number(penalties[-1], "peak_force")
-    return ClaimVerdict(said, verdict([differs, steps[-1] > steps[0]]))
+    return ClaimVerdict(finding, verdict([differs, steps[-1] > steps[0]]))
 
 
 def _spring(rows: Rows) -> ClaimVerdict:
     shares = {str(row["case"]): number(row, "peak_force") / number(row, "spring_force") for row in rows["height"]}
-    said = ", ".join(f"{case} {share:.0%}" for case, share in shares.items())
+    finding = ", ".join(f"{case} {share:.0%}" for case, share in shares.items())
     first = rows["height"][0]
     at = number(first, "peak_time") / number(first, "contact_time")
     near = abs(float(next(iter(shares.values()))) - 1.0) < 0.05
-    said += f"; at {first['case']} it comes after {at:.2f} of the contact, a spring's after half"
-    return ClaimVerdict(f"largest force over that of the cushion alone: {said}", verdict([near, abs(at - 0.5) < 0.05]))
+    finding += f"; at {first['case']} it comes after {at:.2f} of the contact, a spring's after half"
+    return ClaimVerdict(f"largest force over that of the cushion alone: {finding}", verdict([near, abs(at - 0.5) < 0.05]))
 
 
 def _half(rows: Rows) -> ClaimVerdict:
     shares = [number(row, "peak_time") / number(row, "contact_time") for row in rows["height"]]
     cases = ", ".join(f"{row['case']} {share:.2f}" for row, share in zip(rows["height"], shares, strict=True))
-    said = f"largest force at this share of the time in contact: {cases}"
-    return ClaimVerdict(said, verdict([abs(share - 0.5) < 0.05 for share in shares]))
+    finding = f"largest force at this share of the time in contact: {cases}"
+    return ClaimVerdict(finding, verdict([abs(share - 0.5) < 0.05 for share in shares]))
 
 
 def _shear(rows: Rows) -> ClaimVerdict:
     depths = np.linspace(0.2, 1.0, 8001)
     depth = {nu: depths[int(np.argmax(np.asarray(hertz_shear(jnp.asarray(depths), nu))))] for nu in (0.2, 0.3, 0.4)}
-    said = ", ".join(f"ν = {nu:g}: {s:.3f} against {2.0 / ((1.0 + nu) * np.pi):.3f}" for nu, s in depth.items())
+    finding = ", ".join(f"ν = {nu:g}: {s:.3f} against {2.0 / ((1.0 + nu) * np.pi):.3f}" for nu, s in depth.items())
     near = [abs(s * (1.0 + nu) * np.pi / 2.0 - 1.0) < 0.03 for nu, s in depth.items()]
-    return ClaimVerdict(f"Hertz (eq. 1 as printed grows with depth): {said}", verdict(near))
+    return ClaimVerdict(f"Hertz (eq. 1 as printed grows with depth): {finding}", verdict(near))
 
 
 def _twice(rows: Rows) -> ClaimVerdict:
     ratio = jnp.linspace(1.0, 10.0, 400)
     most = {pulse: float(jnp.max(largest_response(pulse, ratio))) for pulse in PULSES}
-    said = "largest response over the pulse's peak: " + ", ".join(f"{name} {x:.3f}" for name, x in most.items())
-    return ClaimVerdict(said, verdict([abs(x - 2.0) < 0.01 for x in most.values()]))
+    finding = "largest response over the pulse's peak: " + ", ".join(f"{name} {x:.3f}" for name, x in most.items())
+    return ClaimVerdict(finding, verdict([abs(x - 2.0) < 0.01 for x in most.values()]))
 
 
 def _weakened(rows: Rows) -> ClaimVerdict:
@@ -98,9 +98,9 @@ def _weakened(rows: Rows) -> ClaimVerdict:
     for pulse in PULSES:
         weak = np.asarray(largest_response(pulse, ratio)) < 1.0
         below[pulse] = float(ratio[int(np.argmin(weak)) - 1])
-    said = ", ".join(f"{name} {1.0 / x:.2g} τ" for name, x in below.items())
+    finding = ", ".join(f"{name} {1.0 / x:.2g} τ" for name, x in below.items())
     return ClaimVerdict(
-        f"below the pulse's peak only from this T_n on: {said}", verdict([x > 0.95 for x in below.values()])
+        f"below the pulse's peak only from this T_n on: {finding}", verdict([x > 0.95 for x in below.values()])
     )
 
 

@@ -6,9 +6,9 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 import jaxbuffer as jb
-from jaxbuffer import Derived, InputError, Limits, Objective, Then
+from jaxbuffer import CustomQuantity, InputError, Limits, Objective, SecondObjective
 from jaxbuffer.tuning import tune as module
-from jaxbuffer.tuning.derived import RESERVED
+from jaxbuffer.tuning.custom_quantity import RESERVED
 from jaxbuffer.tuning.evaluation import Evaluator
 from jaxbuffer.tuning.goal import Goal, Tangent
 from jaxbuffer.tuning.model_step import best_step
@@ -25,7 +25,7 @@ TOPIC = "Own quantities"
 def stated(function, start=(1.0, -0.1), unit="N", **fields):
     """A problem of two variables that lowers the own quantity ``own``."""
     fields = {"objective": Objective({"own": 1.0}), **fields}
-    return problem(*BOUNDS, SHIFT + np.array(start), quantities={"own": Derived(function, unit)}, **fields)
+    return problem(*BOUNDS, SHIFT + np.array(start), quantities={"own": CustomQuantity(function, unit)}, **fields)
 
 
 @pytest.fixture
@@ -36,7 +36,7 @@ def solve(monkeypatch):
         functions = Functions(asked, peaks, rest)
         functions.dies_after = dies_after
         monkeypatch.setattr(module, "Evaluator", lambda *_: functions)
-        monkeypatch.setattr("jaxbuffer.tuning.tuned.floor", lambda *_: None)
+        monkeypatch.setattr("jaxbuffer.tuning.tuned.lower_bound", lambda *_: None)
         return tune(asked, **{"starts": 1, "searches": 1, **settings})
 
     return run
@@ -73,7 +73,7 @@ def test_limits_on_functions_of_the_peak(solve, side):
 
 def test_an_objective_below_zero_and_a_second_one(solve):
     """CB2 less 1000, then the hinge force of the designs within 1 % of that."""
-    then = Then(Objective({"peak_hinge_force": 1.0}), slack=0.005)
+    then = SecondObjective(Objective({"peak_hinge_force": 1.0}), tolerance=0.005)
     asked = stated(lambda peak_force: peak_force - 1000.0, then=then)
     tuned = solve(asked, [shifted(CB2, SHIFT)], {"peak_hinge_force": lambda x: 1 + (x[1] - 12) ** 2})
     ceiling = -0.995 * (1000.0 - 1.9522245)
@@ -82,7 +82,7 @@ def test_an_objective_below_zero_and_a_second_one(solve):
     assert "%" not in repr(tuned).splitlines()[5]
 
 
-OWN = {"own": Derived(lambda peak_force, peak_hinge_force: 0.1 * peak_force**1.5 + peak_hinge_force**2 / 50.0, "N")}
+OWN = {"own": CustomQuantity(lambda peak_force, peak_hinge_force: 0.1 * peak_force**1.5 + peak_hinge_force**2 / 50.0, "N")}
 
 
 @pytest.mark.parametrize(("over", "limit"), [("worst", 9.0), ("mean", 100.0), ("mean", 9.3)])
@@ -160,7 +160,7 @@ def test_keys_of_a_record_are_no_names():
 BAR = jb.replace(jb.BarDrop(), {"impact.damping": 0.0})
 SCENARIO = jb.BarDropScenario(height=0.194)
 SPAN = (1e10, 1e12)  # N/m^e
-SUM = {"sum": Derived(lambda peak_force, penetration: peak_force + 1e7 * penetration, "N")}
+SUM = {"sum": CustomQuantity(lambda peak_force, penetration: peak_force + 1e7 * penetration, "N")}
 
 
 def drop(objective, quantities=None, **fields):
@@ -198,7 +198,7 @@ def test_a_sum_as_a_function_is_the_built_in_sum(evidence, programs):
 @pytest.mark.slow
 def test_the_slope_of_a_product_is_that_of_differences(evidence):
     function = lambda peak_force, penetration: peak_force**2 * penetration**0.5  # noqa: E731
-    asked = drop(Objective({"own": 1.0}), {"own": Derived(function, "N")})
+    asked = drop(Objective({"own": 1.0}), {"own": CustomQuantity(function, "N")})
     with Evaluator(asked) as evaluate:
         (point,) = evaluate([asked.start()], rtol=1e-10)
     stiffness, step = BAR.impact.stiffness, 1e-3
@@ -219,7 +219,7 @@ def test_the_slope_of_a_captures_effort_is_that_of_differences(evidence):
         [jb.Scenario()],
         [jb.Variable("buffer.k_A", 100.0, 2000.0)],
         Objective({"effort": 1.0}),
-        quantities={"effort": Derived(function, "N m")},
+        quantities={"effort": CustomQuantity(function, "N m")},
     )
     with Evaluator(asked) as evaluate:
         (point,) = evaluate([asked.start()], rtol=1e-9)
@@ -247,7 +247,7 @@ def test_the_least_of_a_nonlinear_function_is_that_of_a_search_without_slopes(ev
     )
     adam = optax.adam(optax.exponential_decay(0.05, 20, 0.5))
     chosen = {"optimizer": adam, "iterations": 100} if optimizer else {"iterations": 20}
-    tuned = tune(drop(Objective({"own": 1.0}), {"own": Derived(function, "-")}), starts=1, searches=1, **chosen)
+    tuned = tune(drop(Objective({"own": 1.0}), {"own": CustomQuantity(function, "-")}), starts=1, searches=1, **chosen)
     least = abs(tuned.objective[1] / peer.fun - 1)
     name = "an optax optimiser's" if optimizer else "a tuning's"
     source = "scipy's bounded minimisation of tight runs"
@@ -264,8 +264,8 @@ def test_what_is_not_finite_is_an_error_at_the_start_and_a_failure_elsewhere():
     }
     for message, function in bad.items():
         with pytest.raises(InputError, match=message):
-            tune(drop(Objective({"own": 1.0}), {"own": Derived(function, "-")}), starts=1, iterations=2)
-    only_softer = {"own": Derived(lambda peak_force: jnp.sqrt(1.2 * peak - peak_force), "-")}
+            tune(drop(Objective({"own": 1.0}), {"own": CustomQuantity(function, "-")}), starts=1, iterations=2)
+    only_softer = {"own": CustomQuantity(lambda peak_force: jnp.sqrt(1.2 * peak - peak_force), "-")}
     asked = drop(Objective({"peak_force": 1.0}), only_softer)
     with Evaluator(asked) as evaluate:
         start, stiff = evaluate([asked.start(), np.ones(1)])
@@ -277,5 +277,5 @@ def test_what_is_not_finite_is_an_error_at_the_start_and_a_failure_elsewhere():
 def test_a_front_of_an_own_quantity():
     asked = drop(Objective(), SUM)
     front = jb.pareto(asked, ["sum", "penetration"], points=2, starts=1, iterations=10)
-    assert front.kept.all() and front.values[0, 0] < front.values[1, 0] and front.values[0, 1] > front.values[1, 1]
+    assert front.non_dominated.all() and front.values[0, 0] < front.values[1, 0] and front.values[0, 1] > front.values[1, 1]
     assert "sum [N]" in repr(front)

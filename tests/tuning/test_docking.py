@@ -72,4 +72,4 @@ def test_a_design_that_is_not_held_is_led_back_to_it(limits):
     assert np.all(settling <= limits.at_most.get("settling_time", 3.0))
     for scenario in scenarios:
         assert simulate(tuned.design, scenario, 3.0).outcome.name == "held"
-    assert tuned.floor.unknown == 0 and 0.0 < tuned.above_floor < 0.02
+    assert tuned.lower_bound.unknown == 0 and 0.0 < tuned.above_lower_bound < 0.02

@@ -53,7 +53,7 @@ TABLE_VALUES = (
 )
 
 
-def doubts(design: Design) -> list[str]:
+def sanity_checks(design: Design) -> list[str]:
     """Return a line for each number that a design of far heavier or lighter vehicles leaves at its default, and for a
     restitution that the contact's law does not deliver."""
     return [*_table_values(design), *_restitution(design)]

@@ -15,7 +15,7 @@ from ...hybrid import Kind, Log
 from ..assembled import Assembled
 from ..layout import EvaluatedState
 from .assembly import P, T
-from .capture import Docked
+from .capture import Docking
 from .outcome import Outcome
 
 DOUBLINGS, NEWTON_STEPS = 60, 30  # of a stroke from 1e-9 m on, and towards the stroke whose energy is known
@@ -34,7 +34,7 @@ class PlaneCrossing(NamedTuple):
 
 def latched(mechanism: Assembled, log: Log) -> Bool[Array, ""]:
     """Return whether the latches began to close."""
-    latch = mechanism.evaluated(mechanism.posture(log.rows[_last(log), 0]), "latch")
+    latch = mechanism.evaluated(mechanism.evaluate(log.rows[_last(log), 0]), "latch")
     return jnp.asarray(False) if latch is None else latch.since > 0.0
 
 
@@ -46,7 +46,7 @@ def crossing(mechanism: Assembled, log: Log, code: Int[Array, ""]) -> PlaneCross
     last = _last(log)
     end = log.rows[last, 0]
     if mechanism.element("latch") is None:
-        return PlaneCrossing(mechanism.posture(end), log.time[last], code == Outcome.captured)
+        return PlaneCrossing(mechanism.evaluate(end), log.time[last], code == Outcome.captured)
     which = mechanism.contact_names.index("latch")
     mine = (log.kind == Kind.TOUCHDOWN) & (log.which == which) & (jnp.arange(log.kind.shape[0]) < log.count)
     slot, listed = jnp.argmax(mine), jnp.any(mine)
@@ -56,14 +56,14 @@ def crossing(mechanism: Assembled, log: Log, code: Int[Array, ""]) -> PlaneCross
     rate = jax.lax.stop_gradient(mechanism.derivative(0.0, row, log.active[slot]))
     state = jnp.where(listed, row + rate * late, end)
     # A log that overflowed does not have the entry; the state says when the latches began to close.
-    since = mechanism.evaluated(mechanism.posture(end), "latch").since
-    return PlaneCrossing(mechanism.posture(state), log.time[last] - since, listed | (since > 0.0))
+    since = mechanism.evaluated(mechanism.evaluate(end), "latch").since
+    return PlaneCrossing(mechanism.evaluate(state), log.time[last] - since, listed | (since > 0.0))
 
 
-def docked(mechanism: Assembled, start: EvaluatedState, log: Log, code: Int[Array, ""], latch_force: Scalar) -> Docked:
+def docking(mechanism: Assembled, start: EvaluatedState, log: Log, code: Int[Array, ""], latch_force: Scalar) -> Docking:
     """Read off what a run says of docking. ``latch_force``: the largest one [N]."""
     last = _last(log)
-    end, active = mechanism.posture(log.rows[last, 0]), log.active[last]
+    end, active = mechanism.evaluate(log.rows[last, 0]), log.active[last]
     # At the start no contact is deep, so that none stores energy.
     before, left = mechanism.relative_energy(start, jnp.zeros_like(active)), mechanism.relative_energy(end, active)
     cross = crossing(mechanism, log, code)
@@ -74,7 +74,7 @@ def docked(mechanism: Assembled, start: EvaluatedState, log: Log, code: Int[Arra
     unlatched = jnp.where(latched(mechanism, log), 1.0, jnp.nan)
     passive = mechanism.parts.design.passive.mass
     push = (end.kin.frame(T).velocity - start.kin.frame(T).velocity) * passive
-    return Docked(
+    return Docking(
         latch_time=cross.time * unlatched,
         settling_time=(log.time[last] - cross.time) * jnp.where(code == Outcome.held, 1.0, jnp.nan),
         latch_share=_latch_share(mechanism, end, latch_force, code == Outcome.torn),

@@ -18,10 +18,10 @@ from ..mechanisms.quantity import Catalogue, Quantity
 from ..mechanisms.run import Run
 from ..programs.identity import digest
 
-EXAMPLE = "Derived(lambda peak_force, stroke: peak_force * stroke, 'N m')"
+EXAMPLE = "CustomQuantity(lambda peak_force, stroke: peak_force * stroke, 'N m')"
 RESERVED = frozenset(  # words of a study's tables and keys of a tuning's records
     [
-        *("captured", "impacts", "over", "level", "slack", "evaluation", "stage", "search", "step", "accepted"),
+        *("require_success", "impacts", "over", "level", "tolerance", "evaluation", "stage", "search", "step", "accepted"),
         *("objective", "feasible", "excess", "radius", "residual", "status", "captures", "values", "outcome"),
         *("succeeded", "margin", "first_peak", "unit", "obstacle"),
     ]
@@ -29,7 +29,7 @@ RESERVED = frozenset(  # words of a study's tables and keys of a tuning's record
 
 
 @dataclasses.dataclass(frozen=True)
-class Derived:
+class CustomQuantity:
     """A quantity of your own, for objectives and limits: a function of those in the mechanism's catalogue.
 
     JAX differentiates the function, and the chain rule does the rest with the gradients that a run has anyway.
@@ -47,7 +47,7 @@ class Derived:
 
     **Example:** force times stroke; a capture's tuning then lowers it.
 
-    >>> effort = jb.Derived(lambda peak_force, stroke: peak_force * stroke, "N m")
+    >>> effort = jb.CustomQuantity(lambda peak_force, stroke: peak_force * stroke, "N m")
     >>> scenarios, variables = [jb.Scenario()], [jb.Variable("buffer.k_A", 100.0, 2000.0)]
     >>> problem = jb.Problem(
     ...     jb.table2(), scenarios, variables, jb.Objective({"effort": 1.0}), quantities={"effort": effort}
@@ -62,7 +62,7 @@ class Derived:
 
     def __post_init__(self) -> None:
         if not callable(self.function):
-            raise InputError(f"derived function = {shown(self.function)} is not a function; write {EXAMPLE}")
+            raise InputError(f"custom quantity's function = {shown(self.function)} is not a function; write {EXAMPLE}")
         check_unit(f"unit of {self.label}", self.unit)
         if not isinstance(self.description, str):
             raise InputError(f"description of {self.label} = {shown(self.description)} is not a text")
@@ -136,7 +136,7 @@ class Derived:
         return digest(self.function)
 
 
-def check_traced(derived: Derived) -> None:
+def check_traced(derived: CustomQuantity) -> None:
     """Raise `InputError` for a function that JAX can't trace or differentiate, or that is another one at each call."""
     jaxpr = _traced(derived)
     # A function that depends on chance, time or a state is traced to other equations, or to other constants.
@@ -157,7 +157,7 @@ def check_traced(derived: Derived) -> None:
         raise InputError(f"{derived.label}: its derivative by {lost[0]} is zero everywhere: {cause}")
 
 
-def _traced(derived: Derived) -> Any:
+def _traced(derived: CustomQuantity) -> Any:
     """Return the function and its derivative as JAX sees them."""
     numbers = [jax.ShapeDtypeStruct((), jnp.result_type(float))] * len(derived.parameters)
 
@@ -182,7 +182,7 @@ def raised(error: BaseException) -> str:
     return f"raises {type(error).__name__}{f': {first}' if first else ''}"[:200]
 
 
-def _line(derived: Derived, error: BaseException) -> str:
+def _line(derived: CustomQuantity, error: BaseException) -> str:
     """Return where in the function's file an error came about, as text."""
     code = getattr(inspect.unwrap(derived.function), "__code__", None)
     line = None if code is None else line_in(code.co_filename, error)
@@ -195,14 +195,14 @@ def line_in(file: str, error: BaseException) -> int | None:
     return lines[-1] if lines else None
 
 
-def check_derived(quantities: Any, catalogue: Catalogue) -> dict[str, Derived]:
+def check_custom_quantities(quantities: Any, catalogue: Catalogue) -> dict[str, CustomQuantity]:
     """Check the own quantities of a problem. **Raises:** `InputError` for names and parameters that can't be."""
     if not isinstance(quantities, Mapping):
         raise InputError(f"quantities = {shown(quantities)} is not a mapping; write quantities={{'effort': {EXAMPLE}}}")
     for name, derived in quantities.items():
         check_name(name, catalogue)
-        if not isinstance(derived, Derived):
-            raise InputError(f"quantities.{name} = {shown(derived)} is not a Derived; write {EXAMPLE}")
+        if not isinstance(derived, CustomQuantity):
+            raise InputError(f"quantities.{name} = {shown(derived)} is not a CustomQuantity; write {EXAMPLE}")
         for parameter in derived.parameters:
             if parameter not in catalogue:
                 hint = suggest(parameter, catalogue)
