@@ -6,6 +6,7 @@ from typing import Any
 import equinox as eqx
 import numpy as np
 
+from ..labelled.record import heading
 from ..mechanisms.drawing import Band, RodShape, Spot, Spring
 from ..mechanisms.run import Run
 from ..run.instants import at_times
@@ -14,7 +15,7 @@ from .motion import Scene, scene
 from .pulses import TIMES, force_over_time, last_contact
 from .sketch import INK, fills, is_filled, outline
 
-TIME, FORCE = "time [s]", "force [N]"  # what curves of contact forces are drawn over and against
+TIME, FORCE = heading("time", "s"), heading("force", "N")  # what curves of contact forces are drawn over and against
 DIGITS = 7  # of lengths [m], angles [rad] and times [s] after the point: a tenth of a micrometre or a microsecond
 SIGNIFICANT = 6  # digits of a force or a stroke
 

@@ -1,6 +1,5 @@
 """What a differentiation gives: gradients, elasticities and their certificate, as tables and as labelled arrays."""
 
-import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -11,6 +10,7 @@ from rich.table import Table
 from .._types import DataFrame, Dataset
 from ..fields import as_displayed, display_unit, unit_at
 from ..labelled.arrays import Labelled, dataset, frame
+from ..labelled.record import heading, json_number
 from ..labelled.saved import Saved
 from ..mechanisms.dataset import attributes
 from ..mechanisms.mechanism import Mechanism
@@ -105,8 +105,8 @@ def _tables(result: Sensitivity) -> list[str | Table]:
     _by_parameter(derivatives, result, np.flatnonzero(signed), slope)
     main, certificate = result.quantities[0], result.certificate
     gradient = table(f"Gradient of {main}")
-    for heading in ("parameter", "value", "gradient", "estimated error"):
-        gradient.add_column(heading, justify="left" if heading == "parameter" else "right")
+    for column in ("parameter", "value", "gradient", "estimated error"):
+        gradient.add_column(column, justify="left" if column == "parameter" else "right")
     for k, path in enumerate(result.paths):
         error = "not verified" if certificate is None else f"{certificate.error[0, k]:.1e}"
         gradient.add_row(path, with_unit(*as_displayed(result.values[k], units[k]), 5), slope(0, k), error)
@@ -232,7 +232,8 @@ def _dataset(result: Sensitivity) -> Dataset:
 
 def sensitivity_rows(result: Sensitivity) -> tuple[list[str], list[Sequence[Any]]]:
     """Return a row for each pair of quantity and parameter."""
-    header = ["quantity", "parameter", "value", "parameter_unit", "gradient", "gradient_unit", "elasticity [-]"]
+    header = ["quantity", "parameter", "value", "parameter_unit", "gradient", "gradient_unit"]
+    header += [heading("elasticity", "-"), heading("estimated_error", "-"), "verdict"]
     certificate = result.certificate
     rows: list[Sequence[Any]] = []
     for i, quantity in enumerate(result.quantities):
@@ -242,19 +243,13 @@ def sensitivity_rows(result: Sensitivity) -> tuple[list[str], list[Sequence[Any]
                 [
                     quantity,
                     path,
-                    _number(result.values[k]),
+                    json_number(result.values[k]),
                     symbol,
-                    _number(result.gradients[i, k]),
+                    json_number(result.gradients[i, k]),
                     quotient_unit(unit_of(result.run.mechanism.quantities, quantity), symbol),
-                    _number(result.elasticities[i, k]),
-                    None if certificate is None else _number(certificate.error[i, k]),
+                    json_number(result.elasticities[i, k]),
+                    None if certificate is None else json_number(certificate.error[i, k]),
                     None if certificate is None else certificate.verdicts[i].name,
                 ]
             )
-    return [*header, "estimated_error [-]", "verdict"], rows
-
-
-def _number(value: Any) -> float | None:
-    number = float(value)
-    # JSON has no NaN and no infinity.
-    return number if math.isfinite(number) else None
+    return header, rows
