@@ -228,7 +228,7 @@ def test_an_objective_is_never_a_fault(tmp_path, before, stroke_before, worst, m
 
 
 @pytest.mark.parametrize(
-    ("standing", "mark", "text"),
+    ("status", "mark", "text"),
     [
         (["front", "front"], "good", "front of 2 points"),
         (["front", "front, not converged"], "unsure", "front of 2 points, 1 not converged"),
@@ -236,16 +236,16 @@ def test_an_objective_is_never_a_fault(tmp_path, before, stroke_before, worst, m
         (["limits broken", "limits broken"], "bad", "front of 0 points"),
     ],
 )
-def test_a_front_is_as_sure_as_its_points(folders, tmp_path, standing, mark, text):
+def test_a_front_is_as_sure_as_its_points(folders, tmp_path, status, mark, text):
     record = json.loads((folders["front"] / "pareto.json").read_text())
-    for point, said in zip(record["points"], standing, strict=True):
-        point["standing"] = said
+    for point, said in zip(record["points"], status, strict=True):
+        point["status"] = said
     (tmp_path / "pareto.json").write_text(json.dumps(record))
     page = review([load(tmp_path)])
     assert [(badge.text, badge.mark) for badge in page.verdicts] == [(text, mark)]
     (section,) = [section for section in page.sections if section.title == "Front"]
     red = [row[-1].mark == "bad" for row in section.tables[0].rows]
-    assert red == [said == "limits broken" for said in standing]
+    assert red == [said == "limits broken" for said in status]
 
 
 @pytest.mark.parametrize(

@@ -36,7 +36,7 @@ BEGUN = {  # what a command keeps while it runs, and the files of its results
     "front": ("least-*/log.jsonl", ("pareto.json",)),
 }
 # Entries that have other names by now: a page would leave them out and so say less than the result.
-RENAMED = ("must_succeed", "asked", "rows_asked", "shown_in", "borne_out", "above_floor [-]")
+RENAMED = ("must_succeed", "asked", "rows_asked", "shown_in", "borne_out", "standing", "above_floor [-]")
 BESIDE = {"sweep": "sweep.json", "motion": "motion.json", "force": "force.json"}  # of something else in the folder
 
 
@@ -208,16 +208,16 @@ def _two_sweeps(folder: Path) -> str:
 
 def _two_searches(folder: Path, records: Mapping[str, Record]) -> list[str]:
     """Return what is said where a tuning or a front was begun beside the results of another one."""
-    said = []
+    lines = []
     for what, name, begun in (("tuning", "tuned", stored_identity), ("front", "front", begun_identity)):
         # Without both identities nothing tells whether the two belong together.
         own, now = records.get(name, Record()).get("identity"), begun(folder)
         if own and now and own != now:
-            said.append(
+            lines.append(
                 f"{folder} holds two {what}s: {RECORDS[name]} is of one, and another was begun there and has no results"
                 " yet: the command that began it, with --resume, goes on"
             )
-    return said
+    return lines
 
 
 def _records(folder: Path) -> dict[str, Record]:

@@ -80,9 +80,9 @@ def _wrap_all(figure: Figure) -> bool:
     """Wrap the texts that are too long for where they stand, and return whether there were any."""
     changed = False
     for text, room in _rooms(figure):
-        said = with_line_breaks(text.get_text(), room, float(text.get_fontsize()))
-        changed |= said != text.get_text()
-        text.set_text(said)
+        broken = with_line_breaks(text.get_text(), room, float(text.get_fontsize()))
+        changed |= broken != text.get_text()
+        text.set_text(broken)
     return changed
 
 

@@ -87,7 +87,7 @@ def _scattered(tuned: Tuned) -> dict[str, Any]:
             "ranges": {name: [given.kind, *given.range] for name, given in scatter.distributions.items()},
         },
         "corners": {
-            "said": corners.lines(tuned.problem),
+            "lines": corners.lines(tuned.problem),
             "run": len(corners.cases),
             "all": corners.whole,
             "holding": corners.holding,
@@ -173,7 +173,7 @@ def front_rows(front: Front) -> Table:
     problem, catalogue = front.problem, front.problem.catalogue
     units = {f"worst {name}": catalogue[name].unit for name in front.objectives}
     units |= {f"limit of {name}": catalogue[name].unit for name in front.objectives[1:]}
-    units |= {"first_order_residual": "-", "gradient_error": "-", "converged": "", "standing": ""}
+    units |= {"first_order_residual": "-", "gradient_error": "-", "converged": "", "status": ""}
     units |= {v.path: unit(problem.design, v.path) for v in problem.variables}
     header = ["point", *headings(units)]
     rows: list[Sequence[Any]] = []

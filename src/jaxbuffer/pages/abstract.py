@@ -10,7 +10,7 @@ from ..labelled.record import Record
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Results
 from ..value_text import change_text, percent_text, range_text, relative_change, table_text, unit_text, with_unit
-from .experiments import ON_FRONT, OPEN, STANDING, outcome_counts, reached, safe_of, swept_fields
+from .experiments import ON_FRONT, OPEN, STATUS, outcome_counts, reached, safe_of, swept_fields
 from .limits import (
     LimitCounts,
     corners_verdict,
@@ -152,7 +152,7 @@ def _of_many(results: Results) -> list[Cell]:
         text = f"surface of {words(surface['quantity'])}: misses {percent_text(error)}"
         cells.append(Cell(text, "good" if surface["trusted"] else "bad"))
     if points:
-        marks = [STANDING[point["standing"]] for point in points if point["standing"] in ON_FRONT]
+        marks = [STATUS[point["status"]] for point in points if point["status"] in ON_FRONT]
         unsure = f", {marks.count('unsure')} not converged" if "unsure" in marks else ""
         mark = "unsure" if unsure else "good" if marks else "bad"
         cells.append(Cell(f"front of {len(marks)} point{'' if len(marks) == 1 else 's'}{unsure}", mark))
@@ -185,7 +185,9 @@ def _tuning(results: Results, every: Sequence[Results]) -> str:
     )
     texts = [text, _variables(mechanism, tuned), search]
     if (corners := tuned.get("corners")) is not None:  # how far samples say what is worst
-        texts.append(f"The scenarios are {tuned['sample']['count']} samples, which are no bound: {corners['said'][0]}.")
+        texts.append(
+            f"The scenarios are {tuned['sample']['count']} samples, which are no bound: {corners['lines'][0]}."
+        )
     return " ".join(texts)
 
 
@@ -303,7 +305,7 @@ def _front(results: Results, every: Sequence[Results]) -> str:
     record, mechanism = results.records.get("front"), results.mechanism
     if record is None:
         return ""
-    points = [point for point in record["points"] if point["standing"] in ON_FRONT]
+    points = [point for point in record["points"] if point["status"] in ON_FRONT]
     text = f"{len(points)} of {len(record['points'])} tuned designs are on the front of"
     text += f" {' and '.join(map(words, record['objectives']))}."
     open_ends = sum(not point["converged"] for point in points)

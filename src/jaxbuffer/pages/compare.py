@@ -93,8 +93,8 @@ def _with_differences(sections: list[PageSection], every: Sequence[Results]) -> 
     if not differences or not sections:
         return sections
     first = sections[0]
-    said = f"The folders are held against different limits: {'; '.join(differences)}."
-    return [dataclasses.replace(first, warnings=[said, *first.warnings]), *sections[1:]]
+    difference = f"The folders are held against different limits: {'; '.join(differences)}."
+    return [dataclasses.replace(first, warnings=[difference, *first.warnings]), *sections[1:]]
 
 
 def limit_tables(every: Sequence[Results]) -> list[Table]:
@@ -204,8 +204,8 @@ def differing(every: Sequence[Results]) -> list[str]:
         if len({known.get(key) for known in by_folder}) > 1:
             title, symbol, factor = _display(every, key[0])
             bounds = [known.get(key) for known in by_folder]
-            said = ["not limited" if limit is None else limit.bound_text(symbol, factor) for limit in bounds]
-            sides = ", ".join(f"{results.folder} {text}" for results, text in zip(every, said, strict=True))
+            bounds_in_words = ["not limited" if limit is None else limit.bound_text(symbol, factor) for limit in bounds]
+            sides = ", ".join(f"{results.folder} {text}" for results, text in zip(every, bounds_in_words, strict=True))
             texts.append(f"{title}: {sides}")
     return texts
 

@@ -118,8 +118,8 @@ def other_design(results: Results, first: Results, record: Record) -> list[str]:
         return []
     typed = units_of(results)
     values = [(path, *_shown(one[path], unit(usual, path), typed.get(path, ""))) for path in differ]
-    said = ", ".join(f"{path} = {table_text(value)}{unit_text(symbol)}" for path, value, symbol in values)
-    return [f"Of another design than the one above: {said}."]
+    values_in_words = ", ".join(f"{path} = {table_text(value)}{unit_text(symbol)}" for path, value, symbol in values)
+    return [f"Of another design than the one above: {values_in_words}."]
 
 
 def _shown(value: Any, unit: str, typed: str) -> tuple[Any, str]:

@@ -15,7 +15,7 @@ from .records import by_quantity, display, ended, field_name, figure, units_of, 
 
 OPEN = "not computed"  # of a run that an interrupted sweep has not reached
 ON_FRONT = ("front", "front, not converged")
-STANDING = {"front": "good", "front, not converged": "unsure", "dominated": "", "limits broken": "bad"}
+STATUS = {"front": "good", "front, not converged": "unsure", "dominated": "", "limits broken": "bad"}
 
 
 def sweep(results: Results) -> PageSection | None:
@@ -204,15 +204,15 @@ def front(results: Results) -> PageSection | None:
     if record is None:
         return None
     points = record["points"]
-    on_front = sum(point["standing"] in ON_FRONT for point in points)
+    on_front = sum(point["status"] in ON_FRONT for point in points)
     rows: list[list[str | Cell]] = []
-    names = [name for name in points[0] if name not in ("point", "standing", "converged")]
+    names = [name for name in points[0] if name not in ("point", "status", "converged")]
     headings, factors = zip(*(_front_column(results, name) for name in names), strict=True)
     for point in points:
-        mark = STANDING.get(point["standing"], "")
+        mark = STATUS.get(point["status"], "")
         numbers = zip((point[name] for name in names), factors, strict=True)
         values = [table_text(factor * value if isinstance(value, float) else value) for value, factor in numbers]
-        rows.append([str(point["point"]), *values, Cell(point["standing"], mark)])
+        rows.append([str(point["point"]), *values, Cell(point["status"], mark)])
     objectives, count = " and ".join(map(words, record["objectives"])), record["scenarios"]
     over = (
         f"{sampled}, no bound" if (sampled := record.get("samples")) else f"{count} scenario{'s' if count > 1 else ''}"
@@ -222,7 +222,7 @@ def front(results: Results) -> PageSection | None:
         " none of them is better than another in every objective.",
         "Each point is a tuning of its own; its design is the file design-N.toml of that number.",
     ]
-    table = Table("Points of the front", ("point", *headings, "standing"), rows)
+    table = Table("Points of the front", ("point", *headings, "status"), rows)
     caption = "The front; hollow: not converged; crosses: another point is better"
     return PageSection("Front", text, figure(results, "pareto", caption), [table])
 

@@ -106,8 +106,8 @@ def limit_check(results: Results, every: Sequence[Results] = (), side: str = "af
     success = required_success(results, source)
     if results.tuned is None:
         values = Record(record | record.get("limited", {}) | {IMPACTS: len(record[IMPACTS])})
-        said = mechanism.view.label(scenario_of(mechanism, record["scenario"]))
-        return LimitCheck(mechanism, source, name, [said], [values], [record["outcome"]], success)
+        label = mechanism.view.label(scenario_of(mechanism, record["scenario"]))
+        return LimitCheck(mechanism, source, name, [label], [values], [record["outcome"]], success)
     cases = [case[side] for case in record["scenarios"]]
     outcomes = [case["outcome"] for case in cases]
     return LimitCheck(mechanism, source, name, case_labels(results), cases, outcomes, success)
@@ -234,13 +234,13 @@ def limits(results: Results, every: Sequence[Results] = (), named: bool = False)
     tables = [Table(f"{where}{caption}", HEADINGS, _rows(check))]
     if results.tuned is None:
         return PageSection("Limits", tables=tables)
-    said = [f"{line[:1].upper()}{line[1:]}." for line in results.tuned["outside_validity"]]
-    said = [*(f"Limit {line}." for line in results.tuned.get("broken_limits", [])), *said]
+    warnings = [f"{line[:1].upper()}{line[1:]}." for line in results.tuned["outside_validity"]]
+    warnings = [*(f"Limit {line}." for line in results.tuned.get("broken_limits", [])), *warnings]
     if beyond := _beyond(check):
         heading = f"{where}{len(beyond)} times a limit is broken, the worst first"
         tables.append(Table(heading, BEYOND, beyond, folded=len(beyond) > MANY))
-        said = [_summed(check, beyond), *said]
-    return PageSection("Limits", warnings=said, tables=tables)
+        warnings = [_summed(check, beyond), *warnings]
+    return PageSection("Limits", warnings=warnings, tables=tables)
 
 
 class LimitCounts(NamedTuple):

@@ -129,10 +129,10 @@ def scenarios(results: Results) -> PageSection | None:
     reached = [f"Before tuning {counts[0]} scenarios, after it {counts[1]}."] if counts[1] else []
     if corners is None:
         return PageSection("Scenarios", reached, curves=curves, tables=tables)
-    said = [f"{line[:1].upper()}{line[1:]}." for line in corners["said"]]
+    lines = [f"{line[:1].upper()}{line[1:]}." for line in corners["lines"]]
     holds = not corners_verdict(tuned)
-    text = [f"The scenarios are {tuned['sample']['count']} samples of what scatters, which are no bound.", said[-1]]
-    of_corners = said[:-1]
+    text = [f"The scenarios are {tuned['sample']['count']} samples of what scatters, which are no bound.", lines[-1]]
+    of_corners = lines[:-1]
     # Corners that hold are a fact among others; those that do not are a warning.
     text, warnings = ([text[0], *of_corners, text[1]], []) if holds else (text, of_corners)
     return PageSection("Scenarios", [*reached, *text], curves=curves, tables=tables, warnings=warnings)

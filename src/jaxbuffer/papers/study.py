@@ -55,7 +55,7 @@ Rows = dict[str, tuple[Row, ...]]
 
 
 class ClaimVerdict(NamedTuple):
-    """``said``: what the model shows, with its numbers; ``verdict``: `YES`, `PARTLY`, `NO` or `OPEN`."""
+    """``finding``: what the model shows, with its numbers; ``verdict``: `YES`, `PARTLY`, `NO` or `OPEN`."""
 
     finding: str
     verdict: str

@@ -151,8 +151,8 @@ class stored(Generic[R]):  # a decorator
             seconds = stored.description["seconds"]
             # What JAX's cache has compiled is only loaded, which takes too little time to be announced.
             quick = store.compiled_from(file, _of_jax()) or seconds < QUICK
-            said = contextlib.nullcontext() if quick else _announced(seconds)
-            with said, store.being_loaded(file):
+            announcement = contextlib.nullcontext() if quick else _announced(seconds)
+            with announcement, store.being_loaded(file):
                 return _loaded(stored, given, file)
         except Exception as error:  # another machine's, another JAX's: whatever it is, compiling helps
             _log.info("%s cannot be used: %s", file, error)
