@@ -22,9 +22,9 @@ from rich.console import Console
 from rich.table import Table
 
 import jaxbuffer as jb
+from jaxbuffer.cluster.pool import Pool
 from jaxbuffer.hybrid import ExplicitRungeKutta
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
-from jaxbuffer.programs.threads import Pool
 from jaxbuffer.sensitivities.certificate import KINK, TRUSTED
 from jaxbuffer.sensitivities.evidence import FLOOR, TightSolve, TightSolves, course_of, each
 

@@ -66,7 +66,7 @@ RELEASED = (
 )
 RISES_AGAIN = "tests/hybrid/test_crossing.py::test_a_maximum_of_what_rises_again_is_seen"
 ANY_SIGN = "tests/hybrid/test_maxima.py::test_a_maximum_is_one_whatever_its_sign[loop-0.9]"
-CHAINED = "tests/tuning/test_derived.py::test_slopes_are_those_of_the_function"
+CHAINED = "tests/tuning/test_custom_quantity.py::test_slopes_are_those_of_the_function"
 
 
 def _lose_force_in_chain() -> None:

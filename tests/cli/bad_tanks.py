@@ -144,7 +144,8 @@ WORDS = [
         "[problem.variables]\nwall.top = ['4 mm', '50 mm']", "wall.top = 50 mm is out of range; allowed: (0, 30] mm"
     ),
     _study(
-        "[problem.constraints]\nstroke = 0.1", "constraints.stroke is unknown; known: captured, impacts, peak_force"
+        "[problem.constraints]\nstroke = 0.1",
+        "constraints.stroke is unknown; known: require_success, impacts, peak_force",
     ),
     _study("[problem.grid]\napproach_speed = [1]", "grid.approach_speed is unknown; known: height, fill, gravity"),
     toml('kind = "tankdrop"', "kind = 'tankdrop' is unknown", "did you mean tank_drop?"),

@@ -39,7 +39,7 @@ class Instant(NamedTuple):
     active: jax.Array
 
     @property
-    def evaluate(self):
+    def at(self):
         return self.mechanism.evaluate(self.state)
 
     @property

@@ -83,7 +83,7 @@ def test_without_them_it_is_the_papers_spring_and_damper():
 @pytest.mark.parametrize("values", [REAL_BUFFER, CURVES], ids=["numbers", "curves"])
 def test_it_acts_between_cylinder_and_probe_and_its_losses_are_its_powers(values, stroke_rate):
     instant = moving(mechanism(values), stroke=0.004, stroke_rate=stroke_rate)
-    axial, kin = instant.mechanism.element("buffer").force, instant.posture.kin
+    axial, kin = instant.mechanism.element("buffer").force, instant.at.kin
     stroke, speed = axial.stroke(kin)
     assert_allclose([stroke, speed], [0.004, stroke_rate], rtol=1e-12)
     dissipative = axial.damper_force(speed) + axial.friction_force(speed)
@@ -97,7 +97,7 @@ def test_it_acts_between_cylinder_and_probe_and_its_losses_are_its_powers(values
 
 
 def rebound_force(instant):
-    rebound, at = instant.mechanism.element("rebound"), instant.mechanism.evaluated(instant.posture, "rebound")
+    rebound, at = instant.mechanism.element("rebound"), instant.mechanism.evaluated(instant.at, "rebound")
     return rebound.force(at, instant.mechanism.closed_switches(instant.active, "rebound"))
 
 
@@ -106,13 +106,13 @@ def test_the_rebound_stop_pulls_in_beyond_its_gap():
     beyond = moving(assembled, stroke=-0.0015, stroke_rate=-0.03, closed=("rebound",))
     force = 2e4 * (0.0015 - 5e-4) + 20.0 * 0.03
     assert_allclose(rebound_force(beyond), force, rtol=1e-10)
-    assert_allclose(assembled.stored(beyond.posture, beyond.active)["rebound"], 0.5 * 2e4 * 1e-3**2, rtol=1e-9)
+    assert_allclose(assembled.stored(beyond.at, beyond.active)["rebound"], 0.5 * 2e4 * 1e-3**2, rtol=1e-9)
     rest, flow = beyond.energy_rate()
     assert abs(rest) < 1e-12 * flow
     returning = moving(assembled, stroke=-0.0006, stroke_rate=0.3, closed=("rebound",))  # c ṡ is more than k (s + g)
     assert float(rebound_force(returning)) == 0.0
     within = moving(assembled, stroke=-0.0004)
-    gap, closing = assembled.gaps_at(within.posture)
+    gap, closing = assembled.gaps_at(within.at)
     assert_allclose([gap[2], closing[2]], [1e-4, 0.06], rtol=1e-9)
 
 

@@ -28,7 +28,7 @@ def latched(since, values=None, **scenario):
 @each_time
 def test_force_and_moment_by_hand(since):
     instant = latched(since, {"latch.depth": 0.0004})
-    at = instant.posture
+    at = instant.at
     centre = at.contacts[0].centre
     tip, cone, probe = np.array(centre.place), at.kin.frame(T), at.kin.frame(P)
     turn = np.array([[np.cos(0.05), -np.sin(0.05)], [np.sin(0.05), np.cos(0.05)]])
@@ -81,12 +81,12 @@ def test_its_contacts_close_once():
     assert names == ("lower", "upper", CLOSING, LATCHED, THRUST_OVER)
     assert assembled.one_way == (False, False, True, True, True)
     before = moving(assembled, ahead=-0.002, time=0.4)
-    gap, closing = assembled.gaps_at(before.posture)
+    gap, closing = assembled.gaps_at(before.at)
     assert_allclose(gap[2], 0.002, rtol=1e-9)
     assert_allclose([gap[3], closing[3]], [0.02, 0.0])  # which does not come nearer before the crossing
     assert_allclose([gap[4], closing[4]], [1.1, 1.0])
     after = moving(assembled, closed=(CLOSING,), since_crossing=0.015, time=0.4)
-    gap, closing = assembled.gaps_at(after.posture)
+    gap, closing = assembled.gaps_at(after.at)
     assert_allclose([gap[3], closing[3]], [0.005, 1.0])
 
 
@@ -94,7 +94,7 @@ def test_its_contacts_close_once():
 def test_closed_at_once_it_stores_its_energy_at_once(free_tip):
     assembled = mechanism(LATCH | {"latch.closing_time": 0.0, "probe.free_tip": free_tip})
     instant = moving(assembled, closed=(CLOSING,))
-    acting, closed = assembled.evaluated(instant.posture, "latch"), assembled.closed_switches(instant.active, "latch")
+    acting, closed = assembled.evaluated(instant.at, "latch"), assembled.closed_switches(instant.active, "latch")
     assert float(acting.share) == 1.0
     assert float(acting.share_rate) == 0.0
     which = assembled.contact_names.index(CLOSING)
@@ -107,7 +107,7 @@ def test_closed_at_once_it_stores_its_energy_at_once(free_tip):
 def test_a_thrusts_impulse_and_work_stand_in_the_ledgers(free_tip):
     assembled = mechanism({"probe.free_tip": free_tip}, thrust=1.3, thrust_time=1.5)
     instant = moving(assembled, ahead=-0.002, time=0.4)
-    frame = instant.posture.kin.frame(0)
+    frame = instant.at.kin.frame(0)
     force = 1.3 * np.array([np.cos(-0.02), np.sin(-0.02)])
     found = [float(rate) for rate in own(assembled, instant.rate, "thrust").values()]
     velocity, origin = np.array(frame.velocity), np.array(frame.origin)

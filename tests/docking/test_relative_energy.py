@@ -51,7 +51,7 @@ def test_a_rigid_motion_of_the_whole_has_none(free_tip, closed):
 def test_a_tip_that_turns_by_itself_has_some():
     assembled = mechanism({"probe.free_tip": True})
     instant = moving(assembled)
-    before = float(assembled.relative_energy(instant.posture, instant.active))
+    before = float(assembled.relative_energy(instant.at, instant.active))
     faster = instant.state.at[24].add(2.0)
     after = float(assembled.relative_energy(assembled.evaluate(faster), instant.active))
     inertia = float(assembled.parts.probe.tip_inertia)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
+from jaxbuffer.labelled.record import Record
 from jaxbuffer.mechanisms import all_mechanisms
 from jaxbuffer.mechanisms.probe_cone.panels import panels
 from jaxbuffer.output.sensitivity_figure import drawn, sensitivity_figure
@@ -64,19 +65,18 @@ class Sampled:
         rows = [("a", 0.42, 0.71), ("b", 0.29, 0.6)]
         self.mechanism = all_mechanisms()[0]
         self.design = self.mechanism.design()
-        self.records = {
-            "sample": {
-                "outcomes": {"captured": 8},
-                "runs": 8,
-                "done": 8,
-                "ranges": [{"path": "buffer.k_A"}, {"path": "buffer.c_A"}],
-                "surfaces": [{"quantity": "peak_force", "trusted": trusted}],
-                "indices": [
-                    {"quantity": "peak_force", "number": n, "first_order [-]": s, "total [-]": t, "from": source}
-                    for n, s, t in rows
-                ],
-            }
+        of_sample = {
+            "outcomes": {"captured": 8},
+            "runs": 8,
+            "done": 8,
+            "ranges": [{"path": "buffer.k_A"}, {"path": "buffer.c_A"}],
+            "surfaces": [{"quantity": "peak_force", "trusted": trusted}],
+            "indices": [
+                {"quantity": "peak_force", "number": n, "first_order [-]": s, "total [-]": t, "from": source}
+                for n, s, t in rows
+            ],
         }
+        self.records = {"sample": Record.of(of_sample)}
 
 
 def test_the_lead_quotes_the_share_that_a_number_has_alone():

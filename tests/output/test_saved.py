@@ -86,7 +86,7 @@ def test_nothing_is_overwritten_unasked(tmp_path):
     result = made_up_sensitivity()
     first = result.save(tmp_path)
     first[0].write_text("mine")
-    with pytest.raises(jb.InputError, match=r"and 4 more exist; force=True overwrites, another folder keeps them"):
+    with pytest.raises(jb.InputError, match=r"and 3 more exist; force=True overwrites, another folder keeps them"):
         jb.save(result, tmp_path)
     assert first[0].read_text() == "mine"
     jb.save(result, tmp_path, force=True)

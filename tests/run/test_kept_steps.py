@@ -39,7 +39,7 @@ def test_of_bodies_that_bend_the_frames_are_shown():
     shown = SimpleNamespace(multipliers=jnp.zeros(3), gap=jnp.array([0.1]), approach_speed=jnp.array([0.2]),
                             slip=jnp.array([0.3]), normal=jnp.array([4.0]), friction=jnp.array([5.0]),
                             others={"own": 6.0})  # fmt: skip
-    system = SimpleNamespace(posture=lambda state: posture, snapshot_at=lambda at, active: shown,
+    system = SimpleNamespace(evaluate=lambda state: posture, snapshot_at=lambda at, active: shown,
                              energy_at=lambda at, active: "energy")  # fmt: skip
     found = module.history_at(system, jnp.asarray(0.5), jnp.ones(1), jnp.zeros(16))
     np.testing.assert_array_equal(found.position, [[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]])

@@ -50,7 +50,7 @@ def swept(speeds, folder, resume=False):
 
 
 def test_another_sweep(tmp_path, monkeypatch):
-    monkeypatch.setattr("jaxbuffer.sweeps.sweep.completed", lambda *arguments: iter(()))
+    monkeypatch.setattr("jaxbuffer.cluster.pool.Pool.completed", lambda *arguments: iter(()))
     swept([0.1, 0.2], tmp_path)
     with pytest.raises(jb.InputError, match=r"in scenarios; repeat the study, .* same --over .* another --output"):
         swept([0.1, 0.3], tmp_path, resume=True)
@@ -78,7 +78,7 @@ def registered():
 
 
 def test_a_mechanism_whose_code_has_changed_is_not_resumed(tmp_path, monkeypatch, registered):
-    monkeypatch.setattr("jaxbuffer.sweeps.sweep.completed", lambda *arguments: iter(()))
+    monkeypatch.setattr("jaxbuffer.cluster.pool.Pool.completed", lambda *arguments: iter(()))
 
     def sweep(gravity, folder, **options):
         design, release = pendulum(gravity, tmp_path)
@@ -122,7 +122,7 @@ def test_code_without_source_is_not_recognised_and_that_is_said(tmp_path, regist
 
 
 def test_laws_and_quantities_of_ones_own_whose_code_has_changed(tmp_path, monkeypatch, registered):
-    monkeypatch.setattr("jaxbuffer.sweeps.sweep.completed", lambda *arguments: iter(()))
+    monkeypatch.setattr("jaxbuffer.cluster.pool.Pool.completed", lambda *arguments: iter(()))
 
     def swept(factor, law, **options):
         class Mine(Hertz):
@@ -151,7 +151,7 @@ def test_laws_and_quantities_of_ones_own_whose_code_has_changed(tmp_path, monkey
 
 
 def test_what_is_the_packages_own_has_no_code_in_its_identity(tmp_path, monkeypatch):
-    monkeypatch.setattr("jaxbuffer.sweeps.sweep.completed", lambda *arguments: iter(()))
+    monkeypatch.setattr("jaxbuffer.cluster.pool.Pool.completed", lambda *arguments: iter(()))
     assert "code" not in swept([0.1, 0.2], tmp_path).identity
 
 

@@ -17,6 +17,7 @@ those of the capture mechanism, 'jaxbuffer fields KIND' has any mechanism's):
             free_length [m], cylinder_mass [kg], cylinder_length [m],
             max_stroke [m] (default: free_length), stop_stiffness [N/m]
             (default: no end stop), stop_damping [N s/m],
+            stop_thickness [m] (of rubber; default: it is linear),
             spring_curve (points [stroke, force] in place of k_A),
             damper_curve (points [speed, force] in place of c_A, c_A2):
             "[[0.005, 2.0], [0.01, 6.0]]" say; one of their numbers is

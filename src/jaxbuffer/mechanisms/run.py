@@ -351,7 +351,7 @@ class DesignOf(Part, Generic[R]):
 class Solved(NamedTuple):
     """What the time stepping found of a run, and what was read off: for `Mechanism.run`.
 
-    ``parameters``: design, scenario and Baumgarte's gain [1/s]; ``duration`` [s]; ``start``: the first posture;
+    ``parameters``: design, scenario and Baumgarte's gain [1/s]; ``duration`` [s]; ``start``: the first evaluated state;
     ``result`` of the time stepping; ``log``: its events with derivatives as they move; ``code`` of the outcome;
     ``known``: 1, or NaN for a failed run, a factor so that derivatives are NaN too; ``common``: the fields of every
     `Run`, by name.

@@ -60,7 +60,7 @@ class ContactSystem(HybridSystem):
 
     The state begins with coordinates and velocities and ends with the memory: the approach speed δ̇⁻ [m/s] at the last
     touchdown of each contact that has impacts; those contacts come first. A mechanism looks at a state once, by
-    `posture`; what is named ``…_at`` takes that.
+    `evaluate`; what is named ``…_at`` takes that.
     """
 
     # --- what a mechanism says of itself ------------------------------------------------------------------------------
@@ -112,11 +112,11 @@ class ContactSystem(HybridSystem):
         raise NotImplementedError
 
     def terminals_at(self, at: Any) -> Float[Array, " terminals"]:
-        """Return the `terminals` of a posture."""
+        """Return the `terminals` of an evaluated state."""
         raise NotImplementedError
 
     def observables_at(self, at: Any, rate: State, active: Active) -> Float[Array, " observables"]:
-        """Return the `observables` of a posture."""
+        """Return the `observables` of an evaluated state."""
         raise NotImplementedError
 
     @property
@@ -125,11 +125,11 @@ class ContactSystem(HybridSystem):
         raise NotImplementedError
 
     def snapshot_at(self, at: Any, active: Active) -> Snapshot:
-        """Return all that a history shows of a posture."""
+        """Return all that a history shows of an evaluated state."""
         raise NotImplementedError
 
     def energy_at(self, at: Any, active: Active) -> Energy:
-        """Return the energies of a posture, stored and lost."""
+        """Return the energies of an evaluated state, stored and lost."""
         raise NotImplementedError
 
     @property
@@ -175,7 +175,7 @@ class ContactSystem(HybridSystem):
         raise NotImplementedError
 
     def first_evaluation(self) -> tuple[Any, Active]:
-        """Return the posture of `start`, and which contacts are closed there."""
+        """Return the evaluated `start`, and which contacts are closed there."""
         state, active = self.start()
         return self.evaluate(state), active
 

@@ -28,8 +28,8 @@ def history_at(system: ContactSystem, time: Array, active: Array, state: Array) 
 
     **Arguments:** ``system``; ``time`` [s]; ``active``: 1 for each closed contact, else 0; ``state``.
     """
-    posture = system.evaluate(state)
-    snapshot, kin = system.snapshot_at(posture, active), posture.kin
+    at = system.evaluate(state)
+    snapshot, kin = system.snapshot_at(at, active), at.kin
     return History(
         time=time,
         position=kin.q[: 3 * len(kin.frames)].reshape(-1, 3),
@@ -41,7 +41,7 @@ def history_at(system: ContactSystem, time: Array, active: Array, state: Array) 
         contact_force=snapshot.normal,
         friction_force=snapshot.friction,
         others={name: jnp.asarray(value) for name, value in snapshot.others.items()},
-        energy=system.energy_at(posture, active),
+        energy=system.energy_at(at, active),
         state=state,
         closed=active,
     )

@@ -48,16 +48,16 @@ def course(
     active = design.active.mass + design.buffer.cylinder_mass + mechanism.parts.probe.mass
 
     def at(state: Float[Array, " state"], touching: Float[Array, " contacts"]) -> Course:
-        posture = mechanism.evaluate(state)
-        tip = mechanism.evaluated(posture, "throat")
+        here = mechanism.evaluate(state)
+        tip = mechanism.evaluated(here, "throat")
         momentum = mechanism.momentum(state)[0]
-        cone = posture.kin.frame(T)
+        cone = here.kin.frame(T)
         # The active side has the momentum of the whole less that of the passive vehicle.
         x, y = ((momentum[k] - passive * v) / active - v for k, v in enumerate((cone.velocity.x, cone.velocity.y)))
         speed = x * cone.cos + y * cone.sin
         reduced = active * passive / (active + passive)
         common = 0.5 * (momentum[0] ** 2 + momentum[1] ** 2) / (active + passive)
-        relative = mechanism.relative_energy(posture, touching)
+        relative = mechanism.relative_energy(here, touching)
         return Course(tip.before, -tip.receding, speed, 0.5 * reduced * speed**2, common, relative)
 
     return jax.vmap(at)(states, closed)

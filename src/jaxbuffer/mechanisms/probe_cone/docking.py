@@ -24,7 +24,7 @@ DOUBLINGS, NEWTON_STEPS = 60, 30  # of a stroke from 1e-9 m on, and towards the 
 class PlaneCrossing(NamedTuple):
     """Where the tip crossed the capture plane, or else the run's end.
 
-    ``at``: the posture there, which moves with the parameters; ``time`` [s]; ``occurred``: whether it crossed.
+    ``at``: the evaluated state there, which moves with the parameters; ``time`` [s]; ``occurred``: whether it crossed.
     """
 
     at: EvaluatedState
