@@ -14,7 +14,7 @@ from ..mechanisms.system import ContactSystem
 def balance(
     system: ContactSystem, start: tuple[Any, Array], log: Log, drift: Float[Array, " slots"]
 ) -> tuple[Energy, Balance]:
-    """Return the energies at the end of a run, and conservation from its ``start`` (evaluated state, closed contacts) to
+    """Return the energies at the end of a run, and conservation from ``start`` (evaluated state, closed contacts) to
     its last state.
 
     **Arguments:** ``drift``: the constraints' error at each entry of the log [m, rad].
