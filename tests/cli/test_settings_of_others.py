@@ -59,7 +59,7 @@ def test_a_figure_that_fails_is_one_line_after_all_data(computed, monkeypatch, c
     def fails(run):
         raise error
 
-    monkeypatch.setattr("jaxbuffer.output.results.run_figure", fails)
+    monkeypatch.setattr("jaxbuffer.output.run_files.run_figure", fails)
     assert run(["simulate", "--output", "out"]) == 3
     assert {file.name for file in (tmp_path / "out").iterdir()} == FILES["simulate"] - {"capture.png"}
     shown = capsys.readouterr()

@@ -162,7 +162,7 @@ def test_a_shell_s_completion_prints_no_error_into_the_prompt(typed, offered):
 
 
 def test_an_animation_s_file_may_be_named(monkeypatch, computed, tmp_path):
-    monkeypatch.setattr("jaxbuffer.cli.commands.simulate.animation", lambda run, kind, report: f"a {kind}".encode())
+    monkeypatch.setattr("jaxbuffer.cli.commands.animate.animation", lambda run, kind, report: f"a {kind}".encode())
     assert run(["animate", "--output", "films/docking.GIF"]) == 0
     assert run(["animate", "--output", "films"]) == 0
     assert {file.name: file.read_bytes() for file in (tmp_path / "films").iterdir()} == {

@@ -11,9 +11,9 @@ import pytest
 
 from jaxbuffer import InputError, Limits, Outcome, Scenario
 from jaxbuffer.output.figures import run_figure
-from jaxbuffer.output.results import tuned_files
 from jaxbuffer.output.style import png
 from jaxbuffer.output.tune_figure import tune_figure
+from jaxbuffer.output.tuned_files import tuned_files
 from jaxbuffer.study.config import Config
 from made_up import PULSE, made_up_capture, made_up_tuning
 from output.drawn import check_readable
@@ -132,7 +132,7 @@ def test_a_worst_scenario_that_fails_leaves_the_other_panels(monkeypatch, fails)
             raise InputError("the design is out of its range")
         return made_up_capture(outcome=Outcome.failed_steps)
 
-    monkeypatch.setattr("jaxbuffer.output.results.simulate", simulate)
+    monkeypatch.setattr("jaxbuffer.output.tuned_files.simulate", simulate)
     lines = []
     files = tuned_files(made_up_tuning(Config().problem()), None, lines.append)
     assert files["tune.png"]().startswith(b"\x89PNG") and files["tuned.json"]()

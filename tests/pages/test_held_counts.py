@@ -10,7 +10,8 @@ import jaxbuffer as jb
 from jaxbuffer.experiments.rectangle import UNDONE
 from jaxbuffer.files import write
 from jaxbuffer.output.folder import load
-from jaxbuffer.output.results import swept_files, tuned_files
+from jaxbuffer.output.swept_files import swept_files
+from jaxbuffer.output.tuned_files import tuned_files
 from jaxbuffer.pages.compare import compared, comparison
 from jaxbuffer.pages.limits import limit_check
 from jaxbuffer.pages.review import review

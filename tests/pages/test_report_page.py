@@ -17,7 +17,8 @@ from jaxbuffer.cli.entry import run as command
 from jaxbuffer.files import write
 from jaxbuffer.output.folder import load
 from jaxbuffer.output.provenance import made
-from jaxbuffer.output.results import run_files, sensitivity_files, swept_files
+from jaxbuffer.output.run_files import run_files, sensitivity_files
+from jaxbuffer.output.swept_files import swept_files
 from jaxbuffer.output.tuned_records import tuned_record as tuned_record_of
 from jaxbuffer.pages.compare import compared, comparison
 from jaxbuffer.pages.page import Cell, Page, PageSection, Table

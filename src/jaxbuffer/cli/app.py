@@ -72,7 +72,6 @@ verb(
     animate,
     "One run as an animation: the mechanism, its contact forces, slow motion around impacts.",
     without=("figures",),
-    module="simulate",
 )
 verb(
     app,

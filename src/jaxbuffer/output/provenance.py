@@ -12,6 +12,7 @@ from typing import Any
 from ..files import home
 from ..labelled.record import heading
 from ..version import version
+from .formats import Made, json_text
 
 MADE = "made"  # a record's key for it
 CPUINFO = Path("/proc/cpuinfo")
@@ -83,3 +84,8 @@ def processor() -> str:
     lines = CPUINFO.read_text(errors="replace").splitlines() if CPUINFO.is_file() else []
     names = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
     return next(names, "") or platform.processor() or platform.machine() or "unknown"
+
+
+def record_text(record: Mapping[str, Any], made: Made) -> str:
+    """Return a record with how it came about at its end, where that is known, as text."""
+    return json_text(record if made is None else {**record, MADE: made})

@@ -5,7 +5,7 @@ from typing import Any
 from ...cluster.extra import executor_at
 from ...errors import InputError
 from ...output.formats import table_json
-from ...output.results import front_files
+from ...output.tuned_files import front_files
 from ...output.tuned_records import front_rows
 from ...tuning.pareto import check_front
 from ...tuning.pareto import pareto as compute

@@ -11,7 +11,7 @@ from ...experiments.ranges import ranges, typed
 from ...experiments.sample import Sample, sample_at
 from ...experiments.surface import response_surface
 from ...mechanisms.quantity import check_quantities
-from ...output.results import sample_files, sample_text, swept_json
+from ...output.swept_files import sample_files, sample_text, swept_json
 from ...study.config import Config
 from ...sweeps.result import SweepInterrupted
 from ...sweeps.store import STORE

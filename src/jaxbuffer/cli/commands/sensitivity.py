@@ -4,7 +4,7 @@ from ...cluster.extra import executor_at
 from ...errors import check_choice
 from ...fields import check_numbers
 from ...mechanisms.quantity import check_differentiable
-from ...output.results import sensitivity_files
+from ...output.run_files import sensitivity_files
 from ...run.request import ONE_RUN
 from ...sensitivities.sensitivity import CERTIFICATES
 from ...sensitivities.sensitivity import sensitivity as compute

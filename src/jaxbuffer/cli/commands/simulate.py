@@ -1,14 +1,11 @@
-"""One run: `jaxbuffer simulate` and `animate`, and whether a run keeps to [problem.constraints]."""
+"""One run: `jaxbuffer simulate`, and whether a run keeps to [problem.constraints]."""
 
-import dataclasses
 import sys
 
-from ...errors import InputError, check_choice
 from ...fields import get
 from ...mechanisms.run import Run
-from ...output.animation import FORMATS, animation, check_format, frames_of
 from ...output.field_files import left_out
-from ...output.results import run_files
+from ...output.run_files import run_files
 from ...run.request import NO_TENTH, tenth
 from ...run.simulate import HISTORY_STEPS
 from ...run.simulate import simulate as compute
@@ -19,11 +16,8 @@ from ...study.own_quantities import own_quantities
 from ...tuning.objective import Constraints
 from ..exits import LIMITS_BROKEN, OK, fail
 from ..streams import note
-from .progress import sweeping, working
+from .progress import working
 from .request import CommandLine, asked_for
-
-# endings that name a film, or a picture, which is not made here
-OTHER_FILMS = frozenset("apng avi flv m4v mkv mov mpeg mpg ogv png svg webm webp wmv".split())  # noqa: SIM905
 
 
 def simulate(request: CommandLine, scenario_number: str | None, trust: str) -> int:
@@ -46,33 +40,6 @@ def simulate(request: CommandLine, scenario_number: str | None, trust: str) -> i
         note(missing)
     files.save_and_show(lambda: contents, run, lambda: str(contents[f"{name}.json"]()))
     return keeps_limits(limits, run)
-
-
-def animate(request: CommandLine, scenario_number: str | None, kind: str | None) -> int:
-    """Simulate a run and draw it moving."""
-    study = request.one_scenario(scenario_number)
-    if request.output is None:
-        raise InputError("animate needs --output DIR, the folder for its file, or the file")
-    ending = request.output.suffix.removeprefix(".").lower()
-    if ending in OTHER_FILMS and not request.output.is_dir():
-        check_choice("format", ending, FORMATS)
-    if ending in FORMATS and not request.output.is_dir():
-        if kind not in (None, ending):
-            raise InputError(f"--format {kind} and --output {request.output} contradict; keep one")
-        kind, name = ending, request.output.name
-        request = dataclasses.replace(request, output=request.output.parent)
-    else:
-        kind = kind or FORMATS[0]
-        name = f"motion.{kind}"
-    check_format(kind)
-    files = request.files(name)
-    run, _ = simulated(study, history=True, again=False)
-    if run.outcome.failed:
-        return fail(run.outcome.reason)
-    count = len(frames_of(run).times)
-    film = sweeping(count, lambda report: animation(run, kind, report), "drawing", "frames")
-    files.save_and_show(lambda: {name: lambda: film}, run)
-    return OK
 
 
 def simulated(study: Config, history: bool, again: bool) -> tuple[Run, Run | None]:

@@ -7,7 +7,7 @@ from typing import Any
 from ...cluster.extra import executor_at
 from ...experiments.rectangle import safe_rectangle
 from ...fields import get
-from ...output.results import swept_files, swept_json
+from ...output.swept_files import swept_files, swept_json
 from ...study.config import Config
 from ...sweeps.axis import typed
 from ...sweeps.columns import RunTable

@@ -6,7 +6,7 @@ from typing import Any
 from ...cluster.extra import executor_at
 from ...errors import InputError
 from ...fields import as_displayed
-from ...output.results import tuned_files
+from ...output.tuned_files import tuned_files
 from ...study.tuned_toml import tuned_toml
 from ...tuning import Problem
 from ...tuning.tune import best_so_far

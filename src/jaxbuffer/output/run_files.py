@@ -1,0 +1,51 @@
+"""The files of a run and of its sensitivities: names, and what makes their contents."""
+
+from ..labelled.netcdf import SUFFIX, content
+from ..mechanisms.run import Run
+from ..run.trust import Trust
+from ..sensitivities.result import Sensitivity, sensitivity_rows
+from ..tuning.objective import Constraints
+from . import records, style
+from .field_files import field_files
+from .figures import run_figure
+from .formats import Contents, Made, Writers, compact_json, csv_text
+from .motion import motion_figure
+from .page_data import force_record, motion_record
+from .provenance import record_text
+from .sensitivity_figure import drawn, sensitivity_figure
+
+
+def run_files(
+    run: Run, made: Made = None, constraints: Constraints | None = None, trust: Trust | None = None
+) -> Contents:
+    """Return the files of `jaxbuffer simulate`, named after what the mechanism calls a run.
+
+    **Arguments:** ``run``: without its history it has neither figures nor tables of it; ``made``: how it came about;
+    ``constraints``: of its study; ``trust``: how far its numbers can be trusted.
+    """
+    name, label = run.mechanism.view.run_name, run.mechanism.view.label(run.scenario)
+    files: Writers = {
+        f"{name}.json": lambda: record_text(records.run_record(run, constraints, trust), made),
+        "force.json": lambda: compact_json(force_record({name: run}, label)),
+        "history.csv": lambda: csv_text(*records.run_history(run)),
+        "motion.json": lambda: compact_json(motion_record(run)),
+        f"{name}.txt": lambda: f"{run!r}\n",
+        **style.both(name, lambda: run_figure(run)),
+        **style.both("motion", lambda: motion_figure(run)),
+        f"{name}{SUFFIX}": lambda: content(run.to_xarray()),
+        **field_files(run),
+    }
+    # All others draw or list values over time.
+    without_history = (f"{name}.json", f"{name}.txt", f"{name}{SUFFIX}")
+    return files if run.history is not None else {file: files[file] for file in without_history}
+
+
+def sensitivity_files(result: Sensitivity, made: Made = None) -> Contents:
+    """Return the files of `jaxbuffer sensitivity`. ``made``: how it came about."""
+    figures = style.both("sensitivity", lambda: sensitivity_figure(result)) if drawn(result) else {}
+    return {
+        "sensitivity.json": lambda: record_text(records.sensitivity_record(result), made),
+        "sensitivity.csv": lambda: csv_text(*sensitivity_rows(result)),
+        "sensitivity.txt": lambda: f"{result!r}\n",
+        **figures,
+    }
