@@ -88,3 +88,20 @@ def test_between_the_steps_of_a_swinging_bar():
         seen = history_at(system, jnp.asarray(times[2]), closed, found.state[2])
         np.testing.assert_allclose(found.gap[2], seen.gap, atol=1e-12)
     assert np.all(np.log2(np.divide(*errors)) > [5.5, 3.5])
+
+
+@pytest.mark.parametrize("length", [1e-14, 1e-12, 1e-9, 1e-6])
+def test_between_steps_that_are_as_short_as_a_rounding_of_time(length):
+    """A bar swings about a pin; a step that ends at a maximum may be that short, and positions are rounded."""
+    parameters = (jb.BarDrop(), jb.BarDropScenario(height=0.194), jnp.asarray(20.0))
+    system = BAR_DROP.system(*parameters)
+    at, closed = system.first_evaluation()
+    n, x = system.coordinates, np.array([0.0, 0.3, 0.7, 1.0])
+    state = np.asarray(at.state).copy()
+    state[n : 2 * n] = 1.0  # m/s, rad/s
+    rate = np.asarray(system.derivative(0.0, jnp.asarray(state), closed))
+    end = state + length * rate
+    each = [np.broadcast_to(it, (x.size, *np.shape(it))) for it in (closed, state, end)]
+    found = _instants(BAR_DROP, parameters, 0.0 * x, 0.0 * x + length, length * x, *each)
+    expected = state[n : 2 * n] + length * x[:, None] * rate[n : 2 * n]
+    np.testing.assert_allclose(np.asarray(found.state)[:, n : 2 * n], expected, rtol=1e-6)

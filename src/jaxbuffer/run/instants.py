@@ -9,7 +9,7 @@ from jaxtyping import Array, Float
 
 from ..errors import InputError, concrete, shown
 from ..fields import in_unit
-from ..hybrid.hermite import state_within
+from ..hybrid.hermite import cubic, state_within
 from ..mechanisms.history import History
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.run import Run
@@ -17,6 +17,8 @@ from ..programs.cache import stored
 from .history import history_at
 
 BLOCK = 512  # instants looked at together
+ROUNDING = 1e-14  # relative, of a quintic's change within a step
+SMALL = 1e-6  # of the change of a velocity within a step, what rounding may add to it
 
 
 def at_times(run: Run, times: Float[np.ndarray, " instants"]) -> History:
@@ -105,6 +107,20 @@ def _blocks(given: tuple[np.ndarray, ...], count: int) -> list[tuple[np.ndarray,
     return [tuple(part[row] for part in given) for row in rows]
 
 
+def _within(coordinates: int, start: tuple[Array, Array], end: tuple[Array, Array], length: Array, x: Array) -> Array:
+    """Return the state at the fraction x of a step, as `state_within`, in steps of any ``length`` [s].
+
+    A step that ends at a maximum may be as short as time itself is rounded. The positions' rounding, divided by such a
+    length, would be larger than the velocities: there a cubic of the velocities takes the place of the quintic's rate.
+    """
+    (y0, f0), (y1, f1), own = start, end, slice(coordinates, 2 * coordinates)
+    state = state_within(coordinates, start, end, length, x)
+    rounded = ROUNDING * jnp.maximum(jnp.abs(y0[:coordinates]), jnp.abs(y1[:coordinates])) / length
+    change = jnp.maximum(jnp.abs(y1[own] - y0[own]), length * jnp.maximum(jnp.abs(f0[own]), jnp.abs(f1[own])))
+    smooth = cubic(y0[own], y1[own], length * f0[own], length * f1[own], x)
+    return state.at[own].set(jnp.where(rounded > SMALL * change, smooth, state[own]))
+
+
 @stored
 def _instants(
     mechanism: Mechanism,
@@ -124,7 +140,7 @@ def _instants(
         length = jnp.where(end > start, end - start, 1.0)  # the last step of a history has none after it
         first = before, system.derivative(start, before, closed)
         last = after, system.derivative(end, after, closed)
-        state = state_within(system.coordinates, first, last, length, (time - start) / length)
+        state = _within(system.coordinates, first, last, length, (time - start) / length)
         return history_at(system, time, closed, state)
 
     return jax.vmap(at)(start, end, time, closed, before, after)
