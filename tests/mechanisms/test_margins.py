@@ -52,7 +52,7 @@ def test_the_way_beyond_the_capture_plane_goes_on_at_the_last_speed():
     mechanism = SimpleNamespace(
         parts=SimpleNamespace(scenario=SimpleNamespace(start="contact")),
         all_of=lambda kind: [],
-        posture=lambda state: state,
+        evaluate=lambda state: state,
         evaluated=lambda at, name: SimpleNamespace(before=at[0], receding=at[1]),
     )
     ended = log([[9.0, 9.0], [0.3, -0.1], [7.0, 7.0]], [0.0, 6.0, 1.0], 2)

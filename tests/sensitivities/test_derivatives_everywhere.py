@@ -36,7 +36,7 @@ def floats(module, prefix=""):
     numbers = {}
     for field in dataclasses.fields(module):
         value, name = getattr(module, field.name), prefix + field.name
-        if name in EXACT or value is None:
+        if name in EXACT or value is None or isinstance(value, tuple):  # names of what was watched
             continue
         if dataclasses.is_dataclass(value):
             numbers |= floats(value, name + ".")

@@ -87,7 +87,7 @@ def test_files_of_a_front(tmp_path, monkeypatch, capsys):
     command = ["pareto", "study.toml", "--objectives", "peak_force,penetration", "--points", "2", "--output", "out"]
     assert run(command) == 0
     names = {path.name for path in (tmp_path / "out").iterdir() if path.is_file()}
-    written = {f"pareto.{kind}" for kind in ("csv", "png", "svg", "txt", "json")}
+    written = {f"pareto.{kind}" for kind in ("csv", "png", "txt", "json")}
     assert names == {*written, "design-1.toml", "design-2.toml", "front.json"}
     assert "2 of 2 points are on the front" in capsys.readouterr().out
     assert run(command) == 2

@@ -24,7 +24,7 @@ class Sensor(Element):
     - ``of_acceleration``: whether it depends on the accelerations.
     - ``watched``: whether its largest value is wanted; if not, a history alone shows it.
     - ``least``: what the largest value is at least, as a depth is 0 where nothing touches.
-    - ``rounding``: the value that is rounding where nothing acts.
+    - ``rounding``: the value that is rounding where nothing acts; None if every value counts, also a negative one.
     - ``name``: of the quantity.
     """
 
@@ -33,7 +33,7 @@ class Sensor(Element):
     of_acceleration: bool = eqx.field(static=True, default=False)
     watched: bool = eqx.field(static=True, default=True)
     least: float = eqx.field(static=True, default=-math.inf)
-    rounding: Scalar = -math.inf
+    rounding: Scalar | None = None
     name: str = eqx.field(static=True, default="sensor")
 
     @property
@@ -58,7 +58,7 @@ class Sensor(Element):
         return {self.name: self.least} if self.watched else {}
 
     def negligible(self) -> dict[str, Scalar]:
-        return {self.name: self.rounding}
+        return {self.name: -jnp.inf if self.rounding is None else self.rounding}
 
 
 class Integral(Element):

@@ -13,6 +13,7 @@ import hashlib
 import inspect
 import pickle
 import sys
+import tokenize
 import types
 import uuid
 from collections.abc import Hashable
@@ -210,7 +211,7 @@ def _source(function: types.FunctionType) -> str:
     """Return the source of a function, "" where there is none."""
     try:
         return inspect.getsource(function.__code__)
-    except (OSError, TypeError, SyntaxError):
+    except (OSError, TypeError, SyntaxError, tokenize.TokenError):  # the last two: a file that is no Python
         return ""
 
 
