@@ -33,7 +33,7 @@ class Crank(Part):
     )
 
 
-class Drive(Part):
+class CrankDrive(Part):
     """What turns the crank.
 
     ``kind``: "speed" (the crank turns steadily) or "torque", M_0 (1 - ω/ω_0) with ``torque`` M_0 and
@@ -207,7 +207,7 @@ class SliderCrank(DesignOf[Run]):
     """
 
     crank: Crank = Crank()
-    drive: Drive = Drive()
+    drive: CrankDrive = CrankDrive()
     rod: Rod = Rod()
     slider: Slider = Slider()
     piston_pin: PistonPin = PistonPin()

@@ -1,7 +1,7 @@
 """The slider-crank of *Impact Dynamics Analysis of Mobile Mechanical Systems* (2021) with a geometry of ours."""
 
 from ..._types import Scalar
-from .design import Crank, Drive, SliderCrank
+from .design import Crank, CrankDrive, SliderCrank
 from .pins import ADAMS, PistonPin
 
 MM = 1e-3  # m
@@ -31,5 +31,5 @@ def published_slider_crank(exponent: float = 0.1, stiffness: Scalar = 1e4) -> Sl
         viscous=10.0 / MM,
         ramp_depth=1e-3 * MM,
     )
-    drive = Drive(kind="torque", torque=1e7 * MM, no_load_speed=10.0)
+    drive = CrankDrive(kind="torque", torque=1e7 * MM, no_load_speed=10.0)
     return SliderCrank(crank=Crank(mass=5.0, inertia=0.01), drive=drive, piston_pin=pin)

@@ -232,7 +232,7 @@ class Cushion(Part):
     )
 
 
-class Slider(Part):
+class FallingSlider(Part):
     """What falls, rigid and wider than the tank.
 
     ``mass``.
@@ -302,7 +302,7 @@ class TankDrop(DesignOf[TankRun]):
     composite: Composite = Composite()
     contents: Contents = Contents()
     cushion: Cushion = Cushion()
-    slider: Slider = Slider()
+    slider: FallingSlider = FallingSlider()
     support: Support = Support()
     mesh: Mesh = Mesh()
 
