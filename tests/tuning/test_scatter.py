@@ -107,7 +107,7 @@ def test_a_design_that_fails_in_a_corner_is_not_feasible(tuned, tmp_path):
 def test_the_worst_of_samples_is_said_to_be_no_bound(tuned):
     text, record = " ".join(repr(tuned).split()), json.loads(json.dumps(tuned_record(tuned)))
     holding, largest = tuned.corners.holding, f"{tuned.corners.largest:.5g} N"
-    for said in (text, record["corners"]["said"][0]):
+    for said in (text, record["corners"]["lines"][0]):
         assert f"all 4 corners of the 2 sampled ranges: the design holds in {holding} of 4" in said
         assert f"the largest objective there is {largest}" in said
     assert "peak_force, worst of 3 samples, no bound" in text
