@@ -56,11 +56,13 @@ class Table:
 
 @dataclasses.dataclass(frozen=True)
 class Figure:
-    """A picture: ``svg`` as text, or ``png`` in base 64; what it shows in words (``caption``)."""
+    """A picture: ``svg`` as text, or ``png`` in base 64 and its ``width`` [points]; what it shows in words
+    (``caption``)."""
 
     caption: str
     svg: str = ""
     png: str = ""
+    width: float = 0.0
 
 
 @dataclasses.dataclass(frozen=True)

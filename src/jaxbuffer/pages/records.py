@@ -11,6 +11,7 @@ from ..labelled.record import Record, heading
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Results
 from ..output.provenance import MADE
+from ..output.style import DOTS_PER_INCH
 from ..output.words import called
 from ..value_text import table_text
 from .page import Cell, Figure
@@ -100,7 +101,10 @@ def figure(results: Results, stem: str, caption: str) -> list[Figure]:
     if svg.is_file() and not ACTIVE.search(text := svg.read_text(encoding="utf-8")):
         return [Figure(caption, svg=_inline(text, re.sub(r"\W+", "-", f"{results.folder}-{stem}").strip("-")))]
     if png.is_file():
-        return [Figure(caption, png=base64.b64encode(png.read_bytes()).decode())]
+        content = png.read_bytes()
+        # No larger than it was drawn, as an SVG: a PNG begins with its mark, a block's head, and its width in pixels.
+        points = 72.0 * int.from_bytes(content[16:20]) / DOTS_PER_INCH
+        return [Figure(caption, png=base64.b64encode(content).decode(), width=points)]
     return []
 
 
