@@ -1,5 +1,7 @@
 """An end stop of rubber: its law by its formula, and a mass that runs into it by energy."""
 
+from types import SimpleNamespace
+
 import jax
 import jax.numpy as jnp
 import pytest
@@ -61,3 +63,11 @@ def test_its_force_is_the_slope_of_its_energy_also_where_a_step_goes_through_it(
 def test_a_docking_has_it_by_its_thickness():
     design = jb.replace(jb.table2(), {"buffer.stop_stiffness": 2e4, "buffer.stop_thickness": "15 mm"})
     assert float(assemble(design, jb.Scenario()).element("stop").law.thickness) == 0.015
+
+
+@pytest.mark.parametrize("share", [0.999, 1.001])
+def test_beyond_half_of_its_thickness_it_warns(share):
+    law, most = RubberBlock(STIFFNESS, 0.0, THICKNESS), share * force(0.5 * THICKNESS)
+    run = SimpleNamespace(mechanism=SimpleNamespace(quantities={}), maxima={"stop_force": most})
+    lines = EndStop(None, law, 0.01).warnings(run)
+    assert [line.startswith("the rubber of the end stop takes") for line in lines] == [True] * (share > 1.0)

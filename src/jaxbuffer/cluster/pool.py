@@ -83,7 +83,7 @@ class Pool:
         **Raises:** `InputError` where no process fits, `ConnectionError` where the executor has ended.
         """
         mine, unfit = dict(kind()), list[Answer]()
-        probes = {self._submitted(_asked) for _ in range(self.workers if self.given else 0)}
+        probes = {self._submitted(_probe) for _ in range(self.workers if self.given else 0)}
         while probes:
             finished, probes = wait(probes, PATIENCE, FIRST_COMPLETED)
             if not finished:
@@ -191,7 +191,7 @@ def _in_words(answer: Answer) -> str:
     return f"it differs in {', '.join(answer.differs)}, and so might its bits"
 
 
-def _asked(home: str, cache: str | None, number: str) -> Answer:
+def _probe(home: str, cache: str | None, number: str) -> Answer:
     """Answer what this process computes with.
 
     **Arguments:** ``home``: the address of the process that asks; ``cache``: its folder of programs; ``number``: of
@@ -209,7 +209,7 @@ def _called(
 
     Processes may come at any time, so that each checks itself before it computes.
     """
-    answer = _asked(home, cache, number)
+    answer = _probe(home, cache, number)
     if answer.kind is not None:
         if differs := differing(expected or {}, answer.kind):
             time.sleep(PAUSE)

@@ -27,10 +27,15 @@ class RubberBlock(KelvinVoigt):
     source: ClassVar[str] = "Treloar 1975; bonded blocks, by their stiffness, Gent & Lindley 1959"
     validity: ClassVar[str] = "compact rubber, pressed together by up to half of its thickness; no foams"
     thickness: Scalar
-    # The closed forms of the linear spring do not hold.
+    # The closed forms of the linear spring do not hold here.
     depth = ContactLaw.depth
     max_penetration = ContactLaw.max_penetration
     delivered_restitution = ContactLaw.delivered_restitution  # type: ignore[assignment]
+
+    @property
+    def force_at_half(self) -> Scalar:
+        """Return the elastic force at half of the thickness [N], up to which the law is valid: k h (2² - 1/2)/3."""
+        return self.linear_stiffness * self.thickness * 3.5 / 3.0
 
     def _stretch(self, penetration: Any) -> tuple[Any, Any]:
         """Return λ, and the compression beyond where the block counts as solid [m]."""
@@ -137,6 +142,15 @@ class EndStop(Element):
         force = f"{self.name}_force"
         most = f", at most {largest(run, force):.6g} N{reached(run, force)}" if self.watched else ""
         return [(self.words, f"from {1e3 * float(self.place):.6g} mm on{most}")]
+
+    def warnings(self, run: Any) -> list[str]:
+        if not (self.watched and isinstance(self.law, RubberBlock)):
+            return []
+        most, valid = largest(run, f"{self.name}_force"), float(self.law.force_at_half)
+        if not most > valid:
+            return []
+        beyond = f"more than the {valid:.4g} N at half of its thickness, up to which its law is valid"
+        return [f"the rubber of the {self.words} takes {most:.4g} N, {beyond}"]
 
     @property
     def shares(self) -> tuple[EnergyShare, ...]:

@@ -76,7 +76,7 @@ class Description:
 
     def __init__(self, *things: Any) -> None:
         self.of_user, self.complete = False, True
-        self._seen: dict[int, tuple[int, Any]] = {}  # by identity, with the thing itself, which so stays alive
+        self._visited: dict[int, tuple[int, Any]] = {}  # by identity, with the thing itself, which so stays alive
         self.parts = tuple(map(self._of, things))
 
     def _of(self, thing: Any) -> Hashable:  # noqa: PLR0911 # a table of kinds
@@ -99,9 +99,9 @@ class Description:
         if not isinstance(thing, (type, types.FunctionType, types.ModuleType)) and known(kind):
             return self._object(thing)
         self.of_user = True
-        if id(thing) in self._seen:  # code refers to its own class, and classes to each other
-            return ("again", self._seen[id(thing)][0])
-        self._seen[id(thing)] = (len(self._seen), thing)
+        if id(thing) in self._visited:  # code refers to its own class, and classes to each other
+            return ("again", self._visited[id(thing)][0])
+        self._visited[id(thing)] = (len(self._visited), thing)
         if isinstance(thing, types.ModuleType):
             return ("module", thing.__name__)
         if isinstance(thing, type):

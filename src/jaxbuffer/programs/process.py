@@ -245,10 +245,9 @@ def kind() -> dict[str, str]:
 def prepared(address: str, cache: str | None) -> dict[str, str]:
     """Set this process up for computing, once, and return what its numbers depend on.
 
-    **Arguments:** ``address``: of the worker that it is; ``cache``: folder of compiled programs where $JAXBUFFER_CACHE
-    names none.
+    **Arguments:** ``address``: of the process that it is, for which a fork is another one; ``cache``: folder of
+    compiled programs where $JAXBUFFER_CACHE names none.
     """
-    asks_itself = address.startswith("inproc:")
-    if not asks_itself and (one_kernel() or not backend_is_up()):
+    if one_kernel() or not backend_is_up():
         configure(cache=os.environ.get("JAXBUFFER_CACHE") or cache)
     return kind()

@@ -26,21 +26,21 @@ class Seat(NamedTuple):
 
 def sensors(design: SliderCrank, contacts: tuple[BallContact, ...]) -> list[Element]:
     """Return the sensors of a design with these contacts."""
-    found: list[Element] = [Sensor(slider_acceleration, of_acceleration=True, name="slider_acceleration")]
+    watching: list[Element] = [Sensor(slider_acceleration, of_acceleration=True, name="slider_acceleration")]
     if design.piston_pin.by_components:
         # Where the damper makes the peak force, that says little of how deep the pin went.
-        found.append(Sensor(deepest, contacts, least=0.0, name="penetration"))
+        watching.append(Sensor(deepest, contacts, least=0.0, name="penetration"))
     if design.rod.modes:
         rod = design.rod.bent
-        found += [
+        watching += [
             Sensor(rod_deflection, rod, name="rod_deflection"),
             Sensor(rod_stress, rod, name="rod_stress"),
         ]
     if design.slider.modes:
         form = design.slider.form
         seat = Seat(form.first, form.second, form.second.x - form.first.x)
-        found.append(Sensor(slider_deflection, seat, name="slider_deflection"))
-    return found
+        watching.append(Sensor(slider_deflection, seat, name="slider_deflection"))
+    return watching
 
 
 def eccentricity(pin: Pin, contact: BallContact) -> list[Element]:
