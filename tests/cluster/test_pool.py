@@ -86,7 +86,7 @@ def test_a_call_that_is_alone_goes_to_others_too():
     asked = []
     with pytest.warns(UserWarning, match="is left out"):
         assert Pool(First({}), 1).map(squared, [7]) == [49]
-    assert asked == [module._asked, *[module._called] * 3]
+    assert asked == [module._probe, *[module._called] * 3]
 
 
 def test_without_a_process_that_fits_nothing_is_done():
@@ -158,7 +158,7 @@ def test_one_that_does_not_answer_is_waited_for(monkeypatch):
     class Late(Processes):
         def submit(self, function, *arguments):
             answer = super().submit(function, *arguments)
-            if function is not module._asked:
+            if function is not module._probe:
                 return answer
             late = Future()
             threading.Timer(0.2, late.set_result, [answer.result()]).start()

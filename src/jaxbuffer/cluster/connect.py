@@ -87,8 +87,9 @@ def _own(processes: bool, count: int) -> Iterator[Client]:
 
 @contextlib.contextmanager
 def _remote(address: str) -> Iterator[Client]:
-    for name in [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]:
-        logging.getLogger(name).setLevel(logging.CRITICAL)  # what it has to say, we say in a line
+    # What Dask and Tornado have to say of a connection that ends, we say in a line.
+    for name in [name for name in logging.root.manager.loggerDict if name.startswith(("distributed", "tornado"))]:
+        logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
         # Dask's default client stays what it is: the user may have one of their own.
         client = Client(address, timeout=PATIENCE, set_as_default=False)
