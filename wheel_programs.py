@@ -33,7 +33,11 @@ class Programs(BuildHookInterface):
         self.work = tempfile.TemporaryDirectory()
         cache, shipped = Path(self.work.name, "cache"), Path(self.work.name, "shipped")
         inherited = {name: value for name, value in os.environ.items() if not name.startswith(SETTINGS)}
-        environment = inherited | {"PYTHONPATH": str(Path(self.root, "src")), "JAXBUFFER_CACHE": str(cache)}
+        environment = inherited | {
+            "PYTHONPATH": str(Path(self.root, "src")),
+            "JAXBUFFER_CACHE": str(cache),
+            "JAXBUFFER_EXPORT": "1",
+        }
 
         def python(*arguments: str) -> None:
             command = [sys.executable, *arguments]

@@ -429,11 +429,9 @@ def test_a_real_capture_from_another_process(tmp_path):
     with _started(tmp_path, *words, "--force", JAX_LOG_COMPILES="1") as process:
         again, errors = process.communicate(timeout=300)
     assert process.returncode == 0 and again == shown
-    # The capture's two programs are found compiled. JAX keeps nothing that compiles within a second; nothing else than
-    # stored programs is traced, however small.
-    assert len(re.findall(r"Persistent compilation cache hit for 'jit_of_\w+_[01]'", errors)) >= 2
+    # Every program is found compiled: nothing is traced, however small.
     for step in (r"Finished tracing (\w+)", r"Compiling jit\((\w+)\)"):
-        assert all(name.startswith("of_") for name in re.findall(step, errors))
+        assert re.findall(step, errors) == []
     assert "compiling" not in errors
     with _started(tmp_path, *words) as process:
         shown, errors = process.communicate(timeout=60)

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+import zlib
 from concurrent.futures import ThreadPoolExecutor
 
 import equinox as eqx
@@ -57,11 +58,6 @@ def folder(tmp_path):
 def files(folder):
     """The programs in a folder."""
     return list(folder.glob("*.program"))
-
-
-def of_jax(folder, file):
-    """What JAX's cache holds of a program."""
-    return list(folder.glob(f"*{file.stem.rpartition('-')[2]}*-cache"))
 
 
 @pytest.fixture
@@ -138,33 +134,21 @@ def test_other_shapes_static_fields_and_sources_are_other_programs(folder, trace
     assert len(traces) == 4 and len(files(folder)) == 4
 
 
-def test_the_cache_of_jax_has_what_was_compiled_of_a_program(folder, traced):
-    fresh, _ = traced
-    fresh()(*inputs())
-    (file,) = files(folder)
-    (compiled,) = of_jax(folder, file)
-    before = compiled.read_bytes()
-    fresh()(*inputs())
-    assert of_jax(folder, file) == [compiled] and compiled.read_bytes() == before
-
-
-@pytest.mark.parametrize("harm", [lambda whole: whole[:100], lambda whole: whole[:-1] + b"?", None])
-def test_what_is_damaged_in_the_cache_of_jax_is_compiled_anew(folder, traced, harm):
-    """JAX alone would read a file that is damaged at every start, and never replace it."""
-    fresh, traces = traced
-    fresh()(*inputs())
-    (file,) = files(folder)
-    (compiled,) = of_jax(folder, file)
-    compiled.unlink() if harm is None else compiled.write_bytes(harm(compiled.read_bytes()))
-    for _ in range(2):
-        assert float(fresh()(*inputs())[0].scale) == 24.0
-    assert len(traces) == 2 and len(of_jax(folder, file)) == 1
+def test_jax_keeps_no_code_of_a_program(folder, traced):
+    """Its own cache would have it twice, and what is read from there could not be kept again."""
+    traced[0]()(*inputs())
+    assert len(files(folder)) == 1 and not list(folder.glob("*-cache"))
+    assert jax.config.jax_persistent_cache_min_compile_time_secs == 0.0
 
 
 @pytest.fixture
 def shipped(folder, traced, tmp_path, monkeypatch):
     """The folder of a package that came with the program of `traced`, on a machine of another processor."""
-    traced[0]()(*inputs())
+    fresh, traces = traced
+    monkeypatch.setenv(cache.EXPORT, "1")
+    fresh()(*inputs())
+    monkeypatch.delenv(cache.EXPORT)
+    traces[:] = [1]  # exporting has traced it once more
     into = tmp_path / "shipped"
     program_files.ship(folder, into)
     monkeypatch.setattr(program_files, "SHIPPED", into)
@@ -180,7 +164,6 @@ def test_a_program_of_the_package_is_not_traced(folder, traced, shipped):
         result, _ = fresh()(*inputs((5.0, 4.0, 6.0), 1.0))
         np.testing.assert_array_equal(result.coefficients, [16.0, 25.0, 36.0])
     assert len(traces) == 1 and len(files(folder)) == 2
-    assert all(len(of_jax(folder, file)) == 1 for file in files(folder)), "JAX's cache has each"
     assert one.read_bytes() == before and len(list(shipped.iterdir())) == 1
 
 
@@ -199,7 +182,7 @@ def test_a_program_of_the_package_that_is_none_of_these_versions_or_damaged_is_i
         one.write_bytes(content[:-9] + b"#" + content[-8:])
     else:  # a right checksum of what no JAX reads
         stored = program_files.read_shipped(one.name)
-        program_files.write(one, stored._replace(exported=[b"nothing"]), None)
+        program_files.write(one, stored._replace(exported=[b"nothing"]))
     there = one.read_bytes()
     result, _ = fresh()(*inputs())
     np.testing.assert_array_equal(result.coefficients, [4.0, 16.0, 36.0])
@@ -214,18 +197,6 @@ def test_what_the_package_came_with_is_for_any_processor_but_no_other_version(mo
     assert traced_from() == traced_from(processor="another") == traced_from(Python="3.11.99")
     versions = (*PACKAGES, "jaxbuffer", "backend", "XLA")
     assert len({traced_from(), *(traced_from(**{name: "another"}) for name in versions)}) == 1 + len(versions)
-
-
-def test_a_program_that_was_not_finished_is_begun_anew(folder, traced):
-    """As by a process that was killed between JAX's file and the program's."""
-    fresh, traces = traced
-    fresh()(*inputs())
-    (file,) = files(folder)
-    file.unlink()
-    of_jax(folder, file)[0].write_bytes(b"half")
-    for _ in range(2):
-        assert float(fresh()(*inputs())[0].scale) == 24.0
-    assert len(traces) == 2
 
 
 @pytest.mark.parametrize("content", [b"", b"\x80\x04K\x01.", b"garbage"])
@@ -272,7 +243,7 @@ def test_what_passes_through_stays_outside_and_numbers_share_an_array(tmp_path, 
     assert calls == ["a", "a", "b"], "an integer is no number to share an array; another label is another program"
 
 
-def test_of_threads_that_come_at_once_one_compiles(traced):
+def test_of_threads_that_come_at_once_one_compiles(folder, traced):
     fresh, traces = traced
     function = fresh()
     with ThreadPoolExecutor(4) as pool:
@@ -341,7 +312,7 @@ def test_a_damaged_file_is_replaced_before_it_is_looked_into(folder, traced, pla
     file.write_bytes(bytes(damaged) if harm == "flip" else whole[:place])
     loaded = []
     with monkeypatch.context() as patched:
-        patched.setattr(cache.export, "deserialize", lambda *_: loaded.append(1))
+        patched.setattr(cache.load, "all_ready", lambda *_: loaded.append(1))
         assert float(fresh()(*inputs())[0].scale) == 24.0
     assert len(traces) == 2 and not loaded
     assert float(fresh()(*inputs())[0].scale) == 24.0 and len(traces) == 2, "whole again"
@@ -416,13 +387,12 @@ def test_code_that_is_wrong_behind_a_right_checksum_ends_one_process_at_most(tmp
     folder = tmp_path / "programs"
     process(folder)
     (file,) = folder.glob("squares*.program")
-    (compiled,) = of_jax(folder, file)
-    stored = program_files.read(file, folder)
-    code = bytearray(compilation_cache.decompress_executable(compiled.read_bytes()))
+    stored = program_files.read(file)
+    (part,) = stored.compiled
+    code = bytearray(zlib.decompress(part.content))
     start = int(share * len(code))
     code[start : start + 64] = bytes(64)
-    compiled.write_bytes(compilation_cache.compress_executable(bytes(code)))
-    program_files.write(file, stored, folder)
+    program_files.write(file, stored._replace(compiled=[part._replace(content=zlib.compress(bytes(code)))]))
     process(folder)
     code, printed, _ = process(folder)
     assert (code, printed.startswith(RIGHT)) == (0, True)

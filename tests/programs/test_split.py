@@ -13,6 +13,7 @@ from jaxbuffer.hybrid import Options
 from jaxbuffer.mechanisms.mechanism import Request
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 from jaxbuffer.programs.cache import Static, _built, _run, after
+from jaxbuffer.programs.load import all_ready
 from jaxbuffer.programs.store import store_in
 from jaxbuffer.run.simulate import _simulate
 from jaxbuffer.run.stepper import CHECKED
@@ -52,9 +53,11 @@ def test_inside_other_transformations():
 
 
 def test_one_part():
-    program, exported = _built([lambda x: [2.0 * x]], (np.asarray(2.0),))
-    assert len(program) == 1 and exported is None
-    assert _run(program, (np.asarray(2.0),)) == [4.0]
+    for keep in (False, True):
+        parts, codes = _built([lambda x: [2.0 * x]], (np.asarray(2.0),), keep)
+        assert len(parts) == 1 and len(codes) == keep
+        assert _run(parts, (np.asarray(2.0),)) == [4.0]
+    assert _run(all_ready(codes), (np.asarray(3.0),)) == [6.0]
 
 
 @pytest.mark.parametrize("asked", [_simulate, _gradients, solve_chunk])
@@ -83,11 +86,11 @@ def test_the_time_loop_is_in_the_first_program_alone(asked):
 
 def test_an_error_in_the_second_part_is_raised():
     with pytest.raises(ZeroDivisionError):
-        _built([lambda x: [x + 1.0], lambda x, y: [x / (1 // 0)]], (np.asarray(2.0),))
+        _built([lambda x: [x + 1.0], lambda x, y: [x / (1 // 0)]], (np.asarray(2.0),), keep=False)
 
 
 def test_garbage_is_collected_again_afterwards():
     assert gc.isenabled()
     with pytest.raises(ZeroDivisionError):
-        _built([lambda x: [x / (1 // 0)]], (np.asarray(2.0),))
+        _built([lambda x: [x / (1 // 0)]], (np.asarray(2.0),), keep=False)
     assert gc.isenabled()

@@ -3,6 +3,7 @@
 Such a function has no body: what the command does is a function of the same name in `cli.commands`.
 """
 
+import contextlib
 import functools
 import importlib
 import inspect
@@ -93,8 +94,9 @@ def verb(
         begun, words = time.perf_counter(), ctx.find_root().obj or ()
         options = _as_meant(options)
         general = {option: options.pop(option) for option in shared}
-        request = _imported("request", "CommandLine")(ctx.obj, words, begun, **general)
-        return _imported(module or name, name)(request, **options)
+        with _programs_loading(" ".join([name, *sorted(it for it in general if general[it])])):
+            request = _imported("request", "CommandLine")(ctx.obj, words, begun, **general)
+            return _imported(module or name, name)(request, **options)
 
     # CONFIG.toml comes first; in the help a command's own options stand before the shared ones.
     first, *others = shared.values()
@@ -127,6 +129,14 @@ def _as_meant(options: dict[str, Any]) -> dict[str, Any]:
         return user_path(value) if isinstance(value, Path) else value
 
     return {name: meant(value) for name, value in options.items()}
+
+
+def _programs_loading(command: str) -> contextlib.AbstractContextManager[None]:
+    """Set JAX up, and begin to load the programs that such a command needed last time."""
+    from ..programs import ahead, process  # these import JAX
+
+    process.configure(cache=process.cache_folder() or True)
+    return ahead.loading(command)
 
 
 def _imported(module: str, name: str) -> Callable[..., Any]:

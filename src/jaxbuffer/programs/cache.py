@@ -1,12 +1,12 @@
 """Compiled programs that a later process runs without tracing them first.
 
-A program is exported by `jax.export`, and JAX's persistent cache keeps what XLA compiles from it. JAX's cache alone
-spares the compilation only: tracing and lowering a capture, which lead to that cache's key, take longer than loading
-what it holds. Here the key is all that a program is made from: the structure of its arguments, our own source, the
-packages, the processor and JAX's settings. A program of code of the user's, a contact law say, stays in memory.
+JAX's persistent cache spares the compilation only: tracing and lowering a capture, which lead to that cache's key, take
+longer than loading what it holds. Here the key is all that a program is made from: the structure of its arguments, our
+own source, the packages, the processor and JAX's settings. A program of code of the user's, a contact law say, stays in
+memory.
 
-A wheel may hold exported programs of its own (`store.SHIPPED`), which are the same for all processors: a machine that
-has compiled nothing yet compiles them at once instead of tracing first.
+A wheel may hold programs of its own (`store.SHIPPED`), exported by `jax.export`, which are the same for all processors:
+a machine that has compiled nothing yet compiles them at once instead of tracing first.
 """
 
 import contextlib
@@ -28,16 +28,16 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import export
-from jax.stages import Compiled, Lowered
+from jax.stages import Compiled
 
-from . import store, structure
+from . import ahead, load, store, structure
 from .identity import Description
 from .process import check_ready, kind
 
 R = TypeVar("R")
 
 UNKNOWN = 10.0  # s, a run's on two cores
-QUICK = 1.0  # s of tracing and compiling, below which JAX's cache may not have a program
+EXPORT = "JAXBUFFER_EXPORT"  # the variable of the environment by which a build of a wheel has programs exported
 _log = logging.getLogger(__name__)
 _watcher: Callable[[float | None], None] | None = None
 _compiling = threading.RLock()
@@ -133,8 +133,6 @@ class stored(Generic[R]):  # a decorator
         with store.being_made(file):  # of many processes that come at once, one compiles
             if (program := self._read(file, given)) is not None:
                 return program
-            # JAX never replaces a file of its own: one that is damaged or half written would stay.
-            store.remove(*store.compiled_from(file, _of_jax()))
             return self._shipped(shipped, given, file) or self._compiled(tree, kinds, given, file, shipped)
 
     def _file_name(self, made_from: bytes, *parts: str) -> str:
@@ -144,16 +142,14 @@ class stored(Generic[R]):  # a decorator
 
     def _read(self, file: Path, given: list[Any]) -> _Program | None:
         """Read the program of a file if there is one and it runs on these arguments."""
+        ready = ahead.taken(file)
         try:
-            stored = store.read(file, _of_jax())
+            stored = store.read(file) if ready is None else ready.stored
             if stored is None:
                 return None
-            seconds = stored.description["seconds"]
-            # What JAX's cache has compiled is only loaded, which takes too little time to be announced.
-            quick = store.compiled_from(file, _of_jax()) or seconds < QUICK
-            announcement = contextlib.nullcontext() if quick else _announced(seconds)
-            with announcement, store.being_loaded(file):
-                return _loaded(stored, given, file)
+            with store.being_loaded(file):
+                parts = load.all_ready(stored.compiled) if ready is None else ready.parts
+                return _checked(stored.description, parts, given)
         except Exception as error:  # another machine's, another JAX's: whatever it is, compiling helps
             _log.info("%s cannot be used: %s", file, error)
             store.remove(file)
@@ -167,12 +163,13 @@ class stored(Generic[R]):  # a decorator
             if stored is None:
                 return None
             with _announced(_expected(self.last.__name__, self.seconds)):
-                program = _loaded(stored, given, file)
+                built = _built([export.deserialize(bytearray(it)).call for it in stored.exported], given, keep=True)
+                program = _checked(stored.description, built.parts, given)
         except Exception as error:  # tracing helps
             _log.info("%s, which the package came with, cannot be used: %s", name, error)
             return None
         program = program._replace(seconds=time.monotonic() - begin)
-        _write(file, program, stored.exported, name)
+        _write(file, program, built.codes, stored.exported, name)
         return program
 
     def _compiled(
@@ -203,11 +200,13 @@ class stored(Generic[R]):  # a decorator
             return [leaf for leaf, source in zip(outputs, sources, strict=True) if source is None]
 
         begin = time.monotonic()
+        functions = [begun, flat] if self.first else [flat]
         with _announced(_expected(self.last.__name__, self.seconds)):
-            parts, exported = _built([begun, flat] if self.first else [flat], given, file)
-        program = _Program(parts, result[0], result[1], time.monotonic() - begin)
-        if file is not None and exported is not None:
-            _write(file, program, exported, shipped)
+            built = _built(functions, given, keep=file is not None)
+        program = _Program(built.parts, result[0], result[1], time.monotonic() - begin)
+        if file is not None and built.codes:
+            exported = _exported(functions, given) if EXPORT in os.environ else []
+            _write(file, program, built.codes, exported, shipped)
         return program
 
 
@@ -251,57 +250,51 @@ def _uncollected() -> Iterator[None]:
             gc.enable()
 
 
+class _Built(NamedTuple):
+    """The parts of a program that this process has compiled, and their codes: none where they cannot be kept."""
+
+    parts: list[Compiled]
+    codes: list[load.Code]
+
+
 @_uncollected()
-def _built(
-    functions: Sequence[Callable[..., list[Any]]], arguments: Sequence[Any], file: Path | None = None
-) -> tuple[list[Compiled], list[bytes] | None]:
-    """Compile functions of arrays for arguments like these, for `_run`, and, for a file, export them if that is
-    possible.
+def _built(functions: Sequence[Callable[..., list[Any]]], arguments: Sequence[Any], keep: bool) -> _Built:
+    """Compile functions of arrays for arguments like these, for `_run`, to ``keep`` their codes or not.
 
     Each takes the results of those before as well. XLA compiles most of a program on one core, and a loop that is one
     kernel cannot be taken apart (see `process`). So what is computed from the loop's results is a program of its own:
     it is traced and compiled while XLA is at work on the loop.
     """
-    compiled, exported = [], list[bytes]()
-    with ThreadPoolExecutor(len(functions)) as beside:
-        for k, function in enumerate(functions):
-            jitted = jax.jit(function)
-            jitted.trace(*arguments)  # raises the function's own errors; the export below finds it traced
-            try:
-                part = export.export(jitted)(*arguments) if file is not None else None
-                exported += [] if part is None else [bytes(part.serialize())]
-            except Exception as error:  # callbacks, say: the program is in memory
-                _log.info("%s cannot be exported: %s", file, error)
-                part = None
-            lowered = jitted.lower(*arguments) if part is None or file is None else _lowered(part, file, k)
-            compiled.append(beside.submit(lowered.compile))
-            arguments = [*arguments, *jax.tree.leaves(lowered.out_info)]
-        return [it.result() for it in compiled], exported if len(exported) == len(functions) else None
+    made, compiling = [], []
+    with ThreadPoolExecutor(len(functions)) as beside, load.beside_the_cache_of_jax():
+        for function in functions:
+            made.append(load.lowered(function, *arguments))
+            compiling.append(beside.submit(made[-1].compile))
+            arguments = [*arguments, *jax.tree.leaves(made[-1].out_info)]
+        parts = [it.result() for it in compiling]
+    try:
+        return _Built(parts, [load.Code.of(*pair) for pair in zip(made, parts, strict=True)] if keep else [])
+    except Exception as error:  # callbacks, say: the program is in memory
+        _log.info("a program cannot be kept: %s", error)
+        return _Built(parts, [])
 
 
-def _loaded(stored: store.Stored, given: list[Any], file: Path) -> _Program:
-    """Load a program that was exported, and run it once: each part is compiled, or taken from JAX's cache, on a core of
-    its own."""
-    exported = [export.deserialize(bytearray(it)) for it in stored.exported]
-    with ThreadPoolExecutor(len(exported)) as beside:
-        begun = [beside.submit(_lowered(part, file, k).compile) for k, part in enumerate(exported)]
-        parts = [it.result() for it in begun]
-    # Run once here, where a program that this machine cannot run may still be compiled anew.
+def _exported(functions: Sequence[Callable[..., list[Any]]], arguments: Sequence[Any]) -> list[bytes]:
+    """Export functions as `_built` compiles them."""
+    exported = []
+    for function in functions:
+        part = export.export(jax.jit(function))(*arguments)
+        exported.append(bytes(part.serialize()))
+        arguments = [*arguments, *(jax.ShapeDtypeStruct(it.shape, it.dtype) for it in part.out_avals)]
+    return exported
+
+
+def _checked(description: Any, parts: list[Compiled], given: list[Any]) -> _Program:
+    """Return the program with these parts. It is run once here, where one that this machine cannot run may still be
+    compiled anew."""
     jax.block_until_ready(_run(parts, given))
-    description = stored.description
     output_structure = structure.read(description["structure"])
     return _Program(parts, output_structure, tuple(description["sources"]), description["seconds"])
-
-
-def _lowered(part: export.Exported, file: Path, k: int) -> Lowered:
-    """Lower the k-th part of a file's program: in the same way each time, so that JAX's cache finds it compiled."""
-
-    def call(*arrays: Any) -> Any:
-        return part.call(*arrays)
-
-    # JAX names what it keeps after the function, by which `store.compiled_from` finds it.
-    call.__name__ = store.part_name(file, k)
-    return jax.jit(call).lower(*(jax.ShapeDtypeStruct(it.shape, it.dtype) for it in part.in_avals))
 
 
 def _run(parts: Sequence[Compiled], arguments: Sequence[Any]) -> list[Any]:
@@ -310,13 +303,7 @@ def _run(parts: Sequence[Compiled], arguments: Sequence[Any]) -> list[Any]:
     return parts[1](*arguments, *between) if len(parts) > 1 else between
 
 
-def _of_jax() -> Path | None:
-    """Return the folder of JAX's own cache."""
-    place = jax.config.jax_compilation_cache_dir  # type: ignore[attr-defined]
-    return None if place is None else Path(place)
-
-
-def _write(file: Path, program: _Program, exported: list[bytes], shipped: str) -> None:
+def _write(file: Path, program: _Program, codes: list[load.Code], exported: list[bytes], shipped: str) -> None:
     try:
         description = {
             "shipped": shipped,
@@ -324,7 +311,7 @@ def _write(file: Path, program: _Program, exported: list[bytes], shipped: str) -
             "sources": program.sources,
             "seconds": program.seconds,
         }
-        store.write(file, store.Stored(description, exported), _of_jax())
+        store.write(file, store.Stored(description, codes, exported))
     except (OSError, structure.CannotSay) as error:  # a full disk, a class of another package: it is in memory
         _log.info("%s cannot be written: %s", file, error)
 
@@ -336,7 +323,7 @@ def _expected(name: str, otherwise: float) -> float:
         files = [] if folder is None else list(folder.glob(f"{name}-*{store.SUFFIX}"))
         if files:
             file = max(files, key=os.path.getmtime)
-            last = store.read(file, _of_jax())
+            last = store.read(file)
             return otherwise if last is None else float(last.description["seconds"])
     return otherwise
 

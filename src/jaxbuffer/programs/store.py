@@ -1,10 +1,9 @@
 """The folder of compiled programs, and the files in it.
 
 Programs are code, so nobody but the user may be able to write to the folder. A file is a line that says what it is,
-plain descriptions and the exported programs, and a checksum. Nothing in it is looked at before the checksum is right.
+plain descriptions and the compiled programs, and a checksum. Nothing in it is looked at before the checksum is right.
 A file that turns out bad is deleted, also where it ended the process: a marker that lies beside a file while it is
-loaded is left behind then. What JAX's persistent cache compiled from a program is in files beside it, whose checksums
-are in the program's own.
+loaded is left behind then.
 
 A wheel may have programs in the package itself, as exported: they are as trustworthy as the source beside them.
 """
@@ -17,11 +16,12 @@ import os
 import stat
 import tempfile
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from .. import files
+from .load import Code
 
 try:
     import fcntl
@@ -29,9 +29,8 @@ except ImportError:  # Windows: files are trusted to load
     fcntl = None  # type: ignore[assignment]
 
 OTHERS = stat.S_IWGRP | stat.S_IWOTH
-MAGIC = b"jaxbuffer program 3\n"  # the number is the format's
+MAGIC = b"jaxbuffer program 4\n"  # the number is the format's
 SUFFIX, MARKER, DRAFT, MAKING = ".program", ".loading", ".draft", ".making"
-COMPILED = "-cache"  # what the names of files of JAX's persistent cache end with
 SHIPPED = Path(__file__).parent / "shipped"  # in a wheel that was built with programs
 UNUSED = 30 * 86400.0  # s after which a file is deleted: new source makes new files
 _log = logging.getLogger(__name__)
@@ -110,36 +109,33 @@ def _replaceable(parent: Path, status: os.stat_result) -> str:
 
 
 class Stored(NamedTuple):
-    """What a file holds: a description as JSON has it, and exported programs."""
+    """What a file holds: a description as JSON has it, the parts of a program as compiled, of which a wheel has none,
+    and as exported, of which only a wheel and the files that it is made from have any."""
 
     description: Any
+    compiled: list[Code]
     exported: list[bytes]
 
 
-def part_name(file: Path, k: int) -> str:
-    """Return the name of the k-th part of a file's program, from which JAX's cache makes the names of its files."""
-    return f"of_{file.stem.rpartition('-')[2]}_{k}"
-
-
-def compiled_from(file: Path, of_jax: Path | None) -> list[Path]:
-    """Return the files that JAX's cache, in the folder ``of_jax`` if anywhere, holds of a file's program."""
-    return [] if of_jax is None else sorted(of_jax.glob(f"*{part_name(file, 0)[:-1]}*{COMPILED}"))
-
-
-def write(file: Path, stored: Stored, of_jax: Path | None) -> None:
-    """Write a file whole or not at all, with checksums of what JAX compiled; files long unused are deleted."""
+def write(file: Path, stored: Stored) -> None:
+    """Write a file whole or not at all; files long unused are deleted."""
     _remove_unused(file.parent)
-    exported = [base64.b64encode(program).decode() for program in stored.exported]
-    checksums = _checksums(compiled_from(file, of_jax))
-    content = json.dumps({"description": stored.description, "exported": exported, "compiled": checksums}).encode()
-    files.write(file, files.sealed(MAGIC + content))
+    record = {
+        "description": stored.description,
+        "compiled": [(_text(content), *others) for content, *others in stored.compiled],
+        "exported": [_text(part) for part in stored.exported],
+    }
+    files.write(file, files.sealed(MAGIC + json.dumps(record).encode()))
 
 
-def read(file: Path, of_jax: Path | None) -> Stored | None:
+def _text(content: bytes) -> str:
+    return base64.b64encode(content).decode()
+
+
+def read(file: Path) -> Stored | None:
     """Read what was written, None where there is nothing.
 
-    A file that is no whole program of this format, that ended a process before, or from which JAX compiled something
-    else than what is there now, is deleted.
+    A file that is no whole program of this format, or that ended a process before, is deleted.
     """
     if _ended_a_process(file):
         _log.info("%s ended the process that loaded it last", file)
@@ -154,16 +150,10 @@ def read(file: Path, of_jax: Path | None) -> Stored | None:
         _log.info("%s is not a whole program of this format", file)
         remove(file)
         return None
-    record, compiled = json.loads(body), compiled_from(file, of_jax)
-    if record["compiled"] != _checksums(compiled):
-        _log.info("what was compiled from %s has changed", file)
-        remove(file)
-        return None
-    for path in (file, *compiled):
-        with contextlib.suppress(OSError):
-            # `_remove_unused` deletes by this time; a file system that cannot set it is no reason not to read.
-            path.touch()
-    return _stored(record)
+    with contextlib.suppress(OSError):
+        # `_remove_unused` deletes by this time; a file system that cannot set it is no reason not to read.
+        file.touch()
+    return _stored(json.loads(body))
 
 
 def read_shipped(name: str) -> Stored | None:
@@ -182,7 +172,7 @@ def ship(folder: Path, into: Path) -> None:
         body = _body(file.read_bytes())
         if body is not None:
             stored = _stored(json.loads(body))
-            write(into / stored.description["shipped"], stored, None)
+            write(into / stored.description["shipped"], stored._replace(compiled=[]))
 
 
 def _body(content: bytes) -> bytes | None:
@@ -195,7 +185,8 @@ def _body(content: bytes) -> bytes | None:
 
 
 def _stored(record: Any) -> Stored:
-    return Stored(record["description"], [base64.b64decode(program) for program in record["exported"]])
+    compiled = [Code(base64.b64decode(content), *others) for content, *others in record["compiled"]]
+    return Stored(record["description"], compiled, [base64.b64decode(part) for part in record["exported"]])
 
 
 def remove(*paths: Path) -> None:
@@ -260,12 +251,8 @@ def _ended_a_process(file: Path) -> bool:
     return left
 
 
-def _checksums(paths: Iterable[Path]) -> dict[str, str]:
-    return {path.name: files.checksum(path.read_bytes()) for path in paths}
-
-
 def _remove_unused(folder: Path) -> None:
-    for suffix in (SUFFIX, COMPILED, MARKER, DRAFT, MAKING):
+    for suffix in (SUFFIX, MARKER, DRAFT, MAKING):
         for old in folder.glob(f"*{suffix}"):
             with contextlib.suppress(OSError):
                 if time.time() - old.stat().st_mtime > UNUSED:

@@ -33,8 +33,7 @@ class CommandLine:
     as_json: bool = False
 
     def study(self) -> Config:
-        """Return the study with everything the command line overrides; JAX is set up on the way."""
-        process.configure(cache=process.cache_folder() or True)
+        """Return the study with everything the command line overrides."""
         study = apply_overrides(load(self.config), self.fields)
         options = given(solver=self.solver, rtol=self.rtol, duration=self.duration)
         usual = study.usual_duration and self.duration is None
