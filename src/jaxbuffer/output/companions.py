@@ -54,6 +54,8 @@ def stale(folder: Path, names: Collection[str]) -> list[Path]:
         return []
     there = [path for path in sorted(folder.iterdir()) if path.name not in names and path.is_file()]
     found = list[Path]()
+    if not there:  # the usual case, and the kinds of results are those of all mechanisms, which take long to import
+        return found
     for kind, group in groups().items():
         # A result of another kind may lie in the same folder, and stays.
         if not set(group.main) & set(names):

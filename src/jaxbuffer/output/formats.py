@@ -79,9 +79,14 @@ def check_free(folder: Path, names: Sequence[str], force: bool, ways: str = "") 
 
 
 def write_all(
-    folder: Path, contents: Contents, force: bool, note: Callable[[str], None] = lambda line: None
+    folder: Path,
+    contents: Contents,
+    force: bool,
+    note: Callable[[str], None] = lambda line: None,
+    written_so_far: Callable[[list[Path]], None] = lambda written: None,
 ) -> tuple[list[Path], Exception | None]:
-    """Write every file, figures last; return those that were written, and the first error.
+    """Write every file, figures last; return those that were written, and the first error. ``written_so_far`` is called
+    with the others before the first figure is drawn, which takes a while.
 
     What an earlier result of the same kind left there is removed first, because it would be taken for the new one's. A
     file that cannot be made or written leaves the others alone; the error of a figure that cannot be drawn is an
@@ -97,7 +102,10 @@ def write_all(
         except OSError as error:
             failure = error
     # Figures last: the numbers are on disk where one cannot be drawn.
-    for name in sorted(contents, key=is_figure):
+    names, first_figure = sorted(contents, key=is_figure), sum(not is_figure(name) for name in contents)
+    for k, name in enumerate(names):
+        if k == first_figure:
+            written_so_far(written)
         path = folder / name
         try:
             text = contents[name]()

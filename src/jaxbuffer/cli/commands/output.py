@@ -1,4 +1,5 @@
-"""Result files: refused before computing if they exist; saved at the end, and only then is anything printed."""
+"""Result files: refused before computing if they exist; saved at the end, and only then is anything printed, figures
+last."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -48,24 +49,35 @@ class Output:
     def save_and_show(
         self, contents: Callable[[], Contents], result: object, record: Callable[[], str] | None = None
     ) -> None:
-        """Write every file, figures last, then print the result and what was written; with --json print the ``record``
-        alone on stdout.
+        """Write every file, print the result and what was written, and write the figures, each of which is told; with
+        --json print the ``record`` alone on stdout.
 
         A file that cannot be made or written leaves the others and the printing alone. **Raises:** the first such
         error, an `OSError` for a figure that cannot be drawn.
         """
         failure: Exception | None = None
         written: list[Path] = []
+        told: list[Path] | None = None
+
+        def tell(files: Sequence[Path]) -> None:
+            nonlocal told
+            first = told is None
+            lines = [f"wrote {path}" for path in files[len(told or ()) :]]
+            if self.as_json and record is not None:
+                if first:
+                    show(record().rstrip("\n"))
+                for line in lines:
+                    note(line)
+            elif first or lines:
+                show("\n".join([*([str(result)] if first else []), *lines]))
+            told = list(files)
+
         try:
             if self.folder is not None:
-                written, failure = write_all(self.folder, with_figures(contents(), self.figures), self.force, note)
+                files = with_figures(contents(), self.figures)
+                written, failure = write_all(self.folder, files, self.force, note, tell)
         finally:
             # Also after a failure: what was computed is shown in any case.
-            if self.as_json and record is not None:
-                for path in written:
-                    note(f"wrote {path}")
-                show(record().rstrip("\n"))
-            else:
-                show("\n".join([str(result), *(f"wrote {path}" for path in written)]))
+            tell(written)
         if failure is not None:
             raise failure

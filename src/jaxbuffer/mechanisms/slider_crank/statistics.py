@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import jax
 import numpy as np
+import scipy
 from jaxtyping import Float
-from scipy.interpolate import CubicHermiteSpline
 
 from ...errors import InputError
 from ...hybrid import Kind
@@ -105,7 +105,7 @@ def turn_starts(run: Run) -> Float[np.ndarray, " turns"]:
     speed = np.append(float(np.asarray(scenario.crank_speed)), np.asarray(log.rates)[:count, 0, 2])[first]
     between = np.linspace(0.0, 1.0, POINTS_BETWEEN, endpoint=False)
     times = np.append((time[:-1, None] + np.diff(time)[:, None] * between).ravel(), time[-1])
-    turned = np.abs(CubicHermiteSpline(time, angle - angle[0], speed)(times)) / (2.0 * np.pi)
+    turned = np.abs(scipy.interpolate.CubicHermiteSpline(time, angle - angle[0], speed)(times)) / (2.0 * np.pi)
     # The small number keeps a last turn that is whole but for rounding.
     return np.interp(np.arange(int(turned[-1] + 1e-9) + 1), turned, times)
 
