@@ -38,7 +38,8 @@ those of the capture mechanism, 'jaxbuffer fields KIND' has any mechanism's):
             strength [N] (default: none tears it), quiet [-]
   shock     active_1 [Hz], active_2 [Hz], active_3 [Hz], passive_1 [Hz],
             passive_2 [Hz], passive_3 [Hz] (default: none), damping [-]
-  cone      half_angle [rad], offset [m], throat_radius [m], length [m]
+  cone      half_angle [rad], offset [m], throat_radius [m], length [m],
+            young_modulus [Pa], poisson_ratio [-] (default: contact's)
   contact   law (lankarani-nikravesh, hertz, exact, kelvin-voigt, adams, …),
             stiffness [N/m^1.5], restitution [-], friction [-],
             slip_speed [m/s], young_modulus [Pa], poisson_ratio [-],
