@@ -1,11 +1,13 @@
 """Design and scenario fields as command line options: ``--buffer.k_A 800`` or ``--buffer.k_A=800``."""
 
 from collections.abc import Collection, Sequence
+from typing import Any
 
 from typer import Context
 from typer.core import TyperCommand
 
 from ..errors import InputError, nearest
+from . import completion
 
 FIELDS = """\
 \b
@@ -107,6 +109,7 @@ class Command(Plain):
 
     def parse_args(self, ctx: Context, args: list[str]) -> list[str]:
         """Parse what is left without the dotted options."""
+        ctx.meta[completion.WORDS] = args
         rest, ctx.obj = split(args, unfinished=ctx.resilient_parsing)
         try:
             return super().parse_args(ctx, rest)
@@ -116,6 +119,12 @@ class Command(Plain):
             if not unknown or not (alike := fields_like(option)):
                 raise
             raise InputError(f"No such option: {option}; did you mean {' or '.join(alike)}?") from None
+
+    def shell_complete(self, ctx: Context, incomplete: str) -> list[Any]:
+        """Offer dotted options beside the others, and what is the value of one."""
+        words = ctx.meta.get(completion.WORDS, ())
+        own = completion.field_options(words, incomplete) or completion.value(words, incomplete)
+        return [*super().shell_complete(ctx, incomplete), *own]
 
 
 def fields_like(option: str) -> list[str]:

@@ -5,9 +5,18 @@ from typing import Annotated
 
 import typer
 
+from . import completion
 from .options import Figures
 
-Kind = Annotated[str, typer.Option("--kind", metavar="NAME", help="The mechanism; 'jaxbuffer fields' lists them.")]
+Kind = Annotated[
+    str,
+    typer.Option(
+        "--kind",
+        metavar="NAME",
+        help="The mechanism; 'jaxbuffer fields' lists them.",
+        autocompletion=completion.kinds,
+    ),
+]
 Folders = Annotated[list[Path], typer.Argument(metavar="DIR…", help="Folders that --output named.")]
 Html = Annotated[
     Path | None, typer.Option("--html", metavar="FILE", help="Where the page goes; default: in the first DIR.")
@@ -56,7 +65,12 @@ def schema(kind: Kind = "") -> None:
 
 
 def fields(
-    kind: Annotated[str, typer.Argument(metavar="KIND", help="A mechanism's name, as kind in CONFIG.toml.")] = "",
+    kind: Annotated[
+        str,
+        typer.Argument(
+            metavar="KIND", help="A mechanism's name, as kind in CONFIG.toml.", autocompletion=completion.kinds
+        ),
+    ] = "",
 ) -> None:
     """List a mechanism's fields with units, defaults and ranges, and the quantities of its runs; without KIND, the
     mechanisms there are.
@@ -95,7 +109,14 @@ def compare(folders: Folders, html: Html = None) -> None:
 
 def reproduce(
     output: Annotated[Path, typer.Option("--output", metavar="DIR", help="Folder for figures and tables.")],
-    paper: Annotated[str, typer.Argument(metavar="[PAPER]", help="docking, impact, load or tank.")] = "docking",
+    paper: Annotated[
+        str,
+        typer.Argument(
+            metavar="[PAPER]",
+            help="docking, impact, load or tank.",
+            autocompletion=completion.one_of("docking", "impact", "load", "tank"),
+        ),
+    ] = "docking",
     published: Annotated[
         bool, typer.Option("--published", help="The paper's own equations and other readings as well (docking).")
     ] = False,

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import InputError, check_choice
+from ...files import cache_folder
 from ...mechanisms.cautions import cautions
 from ...output.provenance import made
 from ...programs import process
@@ -34,7 +35,7 @@ class CommandLine:
 
     def study(self) -> Config:
         """Return the study with everything the command line overrides; JAX is set up on the way."""
-        process.configure(cache=process.cache_folder() or True)
+        process.configure(cache=cache_folder() or True)
         study = apply_overrides(load(self.config), self.fields)
         options = given(solver=self.solver, rtol=self.rtol, duration=self.duration)
         usual = study.usual_duration and self.duration is None
@@ -57,13 +58,13 @@ class CommandLine:
                 allowed = f"must be a whole number from 1 to {count}, as many as the study has"
                 raise InputError(f"--scenario-number {number} {allowed}")
             study = dataclasses.replace(study, scenario=study.scenarios[int(number) - 1])
-            say_cautions(study.design, (study.scenario,))
+            say_cautions(study.design, (study.scenario,), units=study.units)
             return study
         if count > 1:
             which = f"the first of {count} scenarios" if study.scenario == study.scenarios[0] else "[scenario]"
             label = study.mechanism.view.label(study.scenario)
             note(f"running {which}, {label}; --scenario-number N takes another, 1 to {count}")
-        say_cautions(study.design, (study.scenario,))
+        say_cautions(study.design, (study.scenario,), units=study.units)
         return study
 
     def made(self, study: Config, resumed: bool = False) -> dict[str, Any]:
