@@ -84,6 +84,12 @@ def report(
     folders: Folders,
     html: Html = None,
     title: Annotated[str, typer.Option(metavar="TEXT", help="The page's title.")] = "",
+    what_if: Annotated[
+        bool, typer.Option("--what-if", help="Simulate around the tuned design, for sliders on the page.")
+    ] = False,
+    runs: Annotated[
+        str | None, typer.Option(metavar="N", help="Of --what-if, for each scenario and range; default 128.")
+    ] = None,
 ) -> None:
     """Make a page for a design review of the results in DIR, and print their summaries again.
 
@@ -91,9 +97,13 @@ def report(
     run did not succeed, elasticities, the search, the envelope, samples, fronts, and where the numbers come from.
     Several folders make one page: of a tuning, of a run of the tuned design, of its sensitivities, of a sweep.
 
+    With --what-if it makes up to 4.5 N runs of each scenario around the tuned design first, and keeps in what_if.json
+    of its folder what the page's sliders show.
+
     \b
     Examples:
       jaxbuffer report results/table2
+      jaxbuffer report results/table2 --what-if
       jaxbuffer report results/tuned results/run results/sensitivity results/sweep --title "Probe B, review 2"
     """
 
