@@ -13,11 +13,10 @@ import pytest
 
 import jaxbuffer as jb
 from jaxbuffer.cli.entry import run
-from jaxbuffer.files import LOCK, Lock, home, user_path
+from jaxbuffer.files import LOCK, Lock, cache_folder, home, user_path
 from jaxbuffer.output.provenance import made
 from jaxbuffer.programs import store
 from jaxbuffer.programs.load import Code
-from jaxbuffer.programs.process import cache_folder
 
 NO_LOCKS = (errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP, errno.EINVAL)
 

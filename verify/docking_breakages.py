@@ -12,6 +12,8 @@ TORN = "tests/docking/test_runs.py::test_how_a_run_ends[the strength is exceeded
 RIGID = "tests/docking/test_relative_energy.py::test_a_rigid_motion_of_the_whole_has_none"
 TWO_BODIES = "tests/docking/test_relative_energy.py::test_two_bodies_by_hand"
 THRUST = f"{LATCH}::test_a_thrusts_impulse_and_work_stand_in_the_ledgers"
+FIRST = "tests/verification/test_first_impact.py::test_two_materials"
+MATERIALS = "tests/docking/test_two_materials.py::test_every_law_with_a_stiffness_takes_both_materials[hertz]"
 SWING = "tests/docking/test_oscillators.py::test_a_half_sine_in_any_direction_by_closed_form"
 RUBBER = "tests/elements/test_rubber_stop.py::test_a_mass_into_rubber_by_energy"
 PRINTED = "tests/verification/test_printed_forces.py::test_the_programs_published_forces_are_the_corrected_ones"
@@ -103,12 +105,19 @@ def _soft_rubber() -> None:
     RubberBlock.elastic = lambda self, penetration: self.linear_stiffness * penetration
 
 
+def _one_material() -> None:
+    from jaxbuffer.mechanisms.probe_cone.design import Design
+
+    Design.materials = property(lambda self: (self.contact.young_modulus, self.contact.poisson_ratio) * 2)
+
+
 DOCKING = (
     Breakage("latch on one body", "the latches push the probe and not the cone", _one_body, (REACTION, CLOSING)),
     Breakage("closed at once", "the share with which latches close forgotten", _closed_at_once, (SHARED, CLOSING)),
     Breakage("closing for nothing", "the work of closing latches not booked", _closing_unpaid, (CLOSING,)),
     Breakage("printed damper", "equation 10's damper damps the length alone", _along_the_spring, (PRINTED,)),
     Breakage("rebound inwards", "the rebound factor on the way in", _rebound_inwards, (FORMULAS,)),
+    Breakage("one material", "the cone of the tip's material, whatever its own", _one_material, (MATERIALS, FIRST)),
     Breakage("flat curve", "a measured curve is constant beyond its last point", _flat_curve, (STRAIGHT,)),
     Breakage("soft rubber", "an end stop of rubber that does not stiffen", _soft_rubber, (RUBBER,)),
     Breakage("torn unseen", "latches hold whatever pulls at them", _untearable, (TORN,)),

@@ -46,6 +46,21 @@ def user_path(path: str | os.PathLike[str]) -> Path:
     return folder.joinpath(*rest)
 
 
+def cache_folder() -> Path | None:
+    """Return the default folder of compiled programs, None where neither the environment nor a home folder says one."""
+    chosen = os.environ.get("JAXBUFFER_CACHE")
+    if chosen:
+        return user_path(chosen)
+    own = home()
+    shared = os.environ.get("XDG_CACHE_HOME", "")
+    if own is not None and (shared == "~" or shared.startswith("~/")):  # a file that no shell reads has set it
+        shared = str(own / shared[2:])
+    # A relative path would be another folder wherever one stands: the XDG specification has it ignored.
+    if Path(shared).is_absolute():
+        return Path(shared) / "jaxbuffer"
+    return None if own is None else own / ".cache" / "jaxbuffer"
+
+
 def check_links(folder: Path) -> None:
     """Raise `InputError` where a folder is, or is in, a link that leads nowhere: a disk may not be mounted."""
     for place in (folder, *folder.parents):

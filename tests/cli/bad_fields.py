@@ -48,6 +48,8 @@ FIELDS = {  # of design and scenario: a number that is out of range, the range, 
     "cone.offset": (-0.1, FROM, "m"),
     "cone.throat_radius": (0, ABOVE, "m"),
     "cone.length": (-1, ABOVE, "m"),
+    "cone.young_modulus": (0, ABOVE, "Pa"),
+    "cone.poisson_ratio": (0.6, "(-1, 0.5]", ""),
     "contact.stiffness": (0, ABOVE, "N/m^1.5"),
     "contact.restitution": (1.1, "(0, 1]", ""),
     "contact.friction": (-0.3, FROM, ""),
@@ -116,7 +118,7 @@ def of_fields():
         else:
             yield call(
                 lambda path=path, k=k: replace(
-                    table2(), {path: (math.nan, [get(table2(), path) or 1.0, math.nan])[k % 2]}
+                    table2(), {path: (math.nan, [get(table2(), path) or 0.25, math.nan])[k % 2]}
                 ),
                 nan,
             )

@@ -28,6 +28,7 @@ LINES = [
         "diffrax:Tsit5; did you mean diffrax:Kvaerno5?",
     ),
     line("tune --optimizer adan", "tune.optimizer = 'adan' is unknown", "adam"),
+    line("pareto", "--objectives is missing; write --objectives peak_force,stroke say; known: peak_force, "),
     line("pareto --objectives peak_force,stroke --solver implicit", "No such option", "--solver"),
     line("tune --iterations few", "--iterations = 'few' must be a whole number of at least 1"),
     line("tune --iterations 0", "--iterations = 0 must be a whole number of at least 1"),

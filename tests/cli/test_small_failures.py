@@ -1,8 +1,5 @@
 """Small failures that people met: each is an answer, or one line that says what to write."""
 
-import os
-import subprocess
-import sys
 import warnings
 
 import equinox as eqx
@@ -134,31 +131,6 @@ def test_histories_at_no_times_and_at_what_are_none():
     for times in (0.01, np.zeros((2, 2)), "0.01 s", [0.01, np.nan], [[0.01], [0.02, 0.03]], None):
         with pytest.raises(jb.InputError, match=r"^times = .*: expected an array \(n,\) of times \[s\]"):
             jb.at_times(drop, times)
-
-
-@pytest.mark.parametrize(
-    ("typed", "offered"),
-    [
-        ("simulate --contact.law ", ""),
-        ("simulate --contact.law h", ""),
-        ("simulate --buffer.k_A 8 --buffer.k_A 9 --tr", "--trust"),
-        ("simulate --output= --sol", "--solver"),
-    ],
-)
-def test_a_shell_s_completion_prints_no_error_into_the_prompt(typed, offered):
-    words = f"jaxbuffer {typed}"
-    place = len(words.split()) - (not words.endswith(" "))
-    asked = {"_JAXBUFFER_COMPLETE": "complete_bash", "COMP_WORDS": words, "COMP_CWORD": str(place)}
-    program = "from jaxbuffer.cli.entry import main; main([])"
-    found = subprocess.run(
-        [sys.executable, "-c", program],
-        check=False,
-        capture_output=True,
-        text=True,
-        env={**os.environ, **asked},
-        timeout=60,
-    )
-    assert (found.stdout.strip(), found.stderr) == (offered, "")
 
 
 def test_an_animation_s_file_may_be_named(monkeypatch, computed, tmp_path):

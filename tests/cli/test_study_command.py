@@ -91,6 +91,11 @@ def test_a_study_is_explained(computed, capsys, tmp_path):
         buffer.k_A = "0.8 kN/m"
         active.mass = "42 g"
         passive.mass = 8000
+        cone.half_angle = "45 deg"
+        probe.length = 0.2
+        latch.depth = "5 mm"
+        tune.seed = 0
+        tune.starts = 8
         options.duration = 4
         scenario.misalignment = "3 deg"
         [problem.variables]
@@ -102,6 +107,9 @@ def test_a_study_is_explained(computed, capsys, tmp_path):
         [sweep]
         buffer.k_A = [100, 200]
         buffer.c_A = {from = 1, to = 9, count = 8}
+        [sample]
+        count = 32
+        ranges.probe.tip_radius = ["14 mm", "16 mm"]
         """
     )
     assert run(["check", "study.toml"]) == 0
@@ -113,6 +121,13 @@ def test_a_study_is_explained(computed, capsys, tmp_path):
         "passive.mass 8000 kg (339.4 times the default 23.5731 kg)",
         "options.duration 4 s (default 8 s)",
         "scenario.misalignment 3 deg = 0.0523599 rad (default 0 rad)",
+        "tune.starts 8 (default 32)",
+        "given as by default    probe.length 0.2 m",
+        "cone.half_angle 45 deg = 0.785398 rad",
+        "tune.seed 0",
+        "latch.depth = 5 mm has no effect: it needs latch.stiffness",
+        "probe.tip_radius 14 … 16 mm",
+        "32 points, seed 0",
         "buffer.c_A in [1, 60] N s/m, log, from 5 N s/m",
         "stroke ≤ 25 mm",
         "stroke ≥ 1 mm",

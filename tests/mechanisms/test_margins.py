@@ -19,8 +19,8 @@ def test_beyond_the_limits_of_the_law_and_just_on_them():
 
 
 def test_depth_counts_by_a_tenth_of_the_radius_and_pressure_by_where_yield_begins():
-    contact = SimpleNamespace(yield_stress=None, poisson_ratio=0.3, young_modulus=70e9)
-    design = SimpleNamespace(probe=SimpleNamespace(tip_radius=0.02), contact=contact)
+    contact, materials = SimpleNamespace(yield_stress=None), (70e9, 0.3, 70e9, 0.3)
+    design = SimpleNamespace(probe=SimpleNamespace(tip_radius=0.02), contact=contact, materials=materials)
     found = validity(design, np.array([1e-3, 3e-3]), np.array([100.0, 200.0]))
     np.testing.assert_allclose(found.depth, [0.5, 1.5], rtol=1e-14)
     np.testing.assert_array_equal(found.pressure, [0.0, 0.0])

@@ -13,9 +13,10 @@ from jaxbuffer.cli.entry import run
 from jaxbuffer.labelled.record import part_from_json, part_json, part_record
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 from jaxbuffer.pages.records import same
-from jaxbuffer.study.config import apply_overrides, load
+from jaxbuffer.study.config import apply_overrides, load, loads
 from jaxbuffer.study.explained import explained
 from jaxbuffer.study.schema import study_schema
+from jaxbuffer.study.tuned_toml import tuned_toml
 from jaxbuffer.sweeps.grid import grid
 
 SPRING, DAMPER = "buffer.spring_curve", "buffer.damper_curve"
@@ -92,6 +93,13 @@ def test_runs_that_get_a_latch_by_what_varies_last_as_long_as_others_with_one():
     )
 
 
+def test_a_tuned_design_has_its_curves_in_the_units_that_were_typed(study):
+    written = tuned_toml(study.design, study.problem(), "")
+    assert 'spring_curve = [["5 mm", "2 N"], ["10 mm", "6 N"]]  # stroke, force' in written
+    assert "damper_curve = [[0.05, 0.2], [0.1, 0.6]]  # speed m/s, force N" in written
+    assert loads(written.encode(), "tuned.toml").design == study.design
+
+
 def test_designs_with_curves_are_written_and_read_again(study, tmp_path):
     save_design(tmp_path / "design.toml", study.design, [study.scenario])
     assert load_design(tmp_path / "design.toml") == (study.design, (study.scenario,))
@@ -109,7 +117,7 @@ def test_designs_with_curves_are_written_and_read_again(study, tmp_path):
 def test_check_says_what_there_is(study, computed, capsys, tmp_path):
     words = explained(study, "study.toml")
     for part in (
-        f"{SPRING} [[0.005, 2.0], [0.01, 6.0]] (default not set)",
+        f'{SPRING} [["5 mm", "2 N"], ["10 mm", "6 N"]] (default not set)',
         "buffer.k_A not set (default 500 N/m)",
         f"{SPRING}.force[1] in [3, 9] N, log, from 6 N",
         "by buffer.k_T, buffer.c_T, probe.tip_mass",

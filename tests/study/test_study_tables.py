@@ -1,5 +1,7 @@
 """A table of a study is declared once: reading, schema, example, suggestions and tuned files follow from it."""
 
+import tomllib
+
 import pytest
 
 from jaxbuffer import InputError, Scenario
@@ -40,6 +42,27 @@ def test_a_key_is_described_checked_and_suggested_wherever_it_is_declared(table,
         loads(f"[{table}]\n{name}x = 1".encode(), "study.toml")
     with pytest.raises(InputError, match=rf"{table}\.{name}.* \[\]|{table}\.{name}: '\[\]'"):
         loads(f"[{table}]\n{name} = []".encode(), "study.toml")
+
+
+@pytest.mark.parametrize(
+    ("text", "valid"),
+    [
+        ("[problem.constraints]\nstroke = '25 mm'\nimpacts = 30", True),
+        ("[problem.constraints]\nstrokes = '25 mm'", False),
+        ("[problem.objective]\npeak_force = 1\nover = 'mean'", True),
+        ("[problem.objective]\npeak_forces = 1", False),
+        ("[problem.objective]\neffort = 1\n[problem.quantities]\neffort = {function = 'a.py:f', unit = 'N'}", True),
+        ("[problem.then]\nstroke = 1\ntolerance = 0.1", True),
+        ("[problem.then]\nstrokee = 1", False),
+        ("[problem.sample]\ncount = 8\nfactors.probe.tip_radius = {uniform = [0.9, 1.1]}", True),
+        ("[problem.sample]\nfactors.probe.tip_radiuss = {uniform = [0.9, 1.1]}", False),
+        ("[problem.sample]\nscenario.approach_speed = {normal = ['0.1 m/s', '1 cm/s']}", True),
+    ],
+)
+def test_an_editor_sees_which_names_there_are(text, valid):
+    jsonschema = pytest.importorskip("jsonschema")
+    schema = jsonschema.Draft7Validator(study_schema(mechanism_named("probe_cone")))
+    assert schema.is_valid(tomllib.loads(text)) is valid
 
 
 def test_listed_scenarios_begin_with_the_fields_of_scenario_and_not_with_those_of_the_first():

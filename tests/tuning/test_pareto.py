@@ -45,7 +45,7 @@ def test_limits_reach_over_all_ends():
 @pytest.mark.parametrize(
     ("objectives", "points", "limits", "said"),
     [
-        (["peak_force"], 3, None, "needs two at least"),
+        (["peak_force"], 3, None, "needs two at least; peak_force,penetration say; known: peak_force, "),
         (["peak_force", "penetratio"], 3, None, "did you mean penetration?"),
         (["peak_force", "penetration"], 1, None, "points"),
         (["peak_force", "penetration", "end_time"], 40, None, "at most 400"),

@@ -61,8 +61,10 @@ class ExactModel:
             (d.passive.mass, d.passive.inertia),
         ]
         self.masses = np.array([m for mass, inertia in bodies for m in (mass, mass, inertia)])
-        compliance = (1 - d.contact.poisson_ratio**2) / d.contact.young_modulus
-        self.stiffness = 4 * np.sqrt(radius) / (3 * 2 * compliance)
+        tip, cone = (d.contact.young_modulus, d.contact.poisson_ratio), (d.cone.young_modulus, d.cone.poisson_ratio)
+        cone = [of_tip if own is None else own for of_tip, own in zip(tip, cone, strict=True)]
+        compliance = sum((1 - ratio**2) / young for young, ratio in (tip, cone))
+        self.stiffness = 4 * np.sqrt(radius) / (3 * compliance)
         self.hysteresis = 0.75 * (1 - d.contact.restitution**2)
 
     def start(self):

@@ -79,6 +79,14 @@ def test_what_is_left_goes_as_the_impact_gets_shorter(evidence, scenario):
     evidence("Closed forms", "the same, contact 1e4 times stiffer: peak force", left, 8e-8, HERTZ)
 
 
+def test_two_materials(evidence):
+    """A steel tip in a titanium cone."""
+    two = {"contact.young_modulus": 207e9, "contact.poisson_ratio": 0.29}
+    two |= {"cone.young_modulus": 114e9, "cone.poisson_ratio": 0.34}
+    softest = deviation(replace(design(1e-7), two), Scenario())
+    evidence("Closed forms", "the same, tip and cone of two materials: peak force", softest, 3e-6, HERTZ)
+
+
 def test_effective_mass_lies_between_that_of_the_tip_alone_and_of_the_whole_vehicles():
     """The probe slides freely along the cylinder, so far less than the rigid probe's 4.103 kg takes part."""
     _, mass = closed_form(design(1.0), Scenario())

@@ -4,6 +4,7 @@ from typing import Annotated
 
 import typer
 
+from . import completion
 from .options import Scheduler, Trust
 
 Number = Annotated[str | None, typer.Option(metavar="N", help="As for tune.")]
@@ -47,8 +48,14 @@ def tune(
 
 def pareto(
     objectives: Annotated[
-        str, typer.Option(metavar="A,B", help="Quantities to lower; the first under limits on the others.")
-    ],
+        str | None,
+        typer.Option(
+            metavar="A,B",
+            help="Quantities to lower; the first under limits on the others.",
+            autocompletion=completion.quantities("tuned", listed=True),
+            show_default=False,
+        ),
+    ] = None,
     points: Annotated[str, typer.Option(metavar="N", help="Points of the front, both ends included; default 9.")] = "9",
     iterations: Number = None,
     starts: Number = None,
@@ -83,6 +90,7 @@ def sweep(
         typer.Option(
             metavar="FIELD=VALUES",
             help="Values of a field: FROM:TO:COUNT[:log] or A,B,…, numbers or choices; repeatable.",
+            autocompletion=completion.over,
         ),
     ] = None,
     scheduler: Scheduler = None,
@@ -131,16 +139,29 @@ def sweep(
 def sample(
     over: Annotated[
         list[str] | None,
-        typer.Option(metavar="FIELD=RANGE", help="A field's range: LOW:HIGH[:log|linear]; repeatable."),
+        typer.Option(
+            metavar="FIELD=RANGE",
+            help="A field's range: LOW:HIGH[:log|linear]; repeatable.",
+            autocompletion=completion.over,
+        ),
     ] = None,
     count: Annotated[str | None, typer.Option(metavar="N", help="Points, a power of two; default 256.")] = None,
     method: Annotated[
         str | None,
-        typer.Option(metavar="HOW", help="sobol (default), latin_hypercube, or saltelli (that of --indices)."),
+        typer.Option(
+            metavar="HOW",
+            help="sobol (default), latin_hypercube, or saltelli (that of --indices).",
+            autocompletion=completion.one_of("sobol", "latin_hypercube", "saltelli"),
+        ),
     ] = None,
     seed: Annotated[str | None, typer.Option(metavar="N", help="Of the points; default 0.")] = None,
     of: Annotated[
-        list[str] | None, typer.Option(metavar="QUANTITY", help="What --indices and --surface are of; repeatable.")
+        list[str] | None,
+        typer.Option(
+            metavar="QUANTITY",
+            help="What --indices and --surface are of; repeatable.",
+            autocompletion=completion.quantities("swept"),
+        ),
     ] = None,
     indices: Annotated[bool, typer.Option("--indices", help="Sobol' indices: whose scatter matters most.")] = False,
     surface: Annotated[bool, typer.Option("--surface", help="Fit a response surface, and tell its error.")] = False,

@@ -4,6 +4,7 @@ from typing import Annotated
 
 import typer
 
+from . import completion
 from .options import ScenarioNumber, Scheduler, Trust
 
 
@@ -37,14 +38,27 @@ def simulate(scenario_number: ScenarioNumber = None, trust: Trust = "on") -> Non
 def sensitivity(
     wrt: Annotated[
         list[str] | None,
-        typer.Option(metavar="FIELD", help="Differentiate by FIELD; repeatable; default: the buffer's."),
+        typer.Option(
+            metavar="FIELD",
+            help="Differentiate by FIELD; repeatable; default: the buffer's.",
+            autocompletion=completion.numbers,
+        ),
     ] = None,
     of: Annotated[
         list[str] | None,
-        typer.Option(metavar="QUANTITY", help="Differentiate QUANTITY; repeatable; default: the first five below."),
+        typer.Option(
+            metavar="QUANTITY",
+            help="Differentiate QUANTITY; repeatable; default: the first five below.",
+            autocompletion=completion.quantities("differentiable"),
+        ),
     ] = None,
     certify: Annotated[
-        str, typer.Option(metavar="HOW", help="quick (default), thorough (a difference a parameter) or none.")
+        str,
+        typer.Option(
+            metavar="HOW",
+            help="quick (default), thorough (a difference a parameter) or none.",
+            autocompletion=completion.one_of("quick", "thorough", "none"),
+        ),
     ] = "quick",
     scenario_number: ScenarioNumber = None,
     scheduler: Scheduler = None,

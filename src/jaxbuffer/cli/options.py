@@ -14,24 +14,37 @@ from typing import Annotated, Any
 
 import typer
 
-from ..files import user_path
+from ..files import cache_folder, user_path
+from . import completion
 from .overrides import FIELDS, Command, Plain
 
 Figures = Annotated[
     str | None,
     typer.Option(
-        "--format", metavar="FORMAT", help="Of figures: png (default), svg, both or none.", show_default=False
+        "--format",
+        metavar="FORMAT",
+        help="Of figures: png (default), svg, both or none.",
+        show_default=False,
+        autocompletion=completion.one_of("png", "svg", "both", "none"),
     ),
 ]
 
 SHARED = {
-    "config": Annotated[Path | None, typer.Argument(metavar="CONFIG.toml", help="The study; default: Table 2.")],
+    "config": Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="CONFIG.toml",
+            help="The study; default: Table 2.",
+            autocompletion=completion.files_or_value,
+        ),
+    ],
     "solver": Annotated[
         str | None,
         typer.Option(
             metavar="NAME",
             help="automatic (default), implicit, explicit, or diffrax:METHOD, diffrax:Kvaerno5 say.",
             show_default=False,
+            autocompletion=completion.one_of("automatic", "implicit", "explicit"),
         ),
     ],
     "rtol": Annotated[str | None, typer.Option(metavar="TOL", help="Relative error of a step; default 1e-6.")],
@@ -49,7 +62,12 @@ ScenarioNumber = Annotated[
 ]
 
 Trust = Annotated[
-    str, typer.Option(metavar="WHEN", help="Whether to run again at a tenth of the tolerance: on or off.")
+    str,
+    typer.Option(
+        metavar="WHEN",
+        help="Whether to run again at a tenth of the tolerance: on or off.",
+        autocompletion=completion.one_of("on", "off"),
+    ),
 ]
 
 Scheduler = Annotated[
@@ -135,7 +153,7 @@ def _programs_loading(command: str) -> contextlib.AbstractContextManager[None]:
     """Set JAX up, and begin to load the programs that such a command needed last time."""
     from ..programs import ahead, process  # these import JAX
 
-    process.configure(cache=process.cache_folder() or True)
+    process.configure(cache=cache_folder() or True)
     return ahead.loading(command)
 
 

@@ -1,11 +1,13 @@
 """Design and scenario fields as command line options: ``--buffer.k_A 800`` or ``--buffer.k_A=800``."""
 
 from collections.abc import Collection, Sequence
+from typing import Any
 
 from typer import Context
 from typer.core import TyperCommand
 
 from ..errors import InputError, nearest
+from . import completion
 
 FIELDS = """\
 \b
@@ -38,7 +40,8 @@ those of the capture mechanism, 'jaxbuffer fields KIND' has any mechanism's):
             strength [N] (default: none tears it), quiet [-]
   shock     active_1 [Hz], active_2 [Hz], active_3 [Hz], passive_1 [Hz],
             passive_2 [Hz], passive_3 [Hz] (default: none), damping [-]
-  cone      half_angle [rad], offset [m], throat_radius [m], length [m]
+  cone      half_angle [rad], offset [m], throat_radius [m], length [m],
+            young_modulus [Pa], poisson_ratio [-] (default: contact's)
   contact   law (lankarani-nikravesh, hertz, exact, kelvin-voigt, adams, …),
             stiffness [N/m^1.5], restitution [-], friction [-],
             slip_speed [m/s], young_modulus [Pa], poisson_ratio [-],
@@ -106,6 +109,7 @@ class Command(Plain):
 
     def parse_args(self, ctx: Context, args: list[str]) -> list[str]:
         """Parse what is left without the dotted options."""
+        ctx.meta[completion.WORDS] = args
         rest, ctx.obj = split(args, unfinished=ctx.resilient_parsing)
         try:
             return super().parse_args(ctx, rest)
@@ -115,6 +119,12 @@ class Command(Plain):
             if not unknown or not (alike := fields_like(option)):
                 raise
             raise InputError(f"No such option: {option}; did you mean {' or '.join(alike)}?") from None
+
+    def shell_complete(self, ctx: Context, incomplete: str) -> list[Any]:
+        """Offer dotted options beside the others, and what is the value of one."""
+        words = ctx.meta.get(completion.WORDS, ())
+        own = completion.field_options(words, incomplete) or completion.value(words, incomplete)
+        return [*super().shell_complete(ctx, incomplete), *own]
 
 
 def fields_like(option: str) -> list[str]:

@@ -5,9 +5,18 @@ from typing import Annotated
 
 import typer
 
+from . import completion
 from .options import Figures
 
-Kind = Annotated[str, typer.Option("--kind", metavar="NAME", help="The mechanism; 'jaxbuffer fields' lists them.")]
+Kind = Annotated[
+    str,
+    typer.Option(
+        "--kind",
+        metavar="NAME",
+        help="The mechanism; 'jaxbuffer fields' lists them.",
+        autocompletion=completion.kinds,
+    ),
+]
 Folders = Annotated[list[Path], typer.Argument(metavar="DIR…", help="Folders that --output named.")]
 Html = Annotated[
     Path | None, typer.Option("--html", metavar="FILE", help="Where the page goes; default: in the first DIR.")
@@ -56,7 +65,12 @@ def schema(kind: Kind = "") -> None:
 
 
 def fields(
-    kind: Annotated[str, typer.Argument(metavar="KIND", help="A mechanism's name, as kind in CONFIG.toml.")] = "",
+    kind: Annotated[
+        str,
+        typer.Argument(
+            metavar="KIND", help="A mechanism's name, as kind in CONFIG.toml.", autocompletion=completion.kinds
+        ),
+    ] = "",
 ) -> None:
     """List a mechanism's fields with units, defaults and ranges, and the quantities of its runs; without KIND, the
     mechanisms there are.
@@ -70,6 +84,12 @@ def report(
     folders: Folders,
     html: Html = None,
     title: Annotated[str, typer.Option(metavar="TEXT", help="The page's title.")] = "",
+    what_if: Annotated[
+        bool, typer.Option("--what-if", help="Simulate around the tuned design, for sliders on the page.")
+    ] = False,
+    runs: Annotated[
+        str | None, typer.Option(metavar="N", help="Of --what-if, for each scenario and range; default 128.")
+    ] = None,
 ) -> None:
     """Make a page for a design review of the results in DIR, and print their summaries again.
 
@@ -77,9 +97,13 @@ def report(
     run did not succeed, elasticities, the search, the envelope, samples, fronts, and where the numbers come from.
     Several folders make one page: of a tuning, of a run of the tuned design, of its sensitivities, of a sweep.
 
+    With --what-if it makes up to 4.5 N runs of each scenario around the tuned design first, and keeps in what_if.json
+    of its folder what the page's sliders show.
+
     \b
     Examples:
       jaxbuffer report results/table2
+      jaxbuffer report results/table2 --what-if
       jaxbuffer report results/tuned results/run results/sensitivity results/sweep --title "Probe B, review 2"
     """
 
@@ -95,7 +119,14 @@ def compare(folders: Folders, html: Html = None) -> None:
 
 def reproduce(
     output: Annotated[Path, typer.Option("--output", metavar="DIR", help="Folder for figures and tables.")],
-    paper: Annotated[str, typer.Argument(metavar="[PAPER]", help="docking, impact, load or tank.")] = "docking",
+    paper: Annotated[
+        str,
+        typer.Argument(
+            metavar="[PAPER]",
+            help="docking, impact, load or tank.",
+            autocompletion=completion.one_of("docking", "impact", "load", "tank"),
+        ),
+    ] = "docking",
     published: Annotated[
         bool, typer.Option("--published", help="The paper's own equations and other readings as well (docking).")
     ] = False,

@@ -2,7 +2,8 @@
 
 import dataclasses
 import functools
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,6 +12,7 @@ from ..errors import concrete
 from ..value_text import with_unit
 from .paths import get, metadata, paths
 from .shown import cut
+from .units import as_typed
 
 ROOT = "scenario."
 
@@ -65,12 +67,15 @@ def outside_runs(reason: str) -> Needs:
     return (Need((), reason=reason),)
 
 
-def inactive(design: Any, scenario: Any = None, varied: Collection[str] = ()) -> list[str]:
+def inactive(
+    design: Any, scenario: Any = None, varied: Collection[str] = (), units: Mapping[str, str] = MappingProxyType({})
+) -> list[str]:
     """Return a line for each field that was set and has no effect: "latch.strength = 60 N has no effect: it needs
     latch.stiffness".
 
     **Arguments:** ``design``; ``scenario``, if any: conditions on it count as fulfilled without one; ``varied``: paths
-    that a sweep or a tuning gives values, which count as set. Numbers that are only known inside compiled code are
+    that a sweep or a tuning gives values, which count as set; ``units``: those that numbers were typed with, by path.
+    Numbers that are only known inside compiled code are
     passed over.
     """
     lines = []
@@ -78,7 +83,7 @@ def inactive(design: Any, scenario: Any = None, varied: Collection[str] = ()) ->
         if path in varied:
             lines.append(f"{path} is varied and has no effect: {why}")
         elif _differs(design, scenario, path):
-            lines.append(f"{path} = {_text(design, scenario, path)} has no effect: {why}")
+            lines.append(f"{path} = {_text(design, scenario, path, units.get(path, ''))} has no effect: {why}")
     return lines
 
 
@@ -157,8 +162,8 @@ def _differs(design: Any, scenario: Any, path: str) -> bool:
     return default is None or bool(np.any(numbers != default))
 
 
-def _text(design: Any, scenario: Any, path: str) -> str:
-    """Return a value with its unit as text; of several, the first one."""
+def _text(design: Any, scenario: Any, path: str, typed: str) -> str:
+    """Return a value as text with its unit, the one that was ``typed`` if any; of several, the first one."""
     part, own = _owner(design, scenario, path)
     value = get(part, own)
     if isinstance(value, str):
@@ -166,4 +171,4 @@ def _text(design: Any, scenario: Any, path: str) -> str:
     numbers = concrete(value) if not isinstance(value, bool) else None
     if numbers is None or not numbers.size:
         return str(value)
-    return with_unit(float(numbers.flat[0]), metadata(part, own).get("unit", "-"))
+    return with_unit(*as_typed(float(numbers.flat[0]), metadata(part, own).get("unit", "-"), typed))

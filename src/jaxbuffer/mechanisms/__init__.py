@@ -30,7 +30,7 @@ def all_mechanisms() -> "tuple[Mechanism, ...]":
 
     for folder in FOLDERS:
         importlib.import_module(f".{folder}", __name__)
-    for entry in _entries(tuple(sys.path)):
+    for entry in entries():
         try:
             _load(entry)
         except InputError as error:
@@ -49,11 +49,16 @@ def mechanism_named(name: Any) -> "Mechanism":
     if name in FOLDERS:
         importlib.import_module(f".{name}", __name__)
     else:
-        for entry in _entries(tuple(sys.path)):
+        for entry in entries():
             if entry.name == name:
                 _load(entry)
         all_mechanisms()
     return registered(name)
+
+
+def entries() -> EntryPoints:
+    """Return the entry points of mechanisms in other packages, or in this one behind the same door."""
+    return _entries(tuple(sys.path))
 
 
 @functools.cache

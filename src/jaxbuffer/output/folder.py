@@ -37,7 +37,12 @@ BEGUN = {  # what a command keeps while it runs, and the files of its results
 }
 # Entries that have other names by now: a page would leave them out and so say less than the result.
 RENAMED = ("must_succeed", "asked", "rows_asked", "shown_in", "borne_out", "standing", "above_floor [-]")
-BESIDE = {"sweep": "sweep.json", "motion": "motion.json", "force": "force.json"}  # of something else in the folder
+BESIDE = {
+    "sweep": "sweep.json",
+    "motion": "motion.json",
+    "force": "force.json",
+    "what_if": "what_if.json",
+}  # of something else in the folder
 
 
 @dataclasses.dataclass(frozen=True)
@@ -48,7 +53,8 @@ class Results:
     - ``run``: of `jaxbuffer simulate`, as `Run.to_xarray` made it, history included.
     - ``sweep``: of `jaxbuffer sweep`, as `Sweep.to_xarray` made it.
     - ``records``: the JSON files by what they are of: "run", "tuned", "sensitivity", "sweep", "sample", "front";
-      "motion" and "force" over time of a run, or "force" of a tuning. They are asked with or without units:
+      "motion" and "force" over time of a run, or "force" of a tuning; "what_if": models around a tuned design. They
+      are asked with or without units:
       ``found.records["run"]["peak_force"]``.
     - ``design``: the tuned one, or else that of the run, the sensitivities, the sweep, the sample or the front.
 

@@ -72,6 +72,7 @@ class PageSection:
     - ``warnings`` and paragraphs of ``text``;
     - ``motion``: a run to be drawn moving (`output.page_data`), None for none;
     - ``curves``: forces over time to be read off (`output.page_data`), a record each;
+    - ``what_if``: sliders, and what models of a design say where they stand (`pages.what_if`), None for none;
     - ``figures``, ``tables``;
     - ``listings``: texts of files by caption, shown only when asked for.
     """
@@ -84,6 +85,7 @@ class PageSection:
     curves: Sequence[Mapping[str, Any]] = ()
     warnings: Sequence[str] = ()
     listings: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    what_if: Mapping[str, Any] | None = None
 
     @property
     def anchor(self) -> str:

@@ -5,7 +5,8 @@ from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..errors import InputError
+from ..errors import InputError, check_flag
+from ..experiments.what_if import RUNS
 from ..files import user_path
 from ..output.folder import Results, load_finished
 from .abstract import INFEASIBLE, abstract, badges
@@ -16,12 +17,16 @@ from .origin import origin, verification
 from .page import Page, PageSection, write_page
 from .runs import diagnosis, run, scenarios, search
 from .sensitivities import sensitivity
+from .what_if import make_what_if, tuned_folder
+from .what_if import what_if as sliders
 
 Parts = list[tuple[Results, PageSection]]
 
 
-def report(*folders: str | Path, to: str | Path | None = None, title: str = "") -> Path:
-    """Make a page for a design review of the results in some folders, without computing them again.
+def report(
+    *folders: str | Path, to: str | Path | None = None, title: str = "", what_if: bool = False, runs: int = RUNS
+) -> Path:
+    """Make a page for a design review of the results in some folders; only ``what_if`` computes anything.
 
     The page is one HTML file that needs nothing else: the design, limits, scenarios, forces over time, elasticities,
     the search, samples, fronts, and where the numbers come from (docs/report.md).
@@ -32,6 +37,8 @@ def report(*folders: str | Path, to: str | Path | None = None, title: str = "") 
       the first tuning, or else of the first folder, is that of the page.
     - ``to``: the page's file; default: ``report.html`` in the first folder. A page of ours is replaced.
     - ``title``: of the page.
+    - ``what_if``: whether to make sliders first: models of the tuned design's quantities, fitted to ``runs`` of each
+      scenario and kept in the tuned folder.
 
     **Returns:** the page's path.
 
@@ -47,6 +54,9 @@ def report(*folders: str | Path, to: str | Path | None = None, title: str = "") 
     """
     if not folders:
         raise InputError("report needs a folder of results, as in jb.report('results')")
+    check_flag("what_if", what_if)
+    if what_if:
+        make_what_if(tuned_folder(folders), runs)
     page = review([load_finished(folder) for folder in folders], title)
     file = user_path(folders[0] if to is None else to)
     file = file / "report.html" if to is None else file
@@ -63,6 +73,7 @@ def review(every: Sequence[Results], title: str = "") -> Page:
     made += [(results, scenarios(results)) for results in every]
     for results in every:
         made += [(results, run(results, first)), (results, diagnosis(results, every))]
+    made += [(results, sliders(results)) for results in every]
     made += [(results, sensitivity(results, first, every)) for results in every]
     made += [(results, make(results)) for make in (search, sweep, sample, front) for results in every]
     parts = distinct([(results, section) for results, section in made if section is not None])

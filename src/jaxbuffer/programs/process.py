@@ -22,7 +22,7 @@ import numpy as np
 from jax.extend.backend import get_compile_options
 
 from ..errors import InputError
-from ..files import home, user_path
+from ..files import cache_folder, user_path
 from .store import folder, store_in
 from .xla_flags import THRESHOLD, added
 
@@ -94,21 +94,6 @@ def configure(*, cache: str | Path | bool | None = True) -> None:
             )
         else:
             os.environ["XLA_FLAGS"] = " ".join([flags, *added(flags, version("jaxlib"))]).strip()
-
-
-def cache_folder() -> Path | None:
-    """Return the default folder of compiled programs, None where neither the environment nor a home folder says one."""
-    chosen = os.environ.get("JAXBUFFER_CACHE")
-    if chosen:
-        return user_path(chosen)
-    own = home()
-    shared = os.environ.get("XDG_CACHE_HOME", "")
-    if own is not None and (shared == "~" or shared.startswith("~/")):  # a file that no shell reads has set it
-        shared = str(own / shared[2:])
-    # A relative path would be another folder wherever one stands: the XDG specification has it ignored.
-    if Path(shared).is_absolute():
-        return Path(shared) / "jaxbuffer"
-    return None if own is None else own / ".cache" / "jaxbuffer"
 
 
 def _keep_programs(cache: Path, of_jax: str | None = None) -> None:

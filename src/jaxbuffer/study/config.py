@@ -50,8 +50,9 @@ class Config:
 
     ``table``: of which the `problem` is made; ``sweep``: values by path, as `grid` reads them; ``folder``: the file's
     own, where the Python files lie that it names; ``texts``: typed with a unit, by address; ``units``: those that
-    numbers were typed with, by address, in which people are told them; ``usual_duration``: whether
-    ``options.duration`` is what is usual for the design, as none is given.
+    numbers were typed with, by address, in which people are told them; ``given``: addresses of the fields that the
+    file gives, those of [options] and [tune] among them; ``usual_duration``: whether ``options.duration`` is what is
+    usual for the design, as none is given.
     """
 
     design: Part = dataclasses.field(default_factory=lambda: mechanism_named(DEFAULT_KIND).design())
@@ -68,6 +69,7 @@ class Config:
     sample: SampleTable = subtable(SAMPLE, "what jaxbuffer sample spreads runs over", SampleTable)
     folder: Path = Path()
     texts: Mapping[str, str] = dataclasses.field(default_factory=dict, compare=False)
+    given: frozenset[str] = dataclasses.field(default=frozenset(), compare=False)
     units: Mapping[str, str] = dataclasses.field(default_factory=dict, compare=False)
     usual_duration: bool = dataclasses.field(default=False, compare=False)
 
@@ -221,13 +223,25 @@ def _lines(part: eqx.Module, prefix: str, units: Mapping[str, str]) -> list[str]
             continue
         if isinstance(value, Curve):
             (x, first), (y, second) = value.axes
-            points = ", ".join(f"[{float(place)!r}, {float(number)!r}]" for place, number in value.points())
-            lines.append(f"{name} = [{points}]  # {x} {first}, {y} {second}")
+            points = points_text(value, f"{prefix}{name}", units)
+            lines.append(f"{name} = {points}  # " + (f"{x}, {y}" if '"' in points else f"{x} {first}, {y} {second}"))
             continue
         written = as_written(float(value), symbol, units.get(f"{prefix}{name}", "")) if symbol else value
         entry = tomli_w.dumps({name: written}).rstrip()
         lines.append(entry if isinstance(written, str) else f"{entry}{unit_text(symbol, '  # ')}")
     return lines
+
+
+def points_text(curve: Curve, path: str, units: Mapping[str, str]) -> str:
+    """Return a curve's points as a study writes them, in the ``units`` that were typed with ``path[0]`` and
+    ``path[1]``, its two axes."""
+    columns = []
+    for k, ((_, symbol), numbers) in enumerate(zip(curve.axes, (curve.places, curve.values), strict=True)):
+        written = [as_written(float(number), symbol, units.get(f"{path}[{k}]", "")) for number in numbers]
+        if not all(isinstance(it, str) for it in written):  # one cannot be written in its unit exactly
+            written = [float(number) for number in numbers]
+        columns.append([f'"{it}"' if isinstance(it, str) else repr(it) for it in written])
+    return "[" + ", ".join(f"[{place}, {number}]" for place, number in zip(*columns, strict=True)) + "]"
 
 
 def study_tables() -> dict[str, Mapping[str, Any]]:
@@ -255,9 +269,10 @@ def _config(data: dict[str, Any], folder: Path) -> Config:
         names = names._replace(scenario=read["scenarios"][0])
     read |= read_keys("", data, rest, names) | {"scenario": names.scenario}
     typed |= {f"{SCENARIO}{name}": value for name, value in data.get("scenario", {}).items()}
+    typed |= {f"{name}.{key}": it for name in ("options", "tune") for key, it in data.get(name, {}).items()}
     texts = {path: value for path, value in typed.items() if isinstance(value, str)}
     values = {tables[name]["field"]: value for name, value in read.items()}
-    config = Config(names.design, folder=folder, texts=texts, **values)
+    config = Config(names.design, folder=folder, texts=texts, given=frozenset(typed), **values)
     check_table(config.table, names.design, names.scenario, read.get("scenarios", ()))
     return config
 
@@ -271,6 +286,10 @@ def _typed_units(value: Any, path: str = "") -> Iterator[tuple[str, str]]:
     elif path == "scenarios" and isinstance(value, list):
         for inner in value:
             yield from _typed_units(inner, "scenario")
+    elif isinstance(value, list) and value and all(isinstance(point, list) and len(point) == 2 for point in value):
+        for k, column in enumerate(zip(*value, strict=True)):  # of a curve
+            if symbol := typed_unit(column):
+                yield f"{path}[{k}]", symbol
     elif symbol := typed_unit(value):
         # From the number's place in the file to the address of the field that it is about.
         path = re.sub(r"\.(from|to|uniform|normal)$", "", path)

@@ -1,15 +1,16 @@
 """What a study says, in words: what differs from the defaults, and what each command would do with it."""
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
-from ..fields import Part, ends_as_typed, field_text, get, metadata, paths, unit
+from ..experiments.ranges import ranges
+from ..fields import SCENARIO, Curve, Part, ends_as_typed, field_text, get, metadata, paths, unit
 from ..mechanisms.cautions import cautions
 from ..mechanisms.limit import both_sides
 from ..sweeps.grid import Grid, grid
-from ..tuning.problem import Problem, Variable
+from ..tuning.problem import Problem, Settings, Variable
 from ..value_text import interval_text, with_unit
-from .config import Config
+from .config import Config, points_text
 from .model import StudyOptions
 from .problem_toml import default_variables
 
@@ -34,8 +35,9 @@ def explained(study: Config, name: str) -> str:
     parts = {
         "mechanism": [f'{mechanism.view.title}, kind = "{mechanism.name}"'],
         "differs from default": _differences(study) or ["nothing"],
+        "given as by default": _defaults_given(study),
         "worth a look": [
-            *cautions(study.design, study.scenarios, study.varied),
+            *cautions(study.design, study.scenarios, study.varied, units=study.units),
             *mechanism.view.sanity_checks(study.design),
         ],
         "scenario": [mechanism.view.label(study.scenario)],
@@ -47,6 +49,7 @@ def explained(study: Config, name: str) -> str:
         "limits": [] if problem is None else _limits(problem),
         "then": [] if problem is None or problem.then is None else [problem.format(problem.then.objective)],
         "sweep": [f"{axis.path} {axis.spanned()}" for axis in swept.axes] if study.sweep else [],
+        "sample": _sample(study),
         "commands": _commands(study, name, problem, swept, bool(missing)),
     }
     lines = [f"Study {name}: valid"]
@@ -55,24 +58,54 @@ def explained(study: Config, name: str) -> str:
     return "\n".join(lines)
 
 
+def _compared(study: Config) -> Iterator[tuple[str, str, Part, Part]]:
+    """Yield the address of each field, its path, the part that it belongs to, and that part with its defaults."""
+    mechanism = study.mechanism
+    # What is usual for this very design, so that a duration that nobody typed is no difference.
+    usual_options = StudyOptions(duration=mechanism.duration(study.design))
+    for prefix, part, default in (
+        ("", study.design, mechanism.design()),
+        (SCENARIO, study.scenario, mechanism.scenario()),
+        ("options.", study.options, usual_options),
+        ("tune.", study.tuning, Settings()),
+    ):
+        for path in paths(part):
+            yield prefix + path, path, part, default
+
+
 def _differences(study: Config) -> list[str]:
     """Return a line for each field that is not at its default: "buffer.k_A 0.8 kN/m = 800 N/m (default 500 N/m)"."""
-    mechanism, differences = study.mechanism, []
-    usual = {"": mechanism.design(), "scenario.": mechanism.scenario()}
-    for (prefix, default), part in zip(usual.items(), (study.design, study.scenario), strict=True):
-        for path in paths(part):
-            if get(part, path) != get(default, path):
-                text = study.texts.get(prefix + path, "")
-                typed = f"{text} = " if text and unit(part, path) else ""
-                differences.append(
-                    f"{prefix}{path} {typed}{_value(part, path)} ({_beside_default(part, default, path)})"
-                )
-    # What is usual for this very design, so that a duration that nobody typed is no difference.
-    default_options = StudyOptions(duration=mechanism.duration(study.design))
-    for path in paths(study.options):
-        if get(study.options, path) != get(default_options, path):
-            differences.append(f"{_shown(study.options, path, 'options.')} (default {_value(default_options, path)})")
-    return differences
+    return [
+        f"{address} {_as_read(study, address, path, part)} ({_beside_default(part, default, path)})"
+        for address, path, part, default in _compared(study)
+        if get(part, path) != get(default, path)
+    ]
+
+
+def _defaults_given(study: Config) -> list[str]:
+    """Return a line for each field that the file gives the value of its default."""
+    return [
+        f"{address} {_as_read(study, address, path, part)}"
+        for address, path, part, default in _compared(study)
+        if address in study.given and get(part, path) == get(default, path)
+    ]
+
+
+def _as_read(study: Config, address: str, path: str, part: Part) -> str:
+    """Say a field's value, behind what was typed if that has a unit."""
+    value = get(part, path)
+    if isinstance(value, Curve):
+        return points_text(value, address, study.units)
+    text = study.texts.get(address, "")
+    return f"{text} = {_value(part, path)}" if text and unit(part, path) else _value(part, path)
+
+
+def _sample(study: Config) -> list[str]:
+    """Say what [sample] spreads, if it spreads anything."""
+    if study.sample.ranges is None:
+        return []
+    spread = ranges(study.sample.ranges, study.design, study.scenario)
+    return [*(f"{it.path} {it}" for it in spread), f"{study.sample.count} points, seed {study.sample.seed}"]
 
 
 def _beside_default(part: Part, default: Part, path: str) -> str:

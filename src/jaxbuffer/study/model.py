@@ -23,7 +23,7 @@ from ..tuning.objective import Limits, Objective, SecondObjective
 from ..tuning.problem import Variable
 from .own_quantities import OWN, NamedQuantity
 from .tables import Keys, KeyTable, PartTable, PathTable, StudyNames, keys_schema, read_keys, subtable
-from .values import BOUNDS, DISTRIBUTION, FACTOR, LIMIT, RANGE, SEVERAL, SWEPT, WEIGHT, ValueKind, as_table
+from .values import BOUNDS, DISTRIBUTION, FACTOR, LIMIT, RANGE, SEVERAL, SWEPT, WEIGHT, Schema, ValueKind, as_table
 
 
 class StudyOptions(Part):
@@ -166,7 +166,18 @@ def _read_scenarios(where: str, given: Any, names: StudyNames) -> tuple[Part, ..
     return tuple(SCENARIO_TABLE.read(f"{where}[{i}]", entry, names) for i, entry in enumerate(given, 1))
 
 
-PROBLEM = ValueKind(_read_problem, lambda names: keys_schema(declared(ProblemTable), names))
+def _problem_schema(names: StudyNames) -> Schema:
+    """Return the schema of [problem], in which only a study with quantities of its own has other names than ours."""
+    whole = keys_schema(declared(ProblemTable), names)
+    named = {name: known["table"] for name, known in declared(ProblemTable).items()}
+    of_quantities = [name for name, kind in named.items() if isinstance(kind, KeyTable) and kind.quantity is not None]
+    closed = {
+        name: {"propertyNames": {"enum": list(whole["properties"][name]["properties"])}} for name in of_quantities
+    }
+    return whole | {"if": {"not": {"required": ["quantities"]}}, "then": {"properties": closed}}
+
+
+PROBLEM = ValueKind(_read_problem, _problem_schema)
 SAMPLE = KeyTable(_sample, lambda mechanism: declared(SampleTable), hint="; ranges go under [sample.ranges]")
 SPANNED = PathTable(SWEPT, "both", numbers=False, words=SPAN)
 SWEEP = ValueKind(_read_sweep, SPANNED.schema)

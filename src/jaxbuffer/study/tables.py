@@ -203,5 +203,5 @@ class KeyTable(NamedTuple):
             return keys
         words = {name: f"[{catalogue[name].unit}] {catalogue[name].description}" for name in names.units}
         quantities = {name: self.quantity.schema() | {"description": it} for name, it in words.items()}
-        # Not closed, since own quantities have other names.
+        # Not closed, since own quantities have other names; [problem] closes it where there are none.
         return {"type": "object", "properties": quantities | keys["properties"]}

@@ -302,6 +302,14 @@ def _worst(tuned: Tuned, names: Sequence[str]) -> np.ndarray:
     return np.asarray(tuned.after.quantities[:, columns].max(axis=0))
 
 
+def two_objectives(problem: Problem) -> str:
+    """Return an example of objectives, and which there are, for a message."""
+    first = problem.names[0]
+    # Two forces would rise and fall together: an example shows what is traded for what.
+    second = next((name for name in problem.names if "force" not in name), problem.names[-1])
+    return f"{first},{second} say; known: {', '.join(problem.names)}"
+
+
 def check_front(
     problem: Problem, objectives: Sequence[str], points: int, limits: Mapping[str, Sequence[float]] | None = None
 ) -> int:
@@ -316,7 +324,7 @@ def check_front(
         if name not in problem.names:
             raise InputError(f"objectives: {name} is unknown{suggest(name, problem.names)}")
     if len(names) < 2:
-        raise InputError(f"objectives = {names[0]}: a front needs two at least; known: {', '.join(problem.names)}")
+        raise InputError(f"objectives = {names[0]}: a front needs two at least; {two_objectives(problem)}")
     check_whole("points", points, 2)
     total = points ** (len(names) - 1)
     if total > MOST:

@@ -7,7 +7,7 @@ from ...errors import InputError
 from ...output.formats import table_json
 from ...output.tuned_files import front_files
 from ...output.tuned_records import front_rows
-from ...tuning.pareto import check_front
+from ...tuning.pareto import check_front, two_objectives
 from ...tuning.pareto import pareto as compute
 from ..exits import INTERRUPTED, LIMITS_BROKEN, OK, fail
 from ..streams import note
@@ -16,7 +16,7 @@ from .request import CommandLine, say_cautions
 
 
 def pareto(
-    request: CommandLine, objectives: str, points: str, scheduler: str | None, resume: bool, **search: str | None
+    request: CommandLine, objectives: str | None, points: str, scheduler: str | None, resume: bool, **search: str | None
 ) -> int:
     """Tune every point of the front."""
     study = request.tuning_study(**search)
@@ -27,7 +27,9 @@ def pareto(
         if value != only:
             raise InputError(f"{field} = {value!r}: a front has the {only} one only; leave it out")
     problem = study.problem()
-    say_cautions(study.design, study.scenarios, {variable.path for variable in problem.variables})
+    say_cautions(study.design, study.scenarios, {variable.path for variable in problem.variables}, units=study.units)
+    if objectives is None:
+        raise InputError(f"--objectives is missing; write --objectives {two_objectives(problem)}")
     names = [name.strip() for name in objectives.split(",")]
     if not (points.isdecimal() and int(points) >= 2):
         raise InputError(f"--points {points} must be a whole number from 2 up; 9 say")

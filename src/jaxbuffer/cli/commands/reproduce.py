@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import InputError, check_choice
+from ...files import cache_folder
 from ...output import style
 from ...output.formats import csv_text, json_text
 from ...papers import PAPERS, paper_named
@@ -24,7 +25,7 @@ def reproduce(output: Path, paper: str, published: bool, force: bool, figures: s
         others = [name for name in PAPERS if paper_named(name).published]
         raise InputError(f"--published: {paper} has no second set of equations; {', '.join(others)} has: leave it out")
     chosen = chosen._replace(parts=chosen.parts + chosen.published * published)
-    process.configure(cache=process.cache_folder() or True)
+    process.configure(cache=cache_folder() or True)
     process.check_ready()
     drawn = [f"{study.name}.png" for study in chosen.studies]
     tables = [f"{study.name}.csv" for study in chosen.studies if chosen.part_of(study).table is not None]

@@ -56,13 +56,13 @@ class CommandLine:
                 allowed = f"must be a whole number from 1 to {count}, as many as the study has"
                 raise InputError(f"--scenario-number {number} {allowed}")
             study = dataclasses.replace(study, scenario=study.scenarios[int(number) - 1])
-            say_cautions(study.design, (study.scenario,))
+            say_cautions(study.design, (study.scenario,), units=study.units)
             return study
         if count > 1:
             which = f"the first of {count} scenarios" if study.scenario == study.scenarios[0] else "[scenario]"
             label = study.mechanism.view.label(study.scenario)
             note(f"running {which}, {label}; --scenario-number N takes another, 1 to {count}")
-        say_cautions(study.design, (study.scenario,))
+        say_cautions(study.design, (study.scenario,), units=study.units)
         return study
 
     def made(self, study: Config, resumed: bool = False) -> dict[str, Any]:

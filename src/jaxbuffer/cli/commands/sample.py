@@ -41,7 +41,7 @@ def sample(
     points = _points(study, over or [], count, method, seed, indices)
     check_swept_once(request.fields, (axis.path for axis in points.axes), "this sample")
     varied = [axis.path for axis in points.axes]
-    say_cautions(study.design, (study.scenario,), varied, geometry=False)
+    say_cautions(study.design, (study.scenario,), varied, geometry=False, units=study.units)
     study = study.varying(varied)
     parts = {"indices": indices, "surface": surface}
     names = check_quantities(study.mechanism.quantities, of or study.mechanism.defaults_for(study.design).mapped[:1])

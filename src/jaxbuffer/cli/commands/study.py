@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from ...errors import InputError
-from ...files import write
+from ...files import cache_folder, write
 from ...mechanisms import all_mechanisms, mechanism_named
 from ...mechanisms.described import described
 from ...mechanisms.mechanism import Mechanism
@@ -34,7 +34,7 @@ def init(file: Path | None, kind: str, own: str, force: bool) -> int:
 
 def check(file: Path) -> int:
     """Print what a study says."""
-    process.configure(cache=process.cache_folder() or True)
+    process.configure(cache=cache_folder() or True)
     try:
         show(explained(load(file), str(file)))
     except InputError as error:

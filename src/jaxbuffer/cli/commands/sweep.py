@@ -32,7 +32,7 @@ def sweep(request: CommandLine, over: list[str] | None, scheduler: str | None, r
     grid = made(spans, study.design, study.scenario)
     check_swept_once(request.fields, (axis.path for axis in grid.axes), "this sweep")
     varied = [axis.path for axis in grid.axes]
-    say_cautions(study.design, (study.scenario,), varied, geometry=False)
+    say_cautions(study.design, (study.scenario,), varied, geometry=False, units=study.units)
     study = study.varying(varied)
     grid.batches(study.design, study.scenario)  # checks that the values go together
     limits = _limits(study, grid)

@@ -26,7 +26,7 @@ def tune(request: CommandLine, scheduler: str | None, resume: bool, **search: st
     study = request.tuning_study(**search)
     check_swept_once(request.fields, (f"scenario.{name}" for name in study.table.grid or ()), "[problem.grid]")
     problem = study.problem()
-    say_cautions(study.design, study.scenarios, {variable.path for variable in problem.variables})
+    say_cautions(study.design, study.scenarios, {variable.path for variable in problem.variables}, units=study.units)
     names = ("design.toml", "tuned.json", "history.csv", "force.json", "tune.png", "tune.txt")
     files = request.files(*names, resumable=RUN_FILES, resume=resume)
     settings = {**vars(study.tuning), "solver": study.options.solver}

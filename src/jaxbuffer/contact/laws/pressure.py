@@ -8,17 +8,15 @@ from ..._types import Scalar
 PLANE = jnp.pi**3 / 6.0
 
 
-def hertz_pressure(force: Scalar, radius: Scalar, young: Scalar, poisson: Scalar) -> Float[Array, "..."]:
-    """Return the largest pressure under a ball that is pressed on a plane of its own material [Pa] (M55).
+def hertz_pressure(force: Scalar, radius: Scalar, modulus: Scalar) -> Float[Array, "..."]:
+    """Return the largest pressure under a ball that is pressed on a plane [Pa] (M55).
 
     **Arguments:**
 
     - ``force``: F_n [N].
     - ``radius``: of the ball [m].
-    - ``young``: Young's modulus of both [Pa].
-    - ``poisson``: Poisson's ratio of both [-].
+    - ``modulus``: E* of both bodies [Pa], see `contact_modulus`.
     """
-    modulus = young / (2.0 * (1.0 - poisson**2))
     return jnp.cbrt(jnp.asarray(force) * modulus**2 / (PLANE * radius**2))
 
 

@@ -71,8 +71,15 @@ class Design(DesignOf[Capture]):
         """Return K [N/m^1.5], as given or from the materials (M53)."""
         if self.contact.has("stiffness"):
             return self.contact.stiffness
-        modulus, ratio = self.contact.young_modulus, self.contact.poisson_ratio
-        return hertz_stiffness(self.probe.tip_radius, modulus, ratio, modulus, ratio)
+        return hertz_stiffness(self.probe.tip_radius, *self.materials)
+
+    @property
+    def materials(self) -> tuple[Scalar, Scalar, Scalar, Scalar]:
+        """Return Young's modulus [Pa] and Poisson's ratio [-] of the tip, then those of the cone."""
+        tip, cone = self.contact, self.cone
+        modulus = cone.young_modulus if cone.has("young_modulus") else tip.young_modulus
+        ratio = cone.poisson_ratio if cone.has("poisson_ratio") else tip.poisson_ratio
+        return tip.young_modulus, tip.poisson_ratio, modulus, ratio
 
 
 OF_FREE_START = ("offset", "standoff", "active_angle", "active_rate", "lateral_speed")

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Array, Float
 
-from ...contact.laws import hertz_pressure, yield_pressure
+from ...contact.laws import contact_modulus, hertz_pressure, yield_pressure
 from ..validity import BEYOND_LAW, ValidityLimit
 from .assembly import tip_on_flanks
 from .capture import Capture
@@ -39,10 +39,12 @@ def validity(design: Design, penetration: np.ndarray, peak_force: np.ndarray) ->
     """Return how near captures come to the limits, from their ``penetration`` [m] and ``peak_force`` [N] (NaN: unknown,
     and not beyond them); the design's numbers may be arrays of the same shape."""
     depth = np.asarray(penetration) / (DEEP * np.asarray(design.probe.tip_radius))
-    contact = design.contact
-    if contact.yield_stress is None:
+    stress = design.contact.yield_stress
+    if stress is None:
         return Validity(depth, np.zeros_like(depth))
-    limit = yield_pressure(contact.yield_stress, contact.poisson_ratio)
+    # Which of the two sides is the softer is not known: the smaller of both ratios yields at the lower pressure.
+    _, tip, _, cone = design.materials
+    limit = yield_pressure(stress, np.minimum(tip, cone))
     return Validity(depth, np.asarray(pressure(design, peak_force)) / np.asarray(limit))
 
 
@@ -61,8 +63,7 @@ def limits(design: Design, peak_force: Any, penetration: Any = None) -> list[Val
 
 def pressure(design: Design, peak_force: Any) -> Float[Array, "..."]:
     """Return Hertz's largest pressure [Pa] at a contact force [N], from the design's materials and tip radius."""
-    contact = design.contact
-    return hertz_pressure(peak_force, design.probe.tip_radius, contact.young_modulus, contact.poisson_ratio)
+    return hertz_pressure(peak_force, design.probe.tip_radius, contact_modulus(*design.materials))
 
 
 def warnings(capture: Capture) -> list[str]:

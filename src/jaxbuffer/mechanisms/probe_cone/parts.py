@@ -231,6 +231,7 @@ class Cone(Part):
     - ``offset``: L_T, from the throat plane to the centre of mass of T [m].
     - ``throat_radius``: R_c [m].
     - ``length``: L_c, along the flank [m].
+    - ``young_modulus`` [Pa], ``poisson_ratio`` [-]: of the flanks; None: that of the tip, as `Contact` has it.
     """
 
     section: ClassVar[str] = "cone"
@@ -242,6 +243,17 @@ class Cone(Part):
     )
     throat_radius: Number = number(0.015, "m", **POSITIVE, doc="radius R_c of the throat")
     length: Number = number(0.0735, "m", **POSITIVE, doc="L_c, along the flank")
+    young_modulus: Number = number(
+        None, "Pa", **POSITIVE, doc="Young's modulus of the flanks; not set: contact.young_modulus"
+    )
+    poisson_ratio: Number = number(
+        None,
+        "-",
+        low=-1.0,
+        high=0.5,
+        low_open=True,
+        doc="Poisson's ratio of the flanks; not set: contact.poisson_ratio",
+    )
 
 
 class Contact(Part):
@@ -254,7 +266,7 @@ class Contact(Part):
       (M53).
     - ``restitution``: e in (0, 1] that is asked of the laws with hysteresis [-].
     - ``friction`` μ [-], ``slip_speed`` v_s [m/s]: M59.
-    - ``young_modulus`` [Pa], ``poisson_ratio`` [-]: of both sides.
+    - ``young_modulus`` [Pa], ``poisson_ratio`` [-]: of the tip, and of the cone where that has none of its own.
     - ``yield_stress``: of the softer side [Pa]; if given, the answer says where the materials yield (M57).
     - ``linear_stiffness`` k [N/m] of "kelvin-voigt"; ``damping`` c [N s/m] of "kelvin-voigt" and "adams".
     - ``exponent`` n [-], ``ramp_depth`` d [m]: of "adams".
@@ -286,8 +298,12 @@ class Contact(Part):
     slip_speed: Number = number(
         1e-3, "m/s", **POSITIVE, needs=on("friction"), doc="slip speed v_s below which friction falls to zero"
     )
-    young_modulus: Number = number(71.7e9, "Pa", **POSITIVE, doc="Young's modulus of both sides")
-    poisson_ratio: Number = number(0.3, "-", low=-1.0, high=0.5, low_open=True, doc="Poisson's ratio of both sides")
+    young_modulus: Number = number(
+        71.7e9, "Pa", **POSITIVE, doc="Young's modulus of the tip, and of a cone without its own"
+    )
+    poisson_ratio: Number = number(
+        0.3, "-", low=-1.0, high=0.5, low_open=True, doc="Poisson's ratio of the tip, and of a cone without its own"
+    )
     yield_stress: Number = number(
         None, "Pa", **POSITIVE, doc="yield stress of the softer side; not set: yielding is not looked at"
     )
