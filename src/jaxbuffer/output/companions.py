@@ -41,6 +41,7 @@ def groups() -> dict[str, Group]:
         ),
         "tuned": Group(("tuned.json", "design.toml"), ("history.csv", "force.json", "tune.txt", *_figures("tune"))),
         "front": Group(("pareto.json",), ("design-[0-9]*.toml", "pareto.csv", "pareto.txt", *_figures("pareto"))),
+        "choice": Group(("choice.json",), ("choice.csv", "choice.txt", *_figures("choice"))),
     }
 
 

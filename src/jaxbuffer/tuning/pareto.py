@@ -311,6 +311,7 @@ def check_front(
     """
     example = "Problem(jb.table2(), [Scenario()], [Variable('buffer.k_A', 100.0, 2000.0)])"
     check_type("problem", problem, Problem, example)
+    problem.check_tunable()
     names = check_names("objectives", objectives, "peak_force")
     for name in names:
         if name not in problem.names:
