@@ -12,6 +12,8 @@ from ..value_text import percent_text, relative_change, with_unit
 from .catalogue import TOTALS, PartsCatalogue
 from .criterion import Criterion
 
+SAME = 1e-6  # relative: values that are no further apart are taken for one, well above their errors at rtol 1e-9
+
 
 @dataclasses.dataclass(frozen=True)
 class ContinuousOptimum:
@@ -37,10 +39,11 @@ class ContinuousOptimum:
             return f"{start}, and it breaks limits too: other parts within these ranges will hardly keep them"
         if best is None:
             return f"{start}, within all limits: parts near its numbers would do"
-        change = relative_change(self.value, best)
-        above = "" if change is None else f"; the best combination is {percent_text(change, '.2g')} above it"
-        if best < self.value:
+        change = relative_change(self.value, best) or 0.0
+        if change < -SAME:
             return f"{start}, which the best combination is below: the search has found a local optimum, no bound"
+        above = f"; the best combination is {percent_text(change, '.2g')} above it"
+        above = above if change > SAME else ", which the best combination reaches"
         sure = (
             "searches from different starts agree on it"
             if self.tuned.confirmed

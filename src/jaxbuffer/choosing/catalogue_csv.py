@@ -2,6 +2,7 @@
 
 import csv
 import io
+import math
 import tomllib
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -102,4 +103,5 @@ def _typed(where: str, text: str, symbol: str) -> Any:
         if symbol and text[0].isdigit() and not text.startswith("["):
             raise InputError(f"{where} = {shown(text)}: the heading has the unit {symbol} already; write one of them")
         return {"true": True, "false": False}.get(text, text)
-    return f"{text} {symbol}" if symbol and symbol != "-" else number
+    # What is not finite is no number with a unit, and is refused as it is.
+    return f"{text} {symbol}" if symbol and symbol != "-" and math.isfinite(number) else number

@@ -182,6 +182,7 @@ class Enumeration:
         self.lower = self.constant + least
         broken, complete = self._farthest > 0.0, np.all(self.judged.known, axis=1)
         self.open &= ~broken & ~complete & (self.lower <= self.threshold)
+        self._report(0)
 
     def _report(self, done: int) -> None:
         """Say how far it is; ``done``: runs beside those that were judged."""

@@ -31,6 +31,7 @@ def tune(
     \b
     Files in DIR:
       design.toml  the tuned design, a study for the other commands
+      design.mat   the same for MATLAB
       tuned.json   result, lower bound, evidence, every scenario before and after
       history.csv  objective, worst values and variables of each evaluation
       force.json   force over time in the worst scenario, before and after
@@ -81,6 +82,7 @@ def choose(
     \b
     Files in DIR:
       design.toml  the best combination, a study for the other commands
+      design.mat   the same for MATLAB
       choice.json  ranking with margins, parts, how the result came about
       choice.csv   the ranking
       choice.png   objective and margins of the best

@@ -5,7 +5,7 @@ import numpy as np
 from .._types import Axes, Figure
 from ..choosing.choice import Alternative, Choice
 from ..value_text import with_unit
-from .layout import with_line_breaks
+from .layout import legend_below, with_line_breaks
 from .style import BLUE, COLOURS, GREY, MARKS, ORANGE, RED, label, panels, styled
 
 ROWS = 12  # combinations that are drawn
@@ -19,6 +19,10 @@ def choice_figure(choice: Choice) -> Figure:
     figure, grid = panels(11.0, 0.55 * max(len(drawn), 4) + 2.0, 1, 2)
     _objective(grid[0, 0], choice, drawn)
     _margins(grid[0, 1], choice, drawn)
+    legends = [axes.get_legend_handles_labels() for axes in grid[0]]
+    handles, names = (sum((one[k] for one in legends), []) for k in (0, 1))
+    if names:
+        legend_below(figure, handles, names)
     tally = choice.tally
     share = 100.0 * tally.spared / max(tally.possible, 1)
     found = f"Best of {tally.combinations} combinations" if choice.feasible else "No combination keeps all limits"
@@ -43,8 +47,7 @@ def _objective(axes: Axes, choice: Choice, drawn: tuple[Alternative, ...]) -> No
     names = [with_line_breaks(choice.in_words(it), WIDE, SMALL) for it in drawn]
     axes.set_yticks(rows, names, fontsize=SMALL)
     axes.set_ylim(len(rows) - 0.5, -0.5)
-    known = any(np.isfinite(value) for _, value in lines)
-    label(axes, f"{choice.criterion}", f"objective [{symbol}]" if symbol else "objective", "", known)
+    label(axes, f"{choice.criterion}", f"objective [{symbol}]" if symbol else "objective", "", legend=False)
 
 
 def _margins(axes: Axes, choice: Choice, drawn: tuple[Alternative, ...]) -> None:
@@ -60,4 +63,4 @@ def _margins(axes: Axes, choice: Choice, drawn: tuple[Alternative, ...]) -> None
     axes.axvline(0.0, color=RED, linewidth=1.5)
     axes.set_yticks(rows, [""] * len(rows))
     axes.set_ylim(len(rows) - 0.5, -0.5)
-    label(axes, "Left of each limit in the worst scenario", "left of the limit [%]", "", bool(limits))
+    label(axes, "Left of each limit in the worst scenario", "left of the limit [%]", "", legend=False)

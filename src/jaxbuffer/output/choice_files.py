@@ -12,6 +12,7 @@ from ..version import version
 from . import style
 from .choice_figure import choice_figure
 from .formats import Contents, Made, csv_text
+from .matlab import design_mat
 from .provenance import record_text
 from .records import limits_record
 
@@ -20,6 +21,7 @@ def choice_files(choice: Choice, made: Made = None) -> Contents:
     """Return the files of `jaxbuffer choose`. ``made``: how it came about."""
     return {
         "design.toml": lambda: _design(choice),
+        "design.mat": lambda: design_mat(choice.design),
         "choice.json": lambda: record_text(choice_record(choice), made),
         "choice.csv": lambda: csv_text(*ranking_rows(choice)),
         "choice.txt": lambda: f"{choice!r}\n",

@@ -44,7 +44,7 @@ def choose(
     chosen = _parts if study.parts else _roundings
     work = chosen(study)
     folders = (FOLDER, OPTIMUM, *(f"{TUNED}-{k + 1}" for k in range(study.choosing.tuned)))
-    names = ("design.toml", "choice.json", "choice.csv", "choice.png", "choice.txt")
+    names = ("design.toml", "design.mat", "choice.json", "choice.csv", "choice.png", "choice.txt")
     files = request.files(*names, resumable=folders, resume=resume)
     settings = {name: getattr(study.tuning, name) for name in declared(Settings)} if study.tuning != Settings() else {}
     resume = resume and request.output is not None and (request.output / FOLDER).exists()
