@@ -1,6 +1,9 @@
 """The public names, each once: Python imports one when it is first asked for, a type checker reads them here."""
 
 from .programs.process import configure as configure
+from .choosing.buildable import buildable as buildable
+from .choosing.choice import Choice as Choice
+from .choosing.choose import choose as choose
 from .contact import register_law as register_law
 from .errors import InputError as InputError
 from .experiments.indices import (

@@ -27,10 +27,10 @@ from jaxbuffer.mechanisms.registry import registered
 from jaxbuffer.sensitivities.certificate import Verdict
 from jaxbuffer.study.config import load
 
-SIMULATED = ("capture.json", "force.json", "history.csv", "motion.json", "capture.txt", "capture.nc")
+SIMULATED = ("capture.json", "force.json", "history.csv", "motion.json", "capture.txt", "capture.nc", "capture.mat")
 SIMULATED += ("capture.png", "motion.png")
 DIFFERENTIATED = ("sensitivity.json", "sensitivity.csv", "sensitivity.txt", "sensitivity.png")
-TUNED = ("design.toml", "tuned.json", "history.csv", "force.json", "tune.png", "tune.txt")
+TUNED = ("design.toml", "design.mat", "tuned.json", "history.csv", "force.json", "tune.png", "tune.txt")
 PNG = b"\x89PNG"
 
 

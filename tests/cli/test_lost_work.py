@@ -28,12 +28,13 @@ FILES = {
         "motion.json",
         "capture.txt",
         "capture.nc",
+        "capture.mat",
         "force.json",
     },
     "sensitivity": {
         *("sensitivity.json", "sensitivity.csv", "sensitivity.txt", "sensitivity.png"),
     },
-    "tune": {"design.toml", "tuned.json", "history.csv", "force.json", "tune.png", "tune.txt"},
+    "tune": {"design.toml", "design.mat", "tuned.json", "history.csv", "force.json", "tune.png", "tune.txt"},
     "sweep": {
         *("sweep.csv", "sweep.txt", "sweep.png", "sweep.nc", "sweep.json"),
         "envelope.png",

@@ -93,7 +93,6 @@ def test_grid_and_sample():
 
 BAD = [
     ({"scenarios": []}, "scenarios is empty"),
-    ({"variables": []}, "variables is empty"),
     ({"variables": [Variable("buffer.k_A", 600.0, 2000.0)]}, r"the start, buffer\.k_A = 500 N/m, .*\[600, 2000\] N/m"),
     (
         {"variables": [Variable("buffer.k_A", 2000.0, 100.0)]},

@@ -6,7 +6,7 @@ import typer
 
 import jaxbuffer
 
-from .many_runs import pareto, sample, sweep, tune
+from .many_runs import choose, pareto, sample, sweep, tune
 from .one_run import animate, laws, sensitivity, simulate
 from .options import plain, verb
 from .overrides import WITH_QUANTITIES
@@ -64,6 +64,7 @@ def root(
 verb(app, simulate, "One run: peak forces, stroke, hinge angle, energies.")
 verb(app, sensitivity, "One run's gradients and elasticities, certified.", epilog=WITH_QUANTITIES)
 verb(app, tune, "The best design over all scenarios, within bounds and limits.")
+verb(app, choose, "The best parts of catalogues, or values that can be built.")
 verb(app, pareto, "The front of two objectives or more.", without=("solver",))
 verb(app, sweep, "Many runs: every combination of values of some fields.")
 verb(app, sample, "Many runs spread over ranges: what matters most, and a fitted surface.")

@@ -32,6 +32,7 @@ def tune(
     \b
     Files in DIR:
       design.toml  the tuned design, a study for the other commands
+      design.mat   the same for MATLAB
       tuned.json   result, lower bound, evidence, every scenario before and after
       history.csv  objective, worst values and variables of each evaluation
       force.json   force over time in the worst scenario, before and after
@@ -43,6 +44,54 @@ def tune(
 
     \b
     Example: jaxbuffer tune optimise/table2.toml --output results/table2
+    """
+
+
+def choose(
+    ranking: Annotated[
+        str | None, typer.Option(metavar="N", help="How many of the best combinations are told; default 5.")
+    ] = None,
+    tuned: Annotated[
+        str | None, typer.Option(metavar="N", help="For how many of them [problem.variables] are tuned; default 0.")
+    ] = None,
+    optimum: Annotated[
+        str | None, typer.Option(metavar="WHEN", help="Whether to search the continuous optimum: true or false.")
+    ] = None,
+    scheduler: Scheduler = None,
+    resume: Resume = False,
+) -> None:
+    """Choose one part of each catalogue in [parts], the best combination over all scenarios within all limits.
+
+    Every combination counts: one is left only where a scenario proves that it breaks a limit, or that as many others
+    as are told are better. The result says how many runs that spared, and compares with the continuous optimum over
+    the catalogues' ranges. With [roundings] in place of [parts]: the design is tuned, and the best values near it that
+    can be built are chosen.
+
+    \b
+    In CONFIG.toml:
+      [parts.spring]
+      S1 = {k_A = "300 N/m", max_stroke = "25 mm", price = 11}
+      S2 = {k_A = "500 N/m", max_stroke = "30 mm", price = 14}
+      [parts.damper]
+      file = "dampers.csv"  # name,c_A [N s/m],price
+      [problem.constraints]
+      price = 40            # of all parts together; mass likewise
+      [roundings]
+      buffer.k_A = "E24"
+      buffer.c_A = "0.5 N s/m"
+
+    \b
+    Files in DIR:
+      design.toml  the best combination, a study for the other commands
+      design.mat   the same for MATLAB
+      choice.json  ranking with margins, parts, how the result came about
+      choice.csv   the ranking
+      choice.png   objective and margins of the best
+      choice.txt   the tables
+      choose.runs, choose.optimum, choose.tuned-…  folders, kept up while running; --resume needs them
+
+    \b
+    Example: jaxbuffer choose study.toml --output results/parts
     """
 
 

@@ -29,6 +29,7 @@ def simulate(scenario_number: ScenarioNumber = None, trust: Trust = "on") -> Non
                     fields.vtu, fields_end.vtu too
       capture.txt   the summary
       capture.nc    all of it as labelled arrays (netCDF), for xarray or jb.load
+      capture.mat   the same for MATLAB
 
     \b
     Example: jaxbuffer simulate --buffer.k_A 800 --output results

@@ -26,7 +26,7 @@ def groups() -> dict[str, Group]:
     """Return every kind of result that has files which some results of the kind have and others have not."""
     runs = [mechanism.view.run_name for mechanism in all_mechanisms()]
     of_runs = ("force.json", "history.csv", "motion.json", "fields*.vtu", *_figures("motion", "fields", *runs))
-    of_runs += tuple(f"{name}.{kind}" for name in runs for kind in ("txt", "nc"))
+    of_runs += tuple(f"{name}.{kind}" for name in runs for kind in ("txt", "nc", "mat"))
     return {
         "run": Group(tuple(f"{name}.json" for name in runs), of_runs),
         "sweep": Group(("sweep.json",), ("sweep.csv", "sweep.txt", "sweep.nc", *_figures("sweep", "envelope"))),
@@ -39,8 +39,9 @@ def groups() -> dict[str, Group]:
                 *_figures("sample", "indices", "surface"),
             ),
         ),
-        "tuned": Group(("tuned.json", "design.toml"), ("history.csv", "force.json", "tune.txt", *_figures("tune"))),
+        "tuned": Group(("tuned.json", "design.toml"), ("history.csv", "force.json", "tune.txt", "design.mat", *_figures("tune"))),
         "front": Group(("pareto.json",), ("design-[0-9]*.toml", "pareto.csv", "pareto.txt", *_figures("pareto"))),
+        "choice": Group(("choice.json",), ("choice.csv", "choice.txt", "design.mat", *_figures("choice"))),
     }
 
 

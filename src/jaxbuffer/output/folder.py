@@ -10,6 +10,8 @@ import numpy as np
 
 from .._types import Dataset
 from ..block_store import described_identity, differing
+from ..choosing.store import FOLDER as CHOICE
+from ..choosing.store import HEAD
 from ..errors import InputError
 from ..fields import Part, paths
 from ..files import user_path
@@ -27,13 +29,17 @@ from ..tuning.store import stored_identity
 
 DESIGN = "design.toml"
 TABLES = ("sweep.nc", "sample.nc")  # the runs of a sweep and of a sample
-RECORDS = {"tuned": "tuned.json", "sensitivity": "sensitivity.json", "sample": "sample.json", "front": "pareto.json"}
-COMMANDS = ("simulate", "sensitivity", "sweep", "tune", "sample", "pareto")
-MAKE = "jaxbuffer simulate STUDY.toml --output FOLDER makes some; so do sensitivity, sweep, tune, sample and pareto"
+RECORDS = {
+    **{"tuned": "tuned.json", "sensitivity": "sensitivity.json", "sample": "sample.json"},
+    **{"front": "pareto.json", "choice": "choice.json"},
+}
+COMMANDS = ("simulate", "sensitivity", "sweep", "tune", "sample", "pareto", "choose")
+MAKE = f"jaxbuffer simulate STUDY.toml --output FOLDER makes some; so do {', '.join(COMMANDS[1:-1])} and {COMMANDS[-1]}"
 BEGUN = {  # what a command keeps while it runs, and the files of its results
     "tuning": ("log.jsonl", ("tuned.json",)),
     "sweep or sample": (STORE, ("sweep.nc", "sample.json")),
     "front": ("least-*/log.jsonl", ("pareto.json",)),
+    "choice": (f"{CHOICE}/{HEAD}", ("choice.json",)),
 }
 # Entries that have other names by now: a page would leave them out and so say less than the result.
 RENAMED = ("must_succeed", "asked", "rows_asked", "shown_in", "borne_out", "standing", "above_floor [-]")
@@ -52,7 +58,7 @@ class Results:
     - ``folder``: where it is.
     - ``run``: of `jaxbuffer simulate`, as `Run.to_xarray` made it, history included.
     - ``sweep``: of `jaxbuffer sweep`, as `Sweep.to_xarray` made it.
-    - ``records``: the JSON files by what they are of: "run", "tuned", "sensitivity", "sweep", "sample", "front";
+    - ``records``: the JSON files by what they are of: "run", "tuned", "sensitivity", "sweep", "sample", "front", "choice";
       "motion" and "force" over time of a run, or "force" of a tuning; "what_if": models around a tuned design. They
       are asked with or without units:
       ``found.records["run"]["peak_force"]``.
@@ -120,6 +126,8 @@ class Results:
         if self.sensitivity is not None:
             pairs = self.sensitivity.get("derivatives", ())
             lines["sensitivity"] = f"{len(pairs)} derivatives"
+        if (choice := self.records.get("choice")) is not None:
+            lines["choice"] = str(choice.get("message", ""))
         for name, what in (("sample", "runs"), ("front", "points")):
             if (record := self.records.get(name)) is not None:
                 count = record[what] if isinstance(record[what], int) else len(record[what])
@@ -134,8 +142,8 @@ def load(folder: str | Path) -> Results:
 
     **Arguments:**
 
-    - ``folder``: a folder of `jaxbuffer simulate`, `sensitivity`, `sweep`, `tune`, `sample` or `pareto`, or of
-      several of them.
+    - ``folder``: a folder of `jaxbuffer simulate`, `sensitivity`, `sweep`, `tune`, `sample`, `pareto` or `choose`, or
+      of several of them.
 
     **Returns:** `Results`. A warning says where a sweep, a sample, a tuning or a front was begun beside the results of
     another one, which are what is returned.
@@ -164,7 +172,7 @@ def load(folder: str | Path) -> Results:
     for data in (run, sweep):
         if design is None and data is not None and "design" in data.attrs:
             design = _design(folder, data.attrs["kind"], data.attrs["design"])
-    for name in ("tuned", "run", "sensitivity", "sample", "front"):
+    for name in ("tuned", "choice", "run", "sensitivity", "sample", "front"):
         if design is None and "design" in records.get(name, Record()):
             design = _design(folder, records[name]["kind"], json.dumps(records[name]["design"]))
     return Results(folder, run, sweep, records, design)

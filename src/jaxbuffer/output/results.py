@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+from ..choosing.choice import Choice
 from ..errors import InputError, check_choice
 from ..experiments.sample import Sample
 from ..files import Lock, user_path
@@ -13,6 +14,7 @@ from ..sweeps.result import Sweep
 from ..tuning.pareto import Front
 from ..tuning.tuned import Tuned
 from . import formats, style
+from .choice_files import choice_files
 from .companions import stale
 from .formats import Contents
 from .provenance import made_in_python
@@ -29,11 +31,12 @@ KINDS: dict[type, Callable[..., Contents]] = {
     Sample: sample_files,
     Tuned: tuned_files,
     Front: front_files,
+    Choice: choice_files,
 }
 
 
 def save(
-    result: Run | Sensitivity | Sweep | Sample | Tuned | Front,
+    result: Run | Sensitivity | Sweep | Sample | Tuned | Front | Choice,
     folder: str | Path,
     *,
     force: bool = False,
@@ -47,8 +50,8 @@ def save(
 
     **Arguments:**
 
-    - ``result``: of `simulate`, `sensitivity`, `sweep`, `sample`, `tune` or `pareto`. A run is drawn where it has a
-      history.
+    - ``result``: of `simulate`, `sensitivity`, `sweep`, `sample`, `tune`, `pareto` or `choose`. A run is drawn where it
+      has a history.
     - ``folder``: made if it is not there.
     - ``force``: whether to replace files that are there; those of an earlier result of the same kind are removed.
     - ``figures``: whether to draw; without, the force over time of a tuning is left out too, which takes two runs.
@@ -92,7 +95,7 @@ def _contents(result: Any, beside: Mapping[str, Any]) -> Contents:
     files = next((files for kind, files in KINDS.items() if isinstance(result, kind)), None)
     if files is None:
         raise InputError(
-            f"save: expected a result of simulate, sensitivity, sweep, sample, tune or pareto; found a"
+            f"save: expected a result of simulate, sensitivity, sweep, sample, tune, pareto or choose; found a"
             f" {type(result).__name__}"
         )
     run = result.run if isinstance(result, Sensitivity) else result

@@ -5,7 +5,7 @@ from ..mechanisms.run import Run
 from ..run.trust import Trust
 from ..sensitivities.result import Sensitivity, sensitivity_rows
 from ..tuning.objective import Constraints
-from . import records, style
+from . import matlab, records, style
 from .field_files import field_files
 from .figures import run_figure
 from .formats import Contents, Made, Writers, compact_json, csv_text
@@ -33,10 +33,11 @@ def run_files(
         **style.both(name, lambda: run_figure(run)),
         **style.both("motion", lambda: motion_figure(run)),
         f"{name}{SUFFIX}": lambda: content(run.to_xarray()),
+        f"{name}{matlab.SUFFIX}": lambda: matlab.run_mat(run),
         **field_files(run),
     }
     # All others draw or list values over time.
-    without_history = (f"{name}.json", f"{name}.txt", f"{name}{SUFFIX}")
+    without_history = (f"{name}.json", f"{name}.txt", f"{name}{SUFFIX}", f"{name}{matlab.SUFFIX}")
     return files if run.history is not None else {file: files[file] for file in without_history}
 
 

@@ -11,6 +11,7 @@ from ..tuning.pareto import Front
 from ..tuning.tuned import Tuned, tuning_history
 from . import style, tuned_records
 from .formats import Contents, Made, Writers, compact_json, csv_text
+from .matlab import design_mat
 from .page_data import force_record
 from .provenance import record_text
 from .tune_figure import front_figure, tune_figure, worst_case
@@ -44,6 +45,7 @@ def tuned_files(tuned: Tuned, made: Made = None, report: Callable[[str], None] =
 
     return {
         "design.toml": lambda: _design(tuned),
+        "design.mat": lambda: design_mat(tuned.design),
         "tuned.json": lambda: record_text(tuned_records.tuned_record(tuned), made),
         "history.csv": lambda: csv_text(*tuning_history(tuned)),
         "force.json": lambda: compact_json(

@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 import equinox as eqx
 import tomli_w
 
+from ..choosing.catalogue import TOTALS, PartsCatalogue
 from ..errors import InputError, check_whole
 from ..fields import (
     SCENARIO,
@@ -34,7 +35,8 @@ from ..sweeps.axis import literal
 from ..tuning.problem import Problem, Settings
 from ..value_text import unit_text
 from .mistaken import no_file, no_table, no_toml
-from .model import PROBLEM, SAMPLE, SCENARIO_TABLE, SCENARIOS, SWEEP, ProblemTable, SampleTable, StudyOptions
+from .model import PROBLEM, ROUNDINGS, SAMPLE, SCENARIO_TABLE, SCENARIOS, SWEEP, ProblemTable, SampleTable, StudyOptions
+from .parts_toml import PARTS, ChoiceSettings, Selection, check_no_sums, sums
 from .problem_toml import check_table, read_problem
 from .tables import PartTable, StudyNames, read_keys, replaced, subtable
 from .values import as_table
@@ -67,6 +69,13 @@ class Config:
         SWEEP, "what jaxbuffer sweep combines: a list, or from, to, count and scale", dict
     )
     sample: SampleTable = subtable(SAMPLE, "what jaxbuffer sample spreads runs over", SampleTable)
+    parts: tuple[PartsCatalogue, ...] = subtable(PARTS, "catalogues that jaxbuffer choose chooses from", tuple)
+    roundings: Mapping[str, Any] = subtable(
+        ROUNDINGS, "values that can be built: an E series or a step, for jaxbuffer choose", dict
+    )
+    choosing: ChoiceSettings = subtable(
+        PartTable(lambda names: ChoiceSettings()), "how jaxbuffer choose ranks", ChoiceSettings, key="choose"
+    )
     folder: Path = Path()
     texts: Mapping[str, str] = dataclasses.field(default_factory=dict, compare=False)
     given: frozenset[str] = dataclasses.field(default=frozenset(), compare=False)
@@ -109,6 +118,7 @@ class Config:
 
     def problem(self) -> Problem:
         """Read the design problem, whose start must lie within the bounds."""
+        check_no_sums(self.table.objective.weights if self.table.objective else {})
         # Messages say numbers in the units that they were typed with.
         with errors_in_typed_units(self.units):
             return read_problem(
@@ -121,6 +131,20 @@ class Config:
                 folder=self.folder,
                 units=self.units,
             )
+
+    def selection(self) -> Selection:
+        """Read what parts are chosen by: without [problem.variables] nothing else is to be tuned."""
+        given, table = self.table.objective, self.table
+        study = self.varying([path for catalogue in self.parts for path in catalogue.paths])
+        if given is not None and set(given.weights) & set(TOTALS):
+            weights = {name: weight for name, weight in given.weights.items() if name not in TOTALS}
+            of_runs = dataclasses.replace(given, weights=weights) if weights else None
+            table = dataclasses.replace(table, objective=of_runs)
+        if self.parts and table.variables is None:
+            table = dataclasses.replace(table, variables={})
+        limits = {} if table.constraints is None else table.constraints.at_most
+        at_most = {name: bound for name, bound in limits.items() if name in TOTALS}
+        return Selection(dataclasses.replace(study, table=table).problem(), given, at_most)
 
 
 def load(path: str | Path | None) -> Config:
@@ -258,7 +282,8 @@ def _config(data: dict[str, Any], folder: Path) -> Config:
         if name not in known:
             raise InputError(f"[{name}] is unknown{no_table(name, known)}")
     typed = {f"{part}.{key}": value for part in parts for key, value in as_table(part, data.get(part, {})).items()}
-    names, rest = StudyNames(replaced(mechanism.design(), typed, folder=folder), mechanism.scenario()), dict(tables)
+    design, rest = replaced(mechanism.design(), typed, folder=folder), dict(tables)
+    names = StudyNames(design, mechanism.scenario(), folder=folder)
     # One after the other, since the scenario is what [[scenarios]] begin with, and all tables name its fields.
     scenario, listed = {"scenario": rest.pop("scenario")}, {"scenarios": rest.pop("scenarios")}
     read = read_keys("", data, scenario, names)
@@ -267,6 +292,9 @@ def _config(data: dict[str, Any], folder: Path) -> Config:
     # Commands of one run need one scenario: without a [scenario] it is the first that is listed.
     if "scenarios" in read and "scenario" not in read:
         names = names._replace(scenario=read["scenarios"][0])
+    # Objective and limits may name price and mass where the parts have them.
+    read |= read_keys("", data, {"parts": rest.pop("parts")}, names)
+    names = names._replace(own=sums(read.get("parts", ()), design))
     read |= read_keys("", data, rest, names) | {"scenario": names.scenario}
     typed |= {f"{SCENARIO}{name}": value for name, value in data.get("scenario", {}).items()}
     typed |= {f"{name}.{key}": it for name in ("options", "tune") for key, it in data.get(name, {}).items()}

@@ -1,6 +1,7 @@
 """What a study says, in words: what differs from the defaults, and what each command would do with it."""
 
 import dataclasses
+import math
 from collections.abc import Iterator, Mapping
 
 from ..experiments.ranges import ranges
@@ -27,7 +28,7 @@ def explained(study: Config, name: str) -> str:
     """
     mechanism = study.mechanism
     usable, missing = _variables_with_start(study)
-    problem = study.problem() if study.table and not missing else None
+    problem = _problem(study) if study.table and not missing else None
     if study.table and missing and usable:  # everything else of the problem
         problem = dataclasses.replace(study, table=dataclasses.replace(study.table, variables=usable)).problem()
     own = {} if problem is None else problem.quantities
@@ -48,6 +49,11 @@ def explained(study: Config, name: str) -> str:
         "own quantities": [f"{name} [{it.unit}] = {it.signature}" for name, it in own.items()],
         "limits": [] if problem is None else _limits(problem),
         "then": [] if problem is None or problem.then is None else [problem.format(problem.then.objective)],
+        "parts": _parts(study),
+        "roundings": [
+            f"{path} to {rule if isinstance(rule, str) else _step(study, path, rule)}"
+            for path, rule in study.roundings.items()
+        ],
         "sweep": [f"{axis.path} {axis.spanned()}" for axis in swept.axes] if study.sweep else [],
         "sample": _sample(study),
         "commands": _commands(study, name, problem, swept, bool(missing)),
@@ -71,6 +77,22 @@ def _compared(study: Config) -> Iterator[tuple[str, str, Part, Part]]:
     ):
         for path in paths(part):
             yield prefix + path, path, part, default
+
+
+def _problem(study: Config) -> Problem:
+    """Return the problem that parts are chosen by, or that is tuned."""
+    return study.selection().problem if study.parts else study.problem()
+
+
+def _parts(study: Config) -> list[str]:
+    """Return a line for each catalogue, and one for limits on price and mass."""
+    lines = [f"{it.role}: {len(it.parts)}, each with {', '.join((*it.paths, *it.totals))}" for it in study.parts]
+    at_most = study.selection().at_most if study.parts else {}
+    return lines + [f"{name} of all parts ≤ {bound:g}" for name, bound in at_most.items()]
+
+
+def _step(study: Config, path: str, step: float) -> str:
+    return f"steps of {with_unit(step, _unit(study.design, path))}"
 
 
 def _differences(study: Config) -> list[str]:
@@ -139,7 +161,7 @@ def _variables(problem: Problem) -> list[str]:
 def _variables_with_start(study: Config) -> tuple[Mapping[str, Variable], list[str]]:
     """Return, for a study without bounds of its own, the default ones that hold the start, and a line for each
     other."""
-    if study.table.variables is not None:
+    if study.table.variables is not None or study.parts:
         return {}, []
     design, usual = study.design, default_variables(study.mechanism, study.design)
     usable = {path: it for path, it in usual.items() if it.low <= get(design, path) <= it.high}
@@ -177,12 +199,23 @@ def _commands(study: Config, name: str, problem: Problem | None, swept: Grid, mi
         f"{'':{len(name) + 23}} by {by}",
         f"jaxbuffer sweep {name}        {counts} {run}s{'' if study.sweep else ', the default grid'}",
     ]
-    if missing:
+    if study.parts or study.roundings:
+        commands.append(f"jaxbuffer choose {name}       {_choice(study)}")
+    if missing or (study.parts and study.table.variables is None):
         return [*commands, f"jaxbuffer tune {name}         needs [problem.variables] first"]
     if problem is None:
         return [*commands, f"jaxbuffer tune {name}         the default problem; it has no [problem]"]
     cases = f"{len(problem.cases)} scenario{'s' if len(problem.cases) > 1 else ''}"
     return [*commands, f"jaxbuffer tune {name}         {len(problem.variables)} variables over {cases}"]
+
+
+def _choice(study: Config) -> str:
+    """Say what `jaxbuffer choose` would do."""
+    if study.roundings:
+        return f"a tuning, then values near it for {', '.join(study.roundings)}"
+    problem, sizes = _problem(study), [len(it.parts) for it in study.parts]
+    counts = f"{' × '.join(map(str, sizes))} = {math.prod(sizes)}" if len(sizes) > 1 else str(sizes[0])
+    return f"{counts} combinations over {len(problem.cases)} scenario{'s' if len(problem.cases) > 1 else ''}"
 
 
 def _shown(part: Part, path: str, prefix: str = "") -> str:

@@ -22,6 +22,7 @@ from ..tuning.cases import KINDS, Distribution, Scatter
 from ..tuning.objective import Limits, Objective, SecondObjective
 from ..tuning.problem import Variable
 from .own_quantities import OWN, NamedQuantity
+from .parts_toml import ROUNDING
 from .tables import Keys, KeyTable, PartTable, PathTable, StudyNames, keys_schema, read_keys, subtable
 from .values import BOUNDS, DISTRIBUTION, FACTOR, LIMIT, RANGE, SEVERAL, SWEPT, WEIGHT, Schema, ValueKind, as_table
 
@@ -129,7 +130,7 @@ def _read_problem(where: str, given: Any, names: StudyNames) -> ProblemTable:
     check_known(as_table(where, given), keys, where)
     # First, since objectives and limits may name them.
     own = read_keys(f"{where}.", given, {"quantities": keys.pop("quantities")}, names)
-    names = names._replace(own={name: it.unit for name, it in own.get("quantities", {}).items()})
+    names = names._replace(own={**names.own, **{name: it.unit for name, it in own.get("quantities", {}).items()}})
     return ProblemTable(**own, **read_keys(f"{where}.", given, keys, names))
 
 
@@ -181,6 +182,7 @@ PROBLEM = ValueKind(_read_problem, _problem_schema)
 SAMPLE = KeyTable(_sample, lambda mechanism: declared(SampleTable), hint="; ranges go under [sample.ranges]")
 SPANNED = PathTable(SWEPT, "both", numbers=False, words=SPAN)
 SWEEP = ValueKind(_read_sweep, SPANNED.schema)
+ROUNDINGS = PathTable(ROUNDING, "design", example='buffer.k_A = "E24"')
 SCENARIO_TABLE = PartTable(lambda names: names.scenario)
 SCENARIOS = ValueKind(
     _read_scenarios, lambda names: {"type": "array", "items": SCENARIO_TABLE.schema(names), "minItems": 1}

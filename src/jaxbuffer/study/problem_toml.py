@@ -1,8 +1,10 @@
 """The ``[problem]`` section of a study as a `Problem`."""
 
+import dataclasses
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
+from ..choosing.catalogue import TOTALS
 from ..errors import InputError, meant
 from ..fields import Part, as_typed, declared, ends_as_typed, get, unit
 from ..mechanisms.mechanism import Mechanism
@@ -79,7 +81,9 @@ def check_table(table: ProblemTable, design: Part, base: Part, listed: tuple[Par
 def limits(table: ProblemTable, mechanism: Mechanism) -> Limits:
     """Return the limits of a [problem], by default the mechanism's."""
     if table.constraints is not None:
-        return table.constraints
+        # Price and mass are sums over parts, which no run has: `choose` alone limits them.
+        at_most = {name: it for name, it in table.constraints.at_most.items() if name not in TOTALS}
+        return dataclasses.replace(table.constraints, at_most=at_most)
     names = StudyNames(mechanism.design(), mechanism.scenario())
     read: Limits = LIMITS.read("problem.constraints", mechanism.defaults.limits, names)
     return read

@@ -39,12 +39,13 @@ Keys = Mapping[str, Known]  # what is declared of the keys of a table
 class StudyNames(NamedTuple):
     """What tables may name: fields of the ``design`` and the ``scenario``, and quantities.
 
-    ``own``: the study's own quantities, of each its unit.
+    ``own``: the study's own quantities, of each its unit; ``folder``: the study's, where its files lie.
     """
 
     design: Part
     scenario: Part
     own: Mapping[str, str] = MappingProxyType({})
+    folder: Path = Path()
 
     @property
     def mechanism(self) -> Mechanism:

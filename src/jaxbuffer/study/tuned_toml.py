@@ -52,6 +52,8 @@ def _entry(values: Mapping[str, Any]) -> str:
 
 
 def _variables(problem: Problem) -> list[str]:
+    if not problem.variables:  # an empty table would be an error where it is read
+        return []
     lines = ["", "[problem.variables]"]
     for v in problem.variables:
         symbol = unit(problem.design, v.path)

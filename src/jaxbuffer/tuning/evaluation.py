@@ -132,7 +132,7 @@ class Evaluator:
         runs = [Measurement.lost(problem) if design is None else next(results) for design, _ in jobs]
         self.captures += len(jobs)
         count = len(cases)
-        return [_gather(problem, point, cases, runs[k * count : (k + 1) * count]) for k, point in enumerate(points)]
+        return [gather(problem, point, cases, runs[k * count : (k + 1) * count]) for k, point in enumerate(points)]
 
 
 def built_design(problem: Problem, scaled: Float[np.ndarray, " variables"], case: Case) -> Part | None:
@@ -145,7 +145,7 @@ def built_design(problem: Problem, scaled: Float[np.ndarray, " variables"], case
     return design
 
 
-def _gather(problem: Problem, scaled: np.ndarray, cases: Sequence[Case], runs: list[Measurement]) -> Evaluation:
+def gather(problem: Problem, scaled: np.ndarray, cases: Sequence[Case], runs: list[Measurement]) -> Evaluation:
     """Gather the runs' numbers in arrays and add the own quantities.
 
     A load case where one of these is not finite counts as failed, and is an error at the problem's start.

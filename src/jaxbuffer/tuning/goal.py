@@ -164,6 +164,18 @@ class Goal:
         ended = not self.require_success or np.all(evaluation.succeeded)
         return bool(ended) and not np.any(self.excess(evaluation))
 
+    def excess_by_case(self, evaluation: Evaluation) -> Float[np.ndarray, " cases"]:
+        """Return by how much each load case is above its limits, all of them together; infinite where a number is not
+        known, and 0 where it keeps them and ends as it must."""
+        excess = self.excess(evaluation)
+        if self.ceiling is not None:
+            rows = len(self.rows(evaluation.quantities, evaluation.margin))
+            excess = np.delete(excess, rows - 1)  # the ceiling's, which is no case's
+        # Rows come by constraint, each with an entry for every load case.
+        total = np.sum(np.nan_to_num(excess.reshape(-1, len(evaluation.code)), nan=np.inf), axis=0)
+        missed = self.require_success & ~evaluation.succeeded & (total == 0.0)
+        return np.asarray(np.where(missed, np.finfo(float).tiny, total))
+
     def merit(self, evaluation: Evaluation, scale: float, penalty: float) -> float:
         """Return what a step must lower: objective over ``scale`` plus ``penalty`` times the `excess`."""
         return self.value(evaluation) / scale + penalty * float(np.sum(self.excess(evaluation)))
@@ -242,13 +254,7 @@ class Goal:
 
     def worst_first(self, evaluation: Evaluation) -> list[int]:
         """Return the load cases by how far they are above their limits, those without numbers first."""
-        excess = self.excess(evaluation)
-        if self.ceiling is not None:
-            rows = len(self.rows(evaluation.quantities, evaluation.margin))
-            excess = np.delete(excess, rows - 1)  # the ceiling's, which is no case's
-        # Rows come by constraint, each with an entry for every load case.
-        total = np.sum(np.nan_to_num(excess.reshape(-1, len(evaluation.code)), nan=np.inf), axis=0)
-        return [int(k) for k in np.argsort(-total, kind="stable")]
+        return [int(k) for k in np.argsort(-self.excess_by_case(evaluation), kind="stable")]
 
     def first_value(self, evaluation: Evaluation) -> float:
         """Return the value of the objective under the ceiling [N]."""

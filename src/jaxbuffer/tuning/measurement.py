@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -10,6 +10,7 @@ from jaxtyping import Float, Int
 from ..fields import Part, get
 from ..hybrid import Solver, solver_named
 from ..mechanisms.mechanism import Mechanism, RequiredEnd
+from ..mechanisms.outcome import RunOutcome
 from ..mechanisms.run import Run
 from ..run.simulate import simulate
 from ..sensitivities.gradients import gradients
@@ -18,6 +19,22 @@ from .problem import PEAK_FORCE, Problem
 # How many of each run's highest impacts are listed: none below them has yet mattered within the length of a step.
 PEAKS = 24
 LEAST_LACK = 1e-6  # of the margin of a run that has not reached an end [-]
+
+
+class Ending(Protocol):
+    """How a run of a design has ended: a `Run`, or these three alone."""
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """Return the mechanism."""
+
+    @property
+    def outcome(self) -> RunOutcome:
+        """Return the outcome."""
+
+    @property
+    def design(self) -> Part:
+        """Return the design that was run."""
 
 
 class Measurement(NamedTuple):
@@ -46,6 +63,36 @@ class Measurement(NamedTuple):
         numbers: dict[str, Any] = {name: np.full(shape, np.nan) for name, shape in shapes.items()}
         code = int(problem.mechanism.outcomes["failed_input"])
         return Measurement(code=code, impacts=0, slots=np.arange(PEAKS), **numbers)
+
+    @staticmethod
+    def of_numbers(problem: Problem, run: Ending, impacts: int, numbers: Mapping[str, float]) -> "Measurement":
+        """Return that of a run of which these quantities are known by name, and no derivative.
+
+        Of its peaks the largest alone is known, which the first impact's is taken for.
+        """
+        rest, no_slopes = [name for name in problem.measured if name != PEAK_FORCE], np.zeros(len(problem.paths))
+        values, slopes = np.array([numbers[name] for name in rest]), np.zeros((len(rest), len(problem.paths)))
+        duration, margin, end = float(problem.duration or 0.0), problem.mechanism.tuning.margin, problem.end
+        own = Margin(1.0 if margin is None else numbers[margin], no_slopes)
+        if not run.outcome.failed:
+            _fill_awaited(run.mechanism, run, rest, values, slopes, duration)
+            if end is not None and end.quantity:
+                known = {name: Margin(float(values[k]), slopes[k]) for k, name in enumerate(rest)}
+                own = margin_of_end(end, run, own, known, duration)
+        peaks = np.zeros(PEAKS)
+        peaks[0] = numbers[PEAK_FORCE]
+        return Measurement(
+            code=int(run.outcome),
+            impacts=impacts,
+            peaks=peaks,
+            slots=np.arange(PEAKS),
+            rest=values,
+            margin=own.value,
+            first=float(peaks[0]),
+            peaks_slope=np.zeros((PEAKS, len(problem.paths))),
+            rest_slope=slopes,
+            margin_slope=own.slope,
+        )
 
 
 def measure(
@@ -116,7 +163,7 @@ class Margin(NamedTuple):
 
 
 def _fill_awaited(
-    mechanism: Mechanism, run: Run, names: Sequence[str], values: np.ndarray, slopes: np.ndarray, duration: float
+    mechanism: Mechanism, run: Ending, names: Sequence[str], values: np.ndarray, slopes: np.ndarray, duration: float
 ) -> None:
     """Give the times that the run waited for in vain the duration [s], which they exceed, and no slope."""
     for k, name in enumerate(names):
@@ -125,7 +172,7 @@ def _fill_awaited(
             values[k], slopes[k] = duration, 0.0
 
 
-def margin_of_end(end: RequiredEnd, run: Run, own: Margin, numbers: Mapping[str, Margin], duration: float) -> Margin:
+def margin_of_end(end: RequiredEnd, run: Ending, own: Margin, numbers: Mapping[str, Margin], duration: float) -> Margin:
     """Return a number that is positive exactly where a run has an end that waits for a share to fall, with its slope.
 
     It is continuous where a run reaches the end just at its ``duration`` [s]: the logarithm of the share that is left

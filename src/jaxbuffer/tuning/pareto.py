@@ -31,7 +31,7 @@ ROOM = 1e-3  # relative room above the least value of an objective: there its de
 MOST = 400  # points
 BEGUN = "front.json"  # says which front a folder's points are of
 POINT = re.compile(r"least-\w+|point-\d+(-again)?")  # names of their folders
-RESULT = ("design.toml", "tuned.json", "history.csv", "force.json", "tune.txt", "tune.png", "tune.svg")
+RESULT = ("design.toml", "design.mat", "tuned.json", "history.csv", "force.json", "tune.txt", "tune.png", "tune.svg")
 OF_A_POINT = (LOG, STATE, PREVIOUS, *RESULT)
 
 
@@ -319,6 +319,7 @@ def check_front(
     """
     example = "Problem(jb.table2(), [Scenario()], [Variable('buffer.k_A', 100.0, 2000.0)])"
     check_type("problem", problem, Problem, example)
+    problem.check_tunable()
     names = check_names("objectives", objectives, "peak_force")
     for name in names:
         if name not in problem.names:

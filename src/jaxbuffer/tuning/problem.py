@@ -109,7 +109,7 @@ class Problem:
 
     - ``design``: to start from.
     - ``scenarios``: the mechanism's scenarios, or `Case`s, to serve; ``cases`` has them all as `Case`s.
-    - ``variables``: what may change.
+    - ``variables``: what may change; () where `choose` alone is to set numbers.
     - ``objective``: what to lower (default: the worst peak force).
     - ``limits``: the constraints (default: captured in every load case).
     - ``then``: what decides beyond the objective, or None.
@@ -212,6 +212,11 @@ class Problem:
             check_single(f"constraints.{name}", limit, unit, ONE_LIMIT, low=0.0, low_open=True, high=high)
 
     cases: tuple[Case, ...] = dataclasses.field(init=False, default=())
+
+    def check_tunable(self) -> None:
+        """Raise `InputError` where there is nothing to tune."""
+        if not self.variables:
+            raise InputError("variables is empty; tuning needs at least one")
 
     @property
     def mechanism(self) -> Mechanism:
@@ -324,8 +329,6 @@ class Problem:
 
 
 def _check_variables(design: Part, variables: Sequence[Variable], units: Mapping[str, str]) -> None:
-    if not variables:
-        raise InputError("variables is empty; tuning needs at least one")
     names: set[str] = set()
     for variable in variables:
         check_type("variable", variable, Variable, "Variable('buffer.k_A', 100.0, 2000.0)")

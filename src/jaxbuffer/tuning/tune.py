@@ -93,6 +93,7 @@ def tune(
     check_type(
         "problem", problem, Problem, "Problem(jb.table2(), [Scenario()], [Variable('buffer.k_A', 100.0, 2000.0)])"
     )
+    problem.check_tunable()
     check_flag("save", save)
     if workers is not None:
         check_whole("workers", workers, 1)

@@ -273,17 +273,22 @@ def tuned_warnings(tuned: Tuned) -> list[str]:
     Lines follow on what the runs leave open, and on each variable that changes nothing.
     """
     problem = tuned.problem
-    count: dict[str, int] = {}
-    for case, peak in zip(problem.cases, tuned.after.peak_force, strict=True):
-        for limit in problem.mechanism.view.validity(case.of(tuned.design), peak):
-            count[limit.beyond] = count.get(limit.beyond, 0) + int(np.sum(limit.passed))
-    lines = [f"{what} in {n} of {len(problem.cases)} scenarios" for what, n in count.items() if n]
+    lines = validity_lines(problem, tuned.design, tuned.after)
     if problem.mechanism.tuning.unfinished is not None:
         lines += problem.mechanism.tuning.unfinished(problem, tuned.after)
     lines += unasked_end(tuned)
     for path in tuned.inactive_variables:
         lines.append(f"without effect: {path} changes nothing, neither at the start nor in the result; leave it out")
     return lines
+
+
+def validity_lines(problem: Problem, design: Part, evaluation: Evaluation) -> list[str]:
+    """Return a line for each validity limit that a design exceeds, with the number of load cases."""
+    count: dict[str, int] = {}
+    for case, peak in zip(problem.cases, evaluation.peak_force, strict=True):
+        for limit in problem.mechanism.view.validity(case.of(design), peak):
+            count[limit.beyond] = count.get(limit.beyond, 0) + int(np.sum(limit.passed))
+    return [f"{what} in {n} of {len(problem.cases)} scenarios" for what, n in count.items() if n]
 
 
 def unasked_end(tuned: Tuned) -> list[str]:

@@ -24,7 +24,7 @@ def simulate(request: CommandLine, scenario_number: str | None, trust: str) -> i
     """Simulate a run, and show how far its numbers can be trusted and whether it keeps to the study's limits."""
     study = request.one_scenario(scenario_number)
     limits, name = study_constraints(study), study.mechanism.view.run_name
-    named = (f"{name}.{kind}" for kind in ("json", "png", "txt", "nc"))
+    named = (f"{name}.{kind}" for kind in ("json", "png", "txt", "nc", "mat"))
     files = request.files(*named, "history.csv", "motion.json", "force.json", "motion.png")
     run, closer = simulated(study, request.output is not None, asked_for(trust))
     if run.outcome.failed:

@@ -27,7 +27,7 @@ def tune(request: CommandLine, scheduler: str | None, resume: bool, **search: st
     check_swept_once(request.fields, (f"scenario.{name}" for name in study.table.grid or ()), "[problem.grid]")
     problem = study.problem()
     say_cautions(study.design, study.scenarios, {variable.path for variable in problem.variables}, units=study.units)
-    names = ("design.toml", "tuned.json", "history.csv", "force.json", "tune.png", "tune.txt")
+    names = ("design.toml", "design.mat", "tuned.json", "history.csv", "force.json", "tune.png", "tune.txt")
     files = request.files(*names, resumable=RUN_FILES, resume=resume)
     settings = {**vars(study.tuning), "solver": study.options.solver}
     keeping: dict[str, Any] = {"folder": request.output, "resume": resume, "save": False}

@@ -1,0 +1,311 @@
+"""The result of a choice: the best combinations with their margins, and its tables."""
+
+import dataclasses
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from rich.table import Table
+
+from .._types import DataFrame
+from ..fields import Part, field_text, get, unit
+from ..labelled.arrays import frame
+from ..labelled.record import headings
+from ..labelled.saved import Saved
+from ..mechanisms.limit import Limit
+from ..tables import html, table, text
+from ..tuning.evaluation import Evaluation
+from ..tuning.goal import Goal
+from ..tuning.problem import Problem
+from ..tuning.tuned import Tuned, validity_lines
+from ..value_text import percent_text, relative_change, with_unit
+from .bound import ContinuousOptimum
+from .catalogue import PartsCatalogue
+from .criterion import Criterion
+from .enumeration import Tally
+
+SHOWN = 12  # broken limits in the table
+
+
+class Margin(NamedTuple):
+    """How far the worst load case keeps from a limit.
+
+    ``value``: there, in the quantity's unit; ``share``: of the limit, relative [-], below 0 beyond it, None where it is
+    not known; ``case``: its place.
+    """
+
+    limit: Limit
+    value: float
+    share: float | None
+    case: int
+
+
+@dataclasses.dataclass(frozen=True)
+class Alternative:
+    """One combination of parts, run at every load case at tight tolerance.
+
+    - ``names``: of its parts, in the order of the catalogues.
+    - ``design``: with them, and with the tuned variables if they were ``tuned``.
+    - ``value``: the objective, price and mass included; ``searched``: the same at the problem's tolerance.
+    - ``totals``: sums of price and mass [kg].
+    - ``evaluation``: every load case.
+    - ``feasible``: whether it keeps all limits; ``broken``: a line for each that it breaks.
+    - ``margins``: from each limit, the tightest first.
+    - ``deciding``: the place of the load case with the largest objective.
+    """
+
+    names: tuple[str, ...]
+    design: Part
+    value: float
+    searched: float
+    totals: Mapping[str, float]
+    evaluation: Evaluation
+    feasible: bool
+    broken: tuple[str, ...]
+    margins: tuple[Margin, ...]
+    deciding: int
+    tuned: Tuned | None = None
+
+
+@dataclasses.dataclass(frozen=True)
+class Choice(Saved):
+    """A finished choice of parts, or of roundings. Print it for tables.
+
+    - ``criterion``: objective and limits, ``problem`` among them.
+    - ``catalogues``: what was chosen from.
+    - ``ranked``: the best combinations, the best one first; where none keeps the limits, those nearest to them.
+    - ``tally``: combinations and runs, and how many were spared.
+    - ``optimum``: over the catalogues' ranges; None where it was not asked for.
+    - ``continuous``: the design that was rounded; ``nearest``: every number of it at its nearest buildable value; None
+      for a choice of parts.
+    - ``misfit``: why one of the combinations does not go together, "" where all do.
+    - ``tight``: rtol of the numbers [-]; ``reordered``: whether the ranking at the problem's tolerance was another one.
+    - ``identity``: a hash of all that makes it the choice it is.
+
+    **Example:**
+
+    >>> parts = {"spring": {"soft": {"k_A": "300 N/m"}, "stiff": {"k_A": "900 N/m"}}}
+    >>> choice = jb.choose(jb.Problem(jb.table2(), [jb.Scenario()], []), parts, optimum=False)
+    >>> choice.best.names, f"{choice.best.value:.1f} N"
+    (('soft',), '242.7 N')
+    """
+
+    criterion: Criterion
+    catalogues: tuple[PartsCatalogue, ...]
+    ranked: tuple[Alternative, ...]
+    tally: Tally
+    optimum: ContinuousOptimum | None = None
+    continuous: Alternative | None = None
+    nearest: Alternative | None = None
+    misfit: str = ""
+    tight: float = 1e-9
+    reordered: bool = False
+    identity: str = ""
+
+    @property
+    def problem(self) -> Problem:
+        """Return the problem."""
+        return self.criterion.problem
+
+    @property
+    def best(self) -> Alternative | None:
+        """Return the best combination, or the one nearest to the limits; None where none could be run."""
+        return self.ranked[0] if self.ranked else None
+
+    @property
+    def feasible(self) -> bool:
+        """Return whether the best combination keeps every limit in every load case."""
+        return self.best is not None and self.best.feasible
+
+    @property
+    def design(self) -> Part:
+        """Return the best combination's design; the problem's own where none could be run."""
+        return self.problem.design if self.best is None else self.best.design
+
+    @property
+    def accuracy(self) -> float:
+        """Return the largest change of the objective from the problem's tolerance to the tight one, relative [-]."""
+        changes = [relative_change(it.searched, it.value) for it in self.ranked if it.tuned is None]
+        return max((abs(change) for change in changes if change is not None), default=0.0)
+
+    @property
+    def message(self) -> str:
+        """Return what came out, in a sentence."""
+        tally, cases = self.tally, len(self.problem.cases)
+        count = f"{tally.combinations} combinations over {cases} scenario{'s' if cases > 1 else ''}"
+        if self.best is None:
+            return f"no combination keeps the limits on price and mass, or goes together: {count}"
+        named = self.in_words(self.best)
+        if not self.feasible:
+            return f"no combination keeps all limits, of {count}; nearest to them was {named}"
+        return f"the best of {count}: {named}, with {with_unit(*self.criterion.shown(self.best.value), 5)}"
+
+    def in_words(self, alternative: Alternative) -> str:
+        """Return the parts of a combination: "spring S1, damper D3"."""
+        pairs = zip(self.catalogues, alternative.names, strict=True)
+        return ", ".join(f"{catalogue.role} {name}" for catalogue, name in pairs)
+
+    def label(self, case: int) -> str:
+        """Return what people call a load case."""
+        return self.problem.cases[case].label(self.problem.cases)
+
+    def to_dataframe(self) -> DataFrame:
+        """Return a row for each ranked combination, as in choice.csv."""
+        return frame(*ranking_rows(self))
+
+    def __repr__(self) -> str:
+        return text(*_parts(self))
+
+    def _repr_html_(self) -> str:
+        return html(*_parts(self))
+
+
+def margins(problem: Problem, evaluation: Evaluation) -> tuple[Margin, ...]:
+    """Return how far a design keeps from each limit in its worst load case, the tightest first."""
+    goal, known = Goal(problem, problem.objective), problem.known(evaluation.code) & evaluation.solved[:, None]
+    made = []
+    for column, limit in goal.indexed_limits:
+        values = np.where(known[:, column], evaluation.quantities[:, column], np.nan)
+        worst = int(np.argmax(np.nan_to_num(limit.rows(values), nan=np.inf)))
+        made.append(Margin(limit, float(values[worst]), limit.margin(float(values[worst])), worst))
+    return tuple(sorted(made, key=lambda it: -np.inf if it.share is None else it.share))
+
+
+def _parts(choice: Choice) -> list[str | Table]:
+    """Return the message, tables, and lines about how the result came about."""
+    tables = [_ranking(choice), *([] if choice.best is None else [_limits(choice, choice.best), _fields(choice)])]
+    return [choice.message[:1].upper() + choice.message[1:], *tables, *lines(choice)]
+
+
+def lines(choice: Choice) -> list[str]:
+    """Return a line for each thing to know beside the tables."""
+    tally, best, made = choice.tally, choice.best, list[str]()
+    counts = {
+        "run at every scenario and within all limits": tally.complete,
+        "dropped as beaten": tally.beaten,
+        "dropped for a limit": tally.infeasible,
+        "above a limit on price or mass": tally.priced_out,
+        "dropped for a run that failed": tally.failed,
+        "do not go together": tally.unfit,
+    }
+    made.append(f"of {tally.combinations} combinations " + ", ".join(f"{n} {it}" for it, n in counts.items() if n))
+    share = percent_text(tally.spared / tally.possible, ".0f")
+    made.append(f"{tally.runs} runs of {tally.possible}: {tally.spared} were spared ({share})")
+    if choice.misfit:
+        made.append(f"one that does not go together: {choice.misfit}")
+    if choice.optimum is not None:
+        made.append(choice.optimum.line(choice.criterion, best.value if best is not None and best.feasible else None))
+    made += _rounding(choice)
+    if best is None:
+        return made
+    order = "the ranking changed with it" if choice.reordered else "the ranking stayed the same"
+    made.append(
+        f"numbers are of runs at rtol {choice.tight:g}; from rtol {choice.problem.rtol:g} the objective changed by"
+        f" {percent_text(choice.accuracy)} at most, {order}"
+    )
+    made += validity_lines(choice.problem, best.design, best.evaluation)
+    made += [f"broken: {line}" for line in best.broken[:SHOWN]]
+    return made + [f"and {len(best.broken) - SHOWN} more" for _ in best.broken[SHOWN : SHOWN + 1]]
+
+
+def _rounding(choice: Choice) -> list[str]:
+    """Return what rounding costs: of the best values, and of the nearest ones."""
+    continuous, best, nearest = choice.continuous, choice.best, choice.nearest
+    if continuous is None:
+        return []
+    shown = with_unit(*choice.criterion.shown(continuous.value), 5)
+    made = [f"the continuous design has {shown}" + ("" if continuous.feasible else ", and breaks limits")]
+    for what, it in (("the best rounding", best), ("each number at its nearest value", nearest)):
+        if it is not None:
+            cost = percent_text(relative_change(continuous.value, it.value), "+.2g")
+            broken = "" if it.feasible else f", and breaks limits: {it.broken[0]}"
+            made.append(f"{what}, {choice.in_words(it)}: {cost}{broken}")
+    return made
+
+
+def _ranking(choice: Choice) -> Table:
+    """Return the best combinations: parts, objective, what decides it, and the tightest limit."""
+    symbol, factor = choice.criterion.objective.in_figures(choice.criterion.catalogue)
+    known = choice.criterion.catalogue
+    totals = {name: known[name].in_figures[0] for name in (choice.best.totals if choice.best else ())}
+    title = "Ranking" if choice.feasible else "Nearest to the limits, none within them"
+    numbers = (*headings({"objective": symbol}), "above", *headings(totals))
+    made = table(title, ("", *(it.role for it in choice.catalogues)), numbers)
+    for heading, justify in (("largest at", "left"), ("tightest", "left"), ("left", "right")):
+        made.add_column(heading, justify=justify)
+    for place, it in enumerate(choice.ranked, 1):
+        change = relative_change(choice.ranked[0].value, it.value) if choice.feasible and place > 1 else None
+        tightest = it.margins[0] if it.margins else None
+        made.add_row(
+            str(place),
+            *it.names,
+            f"{factor * it.value:.6g}",
+            "" if change is None else percent_text(change, ".2g"),
+            *(f"{choice.criterion.catalogue[name].in_figures[1] * it.totals[name]:.5g}" for name in totals),
+            choice.label(it.deciding),
+            "" if tightest is None else tightest.limit.name,
+            "" if tightest is None else percent_text(tightest.share, ".3g"),
+        )
+    return made
+
+
+def _limits(choice: Choice, best: Alternative) -> Table:
+    """Return every limit of the best combination with its worst load case."""
+    made = table("Limits of the first", ("limit",), ("worst", "left"))
+    made.add_column("at")
+    for it in best.margins:
+        quantity = choice.criterion.catalogue[it.limit.name]
+        worst = quantity.in_words(it.value, 5)
+        made.add_row(it.limit.line(quantity), worst, percent_text(it.share, ".3g"), choice.label(it.case))
+    for limit in choice.criterion.limits:
+        quantity, value = choice.criterion.catalogue[limit.name], best.totals[limit.name]
+        made.add_row(limit.line(quantity), quantity.in_words(value, 5), percent_text(limit.margin(value), ".3g"), "")
+    return made
+
+
+def _fields(choice: Choice) -> Table:
+    """Return what the parts of the best combination set, and the tuned variables."""
+    made = table("Numbers of the first", ("field", "part"), ("value",))
+    assert choice.best is not None
+    for path, name in set_by(choice, choice.best).items():
+        made.add_row(path, name, _shown(choice, choice.best, path))
+    return made
+
+
+def set_by(choice: Choice, alternative: Alternative) -> dict[str, str]:
+    """Return the name of what has set each field of a combination, by path: a part, or the tuning."""
+    made = {}
+    for catalogue, name in zip(choice.catalogues, alternative.names, strict=True):
+        part = next(it for it in catalogue.parts if it.name == name)
+        made |= dict.fromkeys(part.fields, name)
+    return made | (dict.fromkeys(choice.problem.paths, "tuned") if alternative.tuned is not None else {})
+
+
+def _shown(choice: Choice, alternative: Alternative, path: str) -> str:
+    """Return a number of a combination in the unit that it was typed with."""
+    value = get(alternative.design, path)
+    if not unit(alternative.design, path):
+        return field_text(value, "")
+    return with_unit(*choice.problem.shown(path, float(value)))
+
+
+def ranking_rows(choice: Choice) -> tuple[list[str], list[list[Any]]]:
+    """Return a header and a row for each ranked combination: parts, objective, sums, worst values and margins."""
+    criterion, problem = choice.criterion, choice.problem
+    totals = choice.best.totals if choice.best else {}
+    units = {"rank": "", **{it.role: "" for it in choice.catalogues}, "feasible": ""}
+    units |= {"objective": criterion.objective.unit(criterion.catalogue)}
+    units |= {name: criterion.catalogue[name].unit for name in totals} | {"largest at": ""}
+    limits = [margin.limit for margin in choice.best.margins] if choice.best else []
+    for limit in limits:
+        units |= {f"worst {limit.name} ({limit.symbol})": problem.catalogue[limit.name].unit}
+        units |= {f"left of {limit.name} ({limit.symbol})": "-", f"{limit.name} ({limit.symbol}) at": ""}
+    rows = []
+    for place, it in enumerate(choice.ranked, 1):
+        row: list[Any] = [place, *it.names, it.feasible, it.value, *(it.totals[name] for name in totals)]
+        row.append(choice.label(it.deciding))
+        for limit in limits:
+            margin = next(one for one in it.margins if one.limit == limit)
+            row += [margin.value, margin.share, choice.label(margin.case)]
+        rows.append(row)
+    return headings(units), rows

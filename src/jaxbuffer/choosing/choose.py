@@ -1,0 +1,207 @@
+"""`choose`: the best combination of parts."""
+
+import dataclasses
+import hashlib
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
+from pathlib import Path
+from typing import Any
+
+from ..block_store import short_hash
+from ..cluster.pool import Pool
+from ..errors import InputError, check_flag, check_type, check_whole
+from ..hybrid import Automatic, Solver, name_of, solver_named
+from ..programs.structure import user_code
+from ..progress import counted
+from ..tuning.objective import Objective
+from ..tuning.problem import Problem
+from ..tuning.store import Record
+from ..tuning.tune import tune
+from ..version import version
+from .alternatives import alternatives, with_variables
+from .bound import continuous_optimum
+from .catalogue import PartsCatalogue, read_catalogues
+from .choice import Choice
+from .combinations import Combinations
+from .criterion import Criterion
+from .enumeration import Enumeration
+from .means import Means
+from .runs import Runs
+from .store import FOLDER, ChoiceStore
+
+OPTIMUM, TUNED = "choose.optimum", "choose.tuned"  # folders of tunings
+EXAMPLE = "Problem(jb.table2(), [Scenario()], [])"
+
+
+def choose(
+    problem: Problem,
+    parts: Mapping[str, Any],
+    *,
+    objective: Objective | None = None,
+    at_most: Mapping[str, Any] | None = None,
+    ranking: int = 5,
+    optimum: bool = True,
+    tuned: int = 0,
+    solver: Solver | str | None = None,
+    folder: str | Path | None = None,
+    resume: bool = False,
+    workers: int | None = None,
+    executor: Executor | None = None,
+    progress: Callable[[int, int], None] | bool | None = None,
+    report: Callable[[Record], None] | None = None,
+    save: bool = True,
+    **settings: Any,
+) -> Choice:
+    """Choose one part of each catalogue: the combination with the least objective that keeps all limits.
+
+    Every combination counts, none by a guess: one is dropped as soon as a load case proves it infeasible, or beaten by
+    as many others as are ranked (docs/choose.md).
+
+    **Arguments:**
+
+    - ``problem``: load cases, objective and limits; its variables keep the design's values while parts are compared.
+    - ``parts``: by role, a mapping of each part's name to the fields that it sets, {"S1": {"k_A": "500 N/m"}}, or the
+      path of a CSV file. A field may be named by its last word where that is clear. ``price`` and ``mass`` are the
+      part's own; their sums over the parts can be objective and limit.
+    - ``objective``: in place of the problem's; it may use price and mass: ``jb.Objective({"price": 1.0})``.
+    - ``at_most``: upper limits on price and mass, {"mass": "0.5 kg"}.
+    - ``ranking``: how many of the best are told.
+    - ``optimum``: whether to tune the numbers that parts set within their catalogue's range, for comparison.
+    - ``tuned``: for how many of the best the problem's variables are tuned.
+    - ``solver``: as for `simulate`.
+    - ``folder``: where runs are kept as they are done, and at the end the result.
+    - ``resume``: go on with the choice in ``folder``.
+    - ``workers``, ``executor``: as for `sweep`.
+    - ``progress``: called with the runs done or spared and all there are, or True for a bar.
+    - ``report``: called with the log's record of each evaluation of a tuning.
+    - ``save``: whether the result is written into ``folder``, without figures.
+    - ``settings``: of the tunings, fields of `Settings`.
+
+    **Returns:** a `Choice`, its numbers at tight tolerance; the same whether it was interrupted or not.
+
+    **Raises:** `InputError` for what is wrong with a catalogue, a part that sets a variable, and on resuming another
+    choice.
+
+    **Example:**
+
+    >>> parts = {
+    ...     "spring": {"soft": {"k_A": "300 N/m"}, "stiff": {"k_A": "900 N/m"}},
+    ...     "tip": {"light": {"tip_mass": "30 g"}, "heavy": {"tip_mass": "80 g"}},
+    ... }
+    >>> problem = jb.Problem(jb.table2(), [jb.Scenario(approach_speed=speed) for speed in (0.05, 0.1)], [])
+    >>> choice = jb.choose(problem, parts, optimum=False)
+    >>> choice.best.names, choice.tally.complete
+    (('soft', 'light'), 4)
+    """
+    criterion, combinations = selection(problem, parts, objective, at_most)
+    check_whole("ranking", ranking, 1)
+    check_whole("tuned", tuned, 0)
+    check_flag("optimum", optimum)
+    shown = counted(progress, problem.mechanism.view.run_name)
+    means = Means(folder, resume, workers, executor, solver, shown, report, settings)
+    if tuned:
+        problem.check_tunable()
+    choice = ranked(criterion, combinations, means, ranking)
+    choice = with_optimum(choice, means) if optimum else choice
+    choice = with_tuned(choice, tuned, means) if tuned else choice
+    if save and means.path is not None:
+        choice.save(means.path, force=True, figures=False)
+    return choice
+
+
+def selection(
+    problem: Problem,
+    parts: Mapping[str, Any] | Sequence[PartsCatalogue],
+    objective: Objective | None = None,
+    at_most: Mapping[str, Any] | None = None,
+) -> tuple[Criterion, Combinations]:
+    """Return what is chosen by and from, checked. Arguments and errors are those of `choose`."""
+    check_type("problem", problem, Problem, EXAMPLE)
+    given = parts if isinstance(parts, Mapping) else {it.role: it for it in parts}
+    combinations = Combinations(problem.design, read_catalogues(given, problem.design))
+    for catalogue in combinations.catalogues:
+        for path in catalogue.paths:
+            if path in problem.paths:
+                raise InputError(f"parts.{catalogue.role} sets {path}, which is among the variables too; keep one")
+    shown = dataclasses.replace(problem, units={**combinations.units, **problem.units})
+    return Criterion.of(shown, objective, at_most, combinations), combinations
+
+
+def ranked(
+    criterion: Criterion, combinations: Combinations, means: Means, ranking: int, first: Sequence[int] = ()
+) -> Choice:
+    """Enumerate the combinations and run the best ones again at tight tolerance.
+
+    **Arguments:** ``first``: combinations that are judged in any event; the first of them is the result's ``nearest``.
+    """
+    problem, identity = criterion.problem, _identity(criterion, combinations, ranking, means.solver)
+    tight = means.tight(problem)
+    with means.locked(), Pool(means.executor, means.workers) as pool:
+        store = None if means.path is None else ChoiceStore(means.path / FOLDER, identity, means.resume)
+        runs = Runs(problem, combinations, pool, store, means.solver)
+        enumeration = Enumeration(
+            runs,
+            criterion.of_runs,
+            constant=criterion.constants(combinations),
+            allowed=criterion.allowed(combinations),
+            ranking=ranking,
+            first=first,
+            progress=means.progress,
+        )
+        enumeration.run()
+        best = [int(k) for k in enumeration.best()]
+        chosen = best or [int(k) for k in enumeration.nearest() if k not in runs.misfits]
+        told = [k for k in dict.fromkeys([*chosen, *first]) if k not in runs.misfits]
+        made = alternatives(criterion, runs, told, tight)
+    # Those nearest to the limits stay in their order: how far they are beyond comes before the objective.
+    order = sorted(chosen, key=lambda k: (not made[k].feasible, made[k].value)) if best else chosen
+    return Choice(
+        criterion=criterion,
+        catalogues=combinations.catalogues,
+        ranked=tuple(made[k] for k in order),
+        tally=enumeration.tally,
+        nearest=made.get(first[0]) if first else None,
+        misfit=next(iter(runs.misfits.values()), ""),
+        tight=tight,
+        reordered=order != chosen,
+        identity=short_hash(identity),
+    )
+
+
+def with_optimum(choice: Choice, means: Means) -> Choice:
+    """Return the choice with the continuous optimum over the catalogues' ranges beside it."""
+    if choice.best is None:
+        return choice
+    found = continuous_optimum(choice.criterion, choice.catalogues, choice.best.design, **means.tuning(OPTIMUM))
+    return dataclasses.replace(choice, optimum=found)
+
+
+def with_tuned(choice: Choice, count: int, means: Means) -> Choice:
+    """Return the choice with the problem's variables tuned for the best combinations, ranked by what that reaches."""
+    objective, made = choice.criterion.of_runs, list(choice.ranked)
+    if objective is None:
+        raise InputError("tuned needs an objective of the runs: price and mass do not depend on the variables")
+    for place, it in enumerate(choice.ranked[:count]):
+        problem = dataclasses.replace(choice.problem, design=it.design, objective=objective)
+        result = tune(problem, **means.tuning(f"{TUNED}-{place + 1}"))
+        made[place] = with_variables(choice.criterion, it, result)
+    order = sorted(made, key=lambda it: (not it.feasible, it.value))
+    return dataclasses.replace(choice, ranked=tuple(order))
+
+
+def _identity(
+    criterion: Criterion, combinations: Combinations, ranking: int, solver: Solver | str | None
+) -> dict[str, str]:
+    """Return what makes a choice the one it is, by name."""
+    problem, used = criterion.problem, Automatic() if solver is None else solver_named(solver)
+    parts = [(it.role, [dataclasses.astuple(part) for part in it.parts]) for it in combinations.catalogues]
+    code = user_code(problem.mechanism, used, problem.design, *(case.scenario for case in problem.cases)) or "none"
+    return {
+        "version": version(),
+        "study": problem.fingerprint(),
+        "parts": hashlib.sha256(repr(parts).encode()).hexdigest()[:16],
+        "objective and limits": repr((criterion.objective, criterion.limits)),
+        "ranking": str(ranking),
+        "solver": str(name_of(used)),
+        "code": code,
+    }

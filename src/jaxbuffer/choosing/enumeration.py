@@ -1,0 +1,237 @@
+"""Exact enumeration of combinations that leaves out every run which cannot change the ranking of the best.
+
+A combination is dropped as soon as one load case shows it infeasible, or beaten: the objective from the cases run so
+far, with nothing for the others, is above that of as many complete feasible combinations as are ranked.
+"""
+
+from collections.abc import Callable, Iterable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from ..tuning.evaluation import gather
+from ..tuning.goal import Goal
+from ..tuning.objective import Objective
+from .runs import Runs
+
+PILOTS = 8  # combinations that are run at every load case at first: they say which cases are the hardest
+BATCH = 64  # combinations of a round at least
+
+
+class Judged(NamedTuple):
+    """What the runs of combinations at load cases say: the objective's ``value`` of each, and by how much it is above
+    its limits (``excess``, 0 where it keeps them), NaN where it was not run; ``failed``: which runs have no numbers."""
+
+    value: Float[np.ndarray, "combinations cases"]
+    excess: Float[np.ndarray, "combinations cases"]
+    failed: Bool[np.ndarray, "combinations cases"]
+
+    @property
+    def known(self) -> Bool[np.ndarray, "combinations cases"]:
+        """Return which runs are done."""
+        return ~np.isnan(self.excess)
+
+
+class Tally(NamedTuple):
+    """How many combinations and runs an enumeration has had.
+
+    ``combinations``; ``priced_out``: above a limit on price or mass, and never run; ``unfit``: their parts or a
+    scenario do not go together; ``failed``: a run had no numbers; ``infeasible``: dropped for a limit; ``beaten``;
+    ``complete``: run at every load case within all limits; ``runs`` of ``possible`` ones.
+    """
+
+    combinations: int
+    priced_out: int
+    unfit: int
+    failed: int
+    infeasible: int
+    beaten: int
+    complete: int
+    runs: int
+    possible: int
+
+    @property
+    def spared(self) -> int:
+        """Return how many runs were not needed."""
+        return self.possible - self.runs
+
+
+class Enumeration:
+    """The search among combinations for the best few.
+
+    **Arguments:** ``runs``; ``objective``: of the problem's quantities, None where ``constant`` decides alone;
+    ``constant``: what price and mass add to it (combinations,); ``allowed``: which keep the limits on these;
+    ``ranking``: how many of the best are told apart; ``first``: combinations that are run at every case in any event;
+    ``progress``: called with the runs done or spared so far and all there are.
+    """
+
+    def __init__(
+        self,
+        runs: Runs,
+        objective: Objective | None,
+        constant: Float[np.ndarray, " combinations"],
+        allowed: Bool[np.ndarray, " combinations"],
+        ranking: int,
+        first: Sequence[int] = (),
+        progress: Callable[[int, int], None] | None = None,
+    ) -> None:
+        problem = runs.problem
+        self.runs, self.objective, self.constant, self.ranking = runs, objective, constant, ranking
+        self.goal, self.allowed = Goal(problem, objective or problem.objective), allowed
+        self.cases = len(problem.cases)
+        shape = len(allowed), self.cases
+        self.judged = Judged(np.full(shape, np.nan), np.full(shape, np.nan), np.zeros(shape, bool))
+        self.lower = self.constant + self._least(self.judged.value)
+        self.open, self.first, self.progress = allowed.copy(), list(first), progress
+        self.order = np.arange(self.cases)
+
+    def run(self) -> None:
+        """Decide all combinations."""
+        self._complete(self._pilots())
+        self.order = self._hardest_first()
+        while chosen := self._most_promising():
+            # The best few of those that were run are completed at once: what they reach drops others.
+            self._complete([k for k in chosen if np.any(self.judged.known[k])][: self.ranking])
+            self._advance([(number, self._next(number)) for number in chosen if self.open[number]])
+        if not len(self.best()):
+            self._complete(self.nearest())
+
+    def best(self) -> Int[np.ndarray, " ranked"]:
+        """Return the best feasible combinations, the best one first; of equal ones in the order of the catalogues."""
+        complete = np.flatnonzero(self.feasible)
+        order = np.argsort(self.values[complete], kind="stable")
+        return np.asarray(complete[order][: self.ranking])
+
+    def nearest(self) -> Int[np.ndarray, " ranked"]:
+        """Return combinations that were seen least far above their limits, where they were run."""
+        known = np.flatnonzero(self.allowed & np.any(self.judged.known, axis=1))
+        return np.asarray(known[np.argsort(self._farthest[known], kind="stable")][: self.ranking])
+
+    @property
+    def feasible(self) -> Bool[np.ndarray, " combinations"]:
+        """Return which were run at every load case and keep all limits."""
+        return np.all(self.judged.excess == 0.0, axis=1) & self.allowed
+
+    @property
+    def values(self) -> Float[np.ndarray, " combinations"]:
+        """Return the objective of each combination that was run at every load case; NaN of others."""
+        value = self.constant + (0.0 if self.objective is None else self._aggregated(self.judged.value))
+        return np.where(np.all(self.judged.known, axis=1), value, np.nan)
+
+    @property
+    def tally(self) -> Tally:
+        """Return how many combinations were decided in which way."""
+        unfit = np.isin(np.arange(len(self.allowed)), list(self.runs.misfits))
+        failed = np.any(self.judged.failed, axis=1) & ~unfit
+        broken = (self._farthest > 0.0) & ~unfit & ~failed
+        return Tally(
+            combinations=len(self.allowed),
+            priced_out=int(np.sum(~self.allowed)),
+            unfit=int(np.sum(unfit)),
+            failed=int(np.sum(failed)),
+            infeasible=int(np.sum(broken)),
+            beaten=int(np.sum(self.allowed & ~unfit & ~failed & ~broken & ~self.feasible)),
+            complete=int(np.sum(self.feasible)),
+            runs=int(np.sum(self.judged.known[~unfit])),
+            possible=self.judged.excess.size,
+        )
+
+    @property
+    def threshold(self) -> float:
+        """Return the objective above which a combination is not ranked."""
+        best = self.values[self.best()]
+        return float(best[-1]) if len(best) == self.ranking else np.inf
+
+    @property
+    def _farthest(self) -> Float[np.ndarray, " combinations"]:
+        return np.max(np.nan_to_num(self.judged.excess, nan=0.0), axis=1)
+
+    def _pilots(self) -> list[int]:
+        """Return combinations to begin with: those asked for, and some spread over all."""
+        allowed = np.flatnonzero(self.allowed)
+        spread = [int(allowed[place]) for place in spread_evenly(len(allowed), PILOTS)]
+        return list(dict.fromkeys([*self.first, *spread]))
+
+    def _most_promising(self) -> list[int]:
+        """Return the open combinations whose objective so far is the lowest; of those that were never run it is 0."""
+        waiting = np.flatnonzero(self.open)
+        count = max(BATCH, len(waiting) // 4)
+        return [int(k) for k in waiting[np.argsort(self.lower[waiting], kind="stable")][:count]]
+
+    def _next(self, number: int) -> int:
+        """Return the hardest load case at which a combination was not run."""
+        return next(int(case) for case in self.order if not self.judged.known[number, case])
+
+    def _complete(self, numbers: Iterable[int]) -> None:
+        """Run combinations at every load case that they were not run at."""
+        missing = [(int(k), int(c)) for k in numbers for c in np.flatnonzero(~self.judged.known[k])]
+        self._advance(missing)
+
+    def _advance(self, wanted: Sequence[tuple[int, int]]) -> None:
+        """Run combinations at load cases and drop what that decides."""
+        if wanted:
+            problem = self.runs.problem
+            cases = [problem.cases[case] for _, case in wanted]
+            evaluation = gather(problem, problem.start(), cases, self.runs.each(wanted, done=self._report))
+            places = tuple(np.array(wanted).T)
+            self.judged.excess[places] = self.goal.excess_by_case(evaluation)
+            self.judged.value[places] = evaluation.quantities @ self.goal.weights(self.goal.objective)
+            self.judged.failed[places] = ~evaluation.solved
+        least = 0.0 if self.objective is None else self._least(self.judged.value)
+        self.lower = self.constant + least
+        broken, complete = self._farthest > 0.0, np.all(self.judged.known, axis=1)
+        self.open &= ~broken & ~complete & (self.lower <= self.threshold)
+        self._report(0)
+
+    def _report(self, done: int) -> None:
+        """Say how far it is; ``done``: runs beside those that were judged."""
+        if self.progress is not None:
+            known = self.judged.known
+            self.progress(int(np.sum(known)) + done + int(np.sum(~known[~self.open])), known.size)
+
+    def _least(self, values: Float[np.ndarray, "combinations cases"]) -> Float[np.ndarray, " combinations"]:
+        """Return what the objective cannot be below, whatever the load cases say that were not run."""
+        if self.objective is None:
+            return np.zeros(len(values))
+        problem = self.runs.problem
+        own = set(self.objective.weights) & set(problem.quantities)
+        if own or any(problem.catalogue[name].signed for name in self.objective.weights):
+            known = np.where(np.isnan(values), -np.inf, values)
+            # Of a number that may be negative the worst case so far bounds the worst of all, and no mean.
+            whole = np.all(np.isfinite(known), axis=1)
+            worst = np.max(known, axis=1)
+            return worst if self.objective.over == "worst" else np.where(whole, self._aggregated(known), -np.inf)
+        return self._aggregated(np.nan_to_num(values, nan=0.0))
+
+    def _aggregated(self, values: Float[np.ndarray, "combinations cases"]) -> Float[np.ndarray, " combinations"]:
+        """Return the objective of each combination from its values at all load cases."""
+        objective = self.goal.objective
+        # The weights depend on the order of the values alone.
+        weights = objective.case_weights(-np.arange(float(self.cases)))
+        used = weights > 0.0
+        return np.asarray(-np.sort(-values, axis=1)[:, used] @ weights[used])
+
+    def _hardest_first(self) -> Int[np.ndarray, " cases"]:
+        """Return the load cases in an order in which each drops most of the pilots that those before have left."""
+        ran = np.all(self.judged.known, axis=1)
+        value, excess = self.judged.value[ran], self.judged.excess[ran]
+        beaten = value + self.constant[ran, None] > self.threshold
+        if self.objective is None or self.objective.over != "worst":
+            beaten[:] = False
+        drops = beaten | (excess > 0.0)
+        # Among cases that drop as many, the one with the largest objective on the whole.
+        size = np.sum(np.nan_to_num(value / np.maximum(np.max(value, axis=1, keepdims=True), 1e-300)), axis=0)
+        left, waiting, order = np.ones(len(drops), bool), list(range(self.cases)), list[int]()
+        while waiting:
+            hardest = max(waiting, key=lambda case: (int(np.sum(drops[left, case])), size[case]))
+            order.append(hardest)
+            waiting.remove(hardest)
+            left &= ~drops[:, hardest]
+        return np.array(order)
+
+
+def spread_evenly(count: int, several: int) -> list[int]:
+    """Return at most ``several`` numbers below ``count``, spread evenly: the same ones each time."""
+    # Steps of the golden ratio fill an interval evenly, however many are taken.
+    return list(dict.fromkeys(int(count * (k * 0.6180339887498949 % 1.0)) for k in range(several if count else 0)))

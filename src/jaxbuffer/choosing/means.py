@@ -1,0 +1,70 @@
+"""Where and how the runs of a choice are computed and kept."""
+
+import contextlib
+import dataclasses
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Executor
+from pathlib import Path
+from typing import Any
+
+from ..errors import InputError, check_whole
+from ..files import Lock, user_path
+from ..hybrid import Diffrax, Solver, solver_named
+from ..programs.process import check_ready
+from ..run.stepper import stepper_of
+from ..tuning.evaluation import FINEST_OF_DIFFRAX
+from ..tuning.problem import Problem
+from ..tuning.store import Record
+
+QUICK = {"starts": 8, "rounds": 2}  # settings of tunings beside a choice where none are given
+
+
+@dataclasses.dataclass(frozen=True)
+class Means:
+    """Where and how runs are computed: as the arguments of `choose`; ``settings``: of tunings."""
+
+    folder: str | Path | None = None
+    resume: bool = False
+    workers: int | None = None
+    executor: Executor | None = None
+    solver: Solver | str | None = None
+    progress: Callable[[int, int], None] | None = None
+    report: Callable[[Record], None] | None = None
+    settings: Mapping[str, Any] = dataclasses.field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if self.resume and self.folder is None:
+            raise InputError("resume needs the folder of the choice to go on with")
+        if self.workers is not None:
+            check_whole("workers", self.workers, 1)
+        check_ready()
+
+    @property
+    def path(self) -> Path | None:
+        """Return the folder, None where nothing is kept."""
+        return None if self.folder is None else user_path(self.folder)
+
+    def tuning(self, name: str) -> dict[str, Any]:
+        """Return the keywords of a tuning in a folder of its own."""
+        folder = None if self.path is None else self.path / name
+        shared = {"workers": self.workers, "executor": self.executor, "solver": self.solver, "report": self.report}
+        resume = self.resume and folder is not None and (folder / "log.jsonl").exists()
+        return {**(self.settings or QUICK), **shared, "folder": folder, "resume": resume, "save": False}
+
+    def tight(self, problem: Problem) -> float:
+        """Return the relative error of the runs that a result is told from [-], as of a tuning."""
+        usual = stepper_of(problem.mechanism).tight
+        smooth = self.solver is not None and isinstance(solver_named(self.solver), Diffrax)
+        return max(usual, FINEST_OF_DIFFRAX) if smooth else usual
+
+    @contextlib.contextmanager
+    def locked(self) -> Iterator[None]:
+        """Let the folder be this choice's own until the end of the block."""
+        if self.path is None:
+            yield
+            return
+        lock = Lock(self.path)
+        try:
+            yield
+        finally:
+            lock.release()

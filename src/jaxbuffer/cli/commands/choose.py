@@ -1,0 +1,122 @@
+"""`jaxbuffer choose`: the best parts of catalogues, or the best values that can be built near a tuned design."""
+
+import dataclasses
+from collections.abc import Callable
+from typing import Any
+
+from ...choosing.buildable import continuous_design, rounded
+from ...choosing.choice import Choice
+from ...choosing.choose import OPTIMUM, TUNED, ranked, selection, with_optimum, with_tuned
+from ...choosing.combinations import Combinations
+from ...choosing.criterion import Criterion
+from ...choosing.means import Means
+from ...choosing.store import FOLDER
+from ...cluster.extra import executor_at
+from ...errors import InputError
+from ...fields import declared
+from ...output.choice_files import choice_files
+from ...study.config import Config, apply_options
+from ...tuning.problem import Settings
+from ..exits import INTERRUPTED, LIMITS_BROKEN, OK, fail
+from ..streams import note
+from .progress import sweeping, tuning
+from .request import CommandLine, given, say_cautions
+
+EMPTY = "the study has no [parts] and no [roundings]; 'jaxbuffer choose --help' shows both"
+
+
+def choose(
+    request: CommandLine,
+    ranking: str | None,
+    tuned: str | None,
+    optimum: str | None,
+    scheduler: str | None,
+    resume: bool,
+) -> int:
+    """Choose parts or roundings, and save the ranking."""
+    study, options = request.study(), given(ranking=ranking, tuned=tuned, optimum=optimum)
+    study = dataclasses.replace(study, choosing=apply_options(study.choosing, options))
+    if not study.parts and not study.roundings:
+        raise InputError(EMPTY)
+    if study.parts and study.roundings:
+        raise InputError("[parts] and [roundings] both say what to choose from; keep one")
+    say_cautions(study.design, study.scenarios, {path for it in study.parts for path in it.paths})
+    chosen = _parts if study.parts else _roundings
+    work = chosen(study)
+    folders = (FOLDER, OPTIMUM, *(f"{TUNED}-{k + 1}" for k in range(study.choosing.tuned)))
+    names = ("design.toml", "design.mat", "choice.json", "choice.csv", "choice.png", "choice.txt")
+    files = request.files(*names, resumable=folders, resume=resume)
+    settings = {name: getattr(study.tuning, name) for name in declared(Settings)} if study.tuning != Settings() else {}
+    resume = resume and request.output is not None and (request.output / FOLDER).exists()
+    try:
+        with executor_at(scheduler) as (executor, _):
+            means = Means(request.output, resume, executor=executor, solver=study.options.solver, settings=settings)
+            choice = work(means)
+    except KeyboardInterrupt:
+        goes_on = f"the runs so far are kept; the same command with --resume goes on in {request.output}"
+        note("nothing is kept without --output DIR" if request.output is None else goes_on)
+        return INTERRUPTED
+    contents = choice_files(choice, request.made(study, resume))
+    files.save_and_show(lambda: contents, choice, lambda: str(contents["choice.json"]()))
+    return OK if choice.feasible else fail(choice.message, LIMITS_BROKEN)
+
+
+def _parts(study: Config) -> Callable[[Means], Choice]:
+    """Return the choice of parts of a study, which is checked now."""
+    told, settings = study.selection(), study.choosing
+    criterion, combinations = selection(told.problem, study.parts, told.objective, told.at_most)
+    if settings.tuned:
+        told.problem.check_tunable()
+
+    def work(means: Means) -> Choice:
+        choice = _counted(
+            criterion, combinations, means, lambda it: ranked(criterion, combinations, it, settings.ranking)
+        )
+        steps: list[Callable[[Choice, Means], Choice]] = [with_optimum] if settings.optimum else []
+        if settings.tuned:
+            steps.append(lambda it, by: with_tuned(it, settings.tuned, by))
+        for step in steps:
+            choice = _tuned(choice, means, step)
+        return choice
+
+    return work
+
+
+def _roundings(study: Config) -> Callable[[Means], Choice]:
+    """Return the choice of roundings of a study, which is checked now."""
+    problem = study.selection().problem
+    problem.check_tunable()
+    for path in study.roundings:
+        if path not in problem.paths:
+            raise InputError(f"roundings.{path} is none of the variables, {', '.join(problem.paths)}: it is not tuned")
+
+    def work(means: Means) -> Choice:
+        report = lambda by: continuous_design(problem, dataclasses.replace(means, report=by))  # noqa: E731
+        design = tuning(report, problem.success)
+        return sweeping(
+            1,
+            lambda progress: rounded(problem, study.roundings, design, _shown(means, progress), study.choosing.ranking),
+        )
+
+    return work
+
+
+def _counted(criterion: Criterion, combinations: Combinations, means: Means, work: Callable[[Means], Choice]) -> Choice:
+    """Run the combinations with a bar."""
+    count = len(combinations) * len(criterion.problem.cases)
+    doing = f"choosing among {len(combinations)} combinations:"
+    what = f"{criterion.problem.mechanism.view.run_name}s"
+    return sweeping(count, lambda progress: work(_shown(means, progress)), doing, what)
+
+
+def _shown(means: Means, progress: Callable[[int, int], None]) -> Means:
+    return dataclasses.replace(means, progress=progress)
+
+
+def _tuned(choice: Choice, means: Means, step: Callable[[Choice, Means], Choice]) -> Choice:
+    """Tune beside a choice, with a line for each evaluation."""
+
+    def work(report: Any) -> Choice:
+        return step(choice, dataclasses.replace(means, report=report))
+
+    return tuning(work, choice.problem.success)

@@ -1,0 +1,66 @@
+"""The figure of a choice: the objective of the best combinations, and what they leave of each limit."""
+
+import numpy as np
+
+from .._types import Axes, Figure
+from ..choosing.choice import Alternative, Choice
+from ..value_text import with_unit
+from .layout import legend_below, with_line_breaks
+from .style import BLUE, COLOURS, GREY, MARKS, ORANGE, RED, label, panels, styled
+
+ROWS = 12  # combinations that are drawn
+WIDE, SMALL = 170.0, 8  # width of a name and size of text [points]
+
+
+@styled
+def choice_figure(choice: Choice) -> Figure:
+    """Draw a bar for the objective of each ranked combination, beside the continuous one, and its margins."""
+    drawn = choice.ranked[:ROWS]
+    figure, grid = panels(11.0, 0.55 * max(len(drawn), 4) + 2.0, 1, 2)
+    _objective(grid[0, 0], choice, drawn)
+    _margins(grid[0, 1], choice, drawn)
+    legends = [axes.get_legend_handles_labels() for axes in grid[0]]
+    handles, names = (sum((one[k] for one in legends), []) for k in (0, 1))
+    if names:
+        legend_below(figure, handles, names)
+    tally = choice.tally
+    share = 100.0 * tally.spared / max(tally.possible, 1)
+    found = f"Best of {tally.combinations} combinations" if choice.feasible else "No combination keeps all limits"
+    figure.suptitle(f"{found}; {tally.runs} runs of {tally.possible}, {share:.0f} % spared")
+    return figure
+
+
+def _objective(axes: Axes, choice: Choice, drawn: tuple[Alternative, ...]) -> None:
+    """Draw the objective of each combination, from zero."""
+    symbol, factor = choice.criterion.objective.in_figures(choice.criterion.catalogue)
+    rows, values = np.arange(len(drawn)), factor * np.array([it.value for it in drawn])
+    colours = [BLUE if it.feasible else GREY for it in drawn]
+    axes.barh(rows, values, 0.6, color=colours)
+    for row, it in zip(rows, drawn, strict=True):
+        text = with_unit(*choice.criterion.shown(it.value), 5) + ("" if it.feasible else ", beyond limits")
+        axes.annotate(text, (0.0, row), (4, 0), textcoords="offset points", va="center", fontsize=SMALL, color="white")
+    lines = [("continuous optimum", choice.optimum.value if choice.optimum is not None else np.nan)]
+    lines += [("continuous design", choice.continuous.value if choice.continuous is not None else np.nan)]
+    for name, value in lines:
+        if np.isfinite(value):
+            axes.axvline(factor * value, color=ORANGE, linestyle="--", label=name)
+    names = [with_line_breaks(choice.in_words(it), WIDE, SMALL) for it in drawn]
+    axes.set_yticks(rows, names, fontsize=SMALL)
+    axes.set_ylim(len(rows) - 0.5, -0.5)
+    label(axes, f"{choice.criterion}", f"objective [{symbol}]" if symbol else "objective", "", legend=False)
+
+
+def _margins(axes: Axes, choice: Choice, drawn: tuple[Alternative, ...]) -> None:
+    """Draw what each combination leaves of each limit in its worst scenario."""
+    rows = np.arange(len(drawn))
+    limits = [it.limit for it in drawn[0].margins] if drawn else []
+    for number, limit in enumerate(limits):
+        known = [next(one.share for one in it.margins if one.limit == limit) for it in drawn]
+        left = np.array([np.nan if share is None else 100.0 * share for share in known])
+        name = limit.line(choice.criterion.catalogue[limit.name])
+        # No line joins the marks: combinations have no order but their rank.
+        axes.plot(left, rows, MARKS[number % len(MARKS)], color=COLOURS[number % len(COLOURS)], label=name)
+    axes.axvline(0.0, color=RED, linewidth=1.5)
+    axes.set_yticks(rows, [""] * len(rows))
+    axes.set_ylim(len(rows) - 0.5, -0.5)
+    label(axes, "Left of each limit in the worst scenario", "left of the limit [%]", "", legend=False)

@@ -1,0 +1,115 @@
+"""The files of a choice: names, and what makes their contents."""
+
+from typing import Any
+
+import numpy as np
+
+from ..choosing.choice import Alternative, Choice, lines, ranking_rows, set_by
+from ..fields import Part
+from ..labelled.record import heading, json_number, part_record
+from ..study.tuned_toml import tuned_toml
+from ..version import version
+from . import style
+from .choice_figure import choice_figure
+from .formats import Contents, Made, csv_text
+from .matlab import design_mat
+from .provenance import record_text
+from .records import limits_record
+
+
+def choice_files(choice: Choice, made: Made = None) -> Contents:
+    """Return the files of `jaxbuffer choose`. ``made``: how it came about."""
+    return {
+        "design.toml": lambda: _design(choice),
+        "design.mat": lambda: design_mat(choice.design),
+        "choice.json": lambda: record_text(choice_record(choice), made),
+        "choice.csv": lambda: csv_text(*ranking_rows(choice)),
+        "choice.txt": lambda: f"{choice!r}\n",
+        **style.both("choice", lambda: choice_figure(choice)),
+    }
+
+
+def choice_record(choice: Choice) -> dict[str, Any]:
+    """Return the result: what was chosen from, the ranking with margins, and how many runs were spared."""
+    criterion, problem = choice.criterion, choice.problem
+    return {
+        "kind": problem.mechanism.name,
+        "identity": choice.identity,
+        "message": choice.message,
+        "feasible": choice.feasible,
+        "objective": str(criterion),
+        "objective_unit": criterion.objective.unit(criterion.catalogue),
+        **limits_record(problem.limits, problem.quantities),
+        "limits_on_sums": {heading(it.name, criterion.catalogue[it.name].unit): it.bound for it in criterion.limits},
+        "tally": choice.tally._asdict() | {"spared": choice.tally.spared},
+        "lines": lines(choice),
+        heading("rtol_of_check", "-"): choice.tight,
+        heading("accuracy", "-"): choice.accuracy,
+        "reordered": choice.reordered,
+        "parts": {
+            it.role: [
+                {
+                    "name": part.name,
+                    **{path: _plain(value) for path, value in (part.fields | dict(part.totals)).items()},
+                }
+                for part in it.parts
+            ]
+            for it in choice.catalogues
+        },
+        "ranking": [_alternative(choice, it) for it in choice.ranked],
+        "nearest": None if choice.nearest is None else _alternative(choice, choice.nearest),
+        "continuous_objective": None if choice.continuous is None else json_number(choice.continuous.value),
+        "continuous_optimum": None if choice.optimum is None else json_number(choice.optimum.value),
+        "design": part_record(choice.design),
+        "jaxbuffer": version(),
+    }
+
+
+def _plain(value: Any) -> Any:
+    """Return a part's value as JSON has it; a curve as its points."""
+    return value.points() if hasattr(value, "points") else value
+
+
+def _alternative(choice: Choice, it: Alternative) -> dict[str, Any]:
+    known, problem = choice.criterion.catalogue, choice.problem
+    return {
+        "parts": {catalogue.role: name for catalogue, name in zip(choice.catalogues, it.names, strict=True)},
+        "feasible": it.feasible,
+        "broken": list(it.broken),
+        "objective": json_number(it.value),
+        **{heading(name, known[name].unit): value for name, value in it.totals.items()},
+        "largest_at": choice.label(it.deciding),
+        "tuned": it.tuned is not None,
+        "margins": [
+            {
+                "quantity": margin.limit.name,
+                "limit": margin.limit.line(known[margin.limit.name]),
+                heading("worst", known[margin.limit.name].unit): json_number(margin.value),
+                heading("left", "-"): json_number(margin.share),
+                "at": choice.label(margin.case),
+            }
+            for margin in it.margins
+        ],
+        "scenarios": [
+            {
+                **part_record(case.scenario),
+                "factors": dict(case.factors),
+                "outcome": problem.mechanism.outcomes(int(it.evaluation.code[k])).name,
+                **{
+                    heading(name, known[name].unit): json_number(it.evaluation.quantities[k, column])
+                    for column, name in enumerate(problem.names)
+                },
+            }
+            for k, case in enumerate(problem.cases)
+        ],
+    }
+
+
+def _design(choice: Choice) -> str:
+    """Return the best combination as a study, with the parts' names in its first lines."""
+    told, scenarios = [choice.message], list[Part]()
+    if choice.best is not None:
+        told += [f"{path}: {name}" for path, name in set_by(choice, choice.best).items()]
+        worst_first = np.argsort(-choice.best.evaluation.peak_force, kind="stable")
+        scenarios = [choice.problem.scenarios_met[k] for k in worst_first]
+    return tuned_toml(choice.design, choice.problem, "\n".join(told), scenarios)

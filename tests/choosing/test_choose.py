@@ -1,0 +1,144 @@
+"""A choice among real captures: against a sweep of every combination, interrupted, resumed, at tight tolerance."""
+
+import dataclasses
+import itertools
+
+import numpy as np
+import pytest
+
+import jaxbuffer as jb
+from jaxbuffer.choosing.store import FOLDER
+
+PARTS = {
+    "spring": {"S1": {"k_A": 200.0, "price": 9}, "S2": {"k_A": 450.0, "price": 12}, "S3": {"k_A": 1100.0, "price": 8}},
+    "damper": {"D1": {"c_A": 4.0, "price": 20}, "D2": {"c_A": 14.0, "price": 26}, "D3": {"c_A": 45.0, "price": 31}},
+    "tip": {"light": {"tip_mass": "25 g", "mass": "25 g"}, "heavy": {"tip_mass": "70 g", "mass": "70 g"}},
+}
+SPEEDS, ANGLES, STROKE = (0.06, 0.14), (-0.04, 0.03), 0.025  # m/s, rad, m
+RANKING = 6
+
+
+@pytest.fixture(scope="module")
+def problem():
+    scenarios = [jb.Scenario(approach_speed=v, misalignment=a) for v, a in itertools.product(SPEEDS, ANGLES)]
+    return jb.Problem(jb.table2(), scenarios, [], limits=jb.Limits(at_most={"stroke": STROKE}))
+
+
+@pytest.fixture(scope="module")
+def chosen(problem):
+    return jb.choose(problem, PARTS, ranking=RANKING, optimum=False)
+
+
+@pytest.fixture(scope="module")
+def swept():
+    """Every combination at every scenario, by the sweep's own program; runs in the order of the catalogues."""
+    over = {
+        "buffer.k_A": [it["k_A"] for it in PARTS["spring"].values()],
+        "buffer.c_A": [it["c_A"] for it in PARTS["damper"].values()],
+        "probe.tip_mass": [0.025, 0.07],
+        "scenario.approach_speed": list(SPEEDS),
+        "scenario.misalignment": list(ANGLES),
+    }
+    return jb.sweep(jb.table2(), jb.Scenario(), 8.0, over=over)
+
+
+def names_of(number):
+    return tuple(list(it)[place] for it, place in zip(PARTS.values(), np.unravel_index(number, (3, 3, 2)), strict=True))
+
+
+@pytest.mark.slow
+def test_the_ranking_is_that_of_a_sweep_of_everything(chosen, swept, evidence):
+    captured = np.array([outcome.name == "captured" for outcome in swept.outcomes])
+    keeps = np.all((captured & (swept.stroke <= STROKE)).reshape(18, 4), axis=1)
+    worst = np.where(keeps, np.max(swept.peak_force.reshape(18, 4), axis=1), np.inf)
+    order = [int(k) for k in np.argsort(worst, kind="stable")[: min(RANKING, keeps.sum())]]
+    assert 2 < keeps.sum() < 18, "some combinations keep the limits and some do not"
+    assert [it.names for it in chosen.ranked] == [names_of(k) for k in order]
+    assert chosen.tally.complete >= len(order) and chosen.tally.runs < 72
+    # The sweep's runs have rtol 1e-6, those that are told 1e-9.
+    error = max(abs(it.value / worst[k] - 1.0) for it, k in zip(chosen.ranked, order, strict=True))
+    evidence("choices", "the best combinations have the numbers of a sweep", error, 1e-5, "jb.sweep of all of them")
+    for it, k in zip(chosen.ranked, order, strict=True):
+        margin = next(one for one in it.margins if one.limit.name == "stroke")
+        stroke = swept.stroke.reshape(18, 4)[k]
+        assert margin.case == int(np.argmax(stroke)) and margin.share == pytest.approx(
+            1.0 - max(stroke) / STROKE, abs=1e-5
+        )
+        assert it.deciding == int(np.argmax(swept.peak_force.reshape(18, 4)[k]))
+
+
+@pytest.mark.slow
+def test_the_cheapest_and_a_limit_on_the_mass(problem, swept):
+    """Objective and limit are sums over the parts: the light tip alone keeps the limit on the mass."""
+    choice = jb.choose(
+        problem, PARTS, objective=jb.Objective({"price": 1.0}), at_most={"mass": "30 g"}, ranking=2, optimum=False
+    )
+    captured = np.array([outcome.name == "captured" for outcome in swept.outcomes])
+    keeps = np.all((captured & (swept.stroke <= STROKE)).reshape(18, 4), axis=1)
+    prices = {
+        names_of(k): PARTS["spring"][names_of(k)[0]]["price"] + PARTS["damper"][names_of(k)[1]]["price"]
+        for k in np.flatnonzero(keeps)
+        if names_of(k)[2] == "light"
+    }
+    assert [it.value for it in choice.ranked] == sorted(prices.values())[:2]
+    assert choice.best.value == prices[choice.best.names] and choice.tally.priced_out == 9
+    assert "mass ≤ 30 g" in str(choice)
+
+
+@pytest.mark.slow
+def test_a_choice_that_was_interrupted_ends_with_the_same_bits(problem, chosen, tmp_path):
+    def interrupting(done, total):
+        if done > 25:
+            raise KeyboardInterrupt
+
+    arguments = {"ranking": RANKING, "optimum": False, "folder": tmp_path, "save": False}
+    with pytest.raises(KeyboardInterrupt):
+        jb.choose(problem, PARTS, progress=interrupting, **arguments)
+    files = sorted((tmp_path / FOLDER).glob("*.npz"))
+    assert files
+    content = bytearray(files[0].read_bytes())
+    content[100] ^= 1
+    files[0].write_bytes(content)  # damaged: its runs are made again
+    resumed = jb.choose(problem, PARTS, resume=True, **arguments)
+    assert str(resumed) == str(chosen) and resumed.tally == chosen.tally
+    for one, other in zip(resumed.ranked, chosen.ranked, strict=True):
+        assert one.value == other.value and np.array_equal(one.evaluation.quantities, other.evaluation.quantities)
+    with pytest.raises(jb.InputError, match="holds another choice, differing in ranking"):
+        jb.choose(problem, PARTS, resume=True, **arguments | {"ranking": 2})
+    other = dataclasses.replace(problem, limits=jb.Limits(at_most={"stroke": 0.02}))
+    with pytest.raises(jb.InputError, match="differing in study"):
+        jb.choose(other, PARTS, resume=True, **arguments)
+
+
+@pytest.mark.slow
+def test_roundings_are_judged_over_all_cases_and_say_their_cost(problem):
+    design = jb.replace(jb.table2(), {"buffer.k_A": 290.0, "buffer.c_A": 21.3})
+    choice = jb.buildable(problem, {"buffer.k_A": "E12", "buffer.c_A": "5 N s/m"}, design, ranking=16)
+    assert choice.tally.combinations == 16 and choice.nearest.names == ("270 N/m", "20 N s/m")
+    runs = [[jb.simulate(it.design, case.scenario) for case in problem.cases] for it in (choice.best, choice.nearest)]
+    worst = [max(float(run.peak_force) for run in each) for each in runs]
+    assert [choice.best.value, choice.nearest.value] == pytest.approx(worst, rel=1e-5)
+    exact = max(float(jb.simulate(design, case.scenario).peak_force) for case in problem.cases)
+    assert choice.continuous.value == pytest.approx(exact, rel=1e-5)
+    assert f"{100.0 * (choice.best.value / exact - 1.0):+.2g} %" in str(choice)
+
+
+def test_what_cannot_be_chosen_is_said(problem):
+    with pytest.raises(jb.InputError, match=r"parts\.spring sets buffer\.k_A, which is among the variables too"):
+        tunable = dataclasses.replace(problem, variables=[jb.Variable("buffer.k_A", 100.0, 2000.0)])
+        jb.choose(tunable, PARTS)
+    with pytest.raises(jb.InputError, match="variables is empty"):
+        jb.choose(problem, PARTS, tuned=1)
+    with pytest.raises(jb.InputError, match="variables is empty"):
+        jb.tune(problem)
+    with pytest.raises(jb.InputError, match=r"at_most\.weight is unknown"):
+        jb.choose(problem, PARTS, at_most={"weight": 3.0})
+    with pytest.raises(jb.InputError, match="no part has a price"):
+        jb.choose(problem, {"tip": {"T": {"tip_mass": 0.03}}}, objective=jb.Objective({"price": 1.0}))
+    with pytest.raises(jb.InputError, match="resume needs the folder"):
+        jb.choose(problem, PARTS, resume=True)
+    with pytest.raises(jb.InputError, match="combinations, above 1e"):
+        many = {
+            role: {f"P{k}": {path: 0.01 + 1e-4 * k} for k in range(1200)} for role, path in (("a", "k_A"), ("b", "c_A"))
+        }
+        jb.choose(problem, many)

@@ -1,0 +1,132 @@
+"""The enumeration against a look at every number of a made-up table: same winner, same ranking, fewer runs."""
+
+import numpy as np
+import pytest
+
+from jaxbuffer import Limits, Objective, Problem, Scenario, table2
+from jaxbuffer.choosing.enumeration import Enumeration
+from jaxbuffer.choosing.runs import Ended
+from jaxbuffer.tuning.measurement import Measurement
+
+CASES, STROKE = 5, 0.025  # load cases; limit [m]
+
+
+class MadeUpRuns:
+    """Runs whose peak force [N], stroke [m] and outcome stand in tables (combinations, cases)."""
+
+    def __init__(self, force, stroke, captured, objective):
+        scenarios = [Scenario(approach_speed=0.1 + 0.01 * k) for k in range(force.shape[1])]
+        self.problem = Problem(table2(), scenarios, [], objective, Limits(at_most={"stroke": STROKE}))
+        self.force, self.stroke, self.captured = force, stroke, captured
+        self.misfits, self.wanted = {}, []
+
+    def each(self, wanted, rtol=None, done=None):
+        self.wanted += wanted
+        return [self.measurement(*key) for key in wanted]
+
+    def measurement(self, number, case):
+        outcomes = self.problem.mechanism.outcomes
+        outcome = outcomes["captured"] if self.captured[number, case] else outcomes["escaped"]
+        numbers = dict.fromkeys(self.problem.measured, 0.1)
+        numbers |= {"peak_force": self.force[number, case], "stroke": self.stroke[number, case], "stroke_share": 0.5}
+        numbers["capture_share"] = 0.2 if self.captured[number, case] else -0.2
+        return Measurement.of_numbers(
+            self.problem, Ended(self.problem.mechanism, outcome, self.problem.design), 1, numbers
+        )
+
+
+def made_up(seed, objective, count=400):
+    """A table in which some cases are harder than others, as for designs."""
+    random = np.random.default_rng(seed)
+    soft, hard = random.uniform(0.0, 1.0, (count, 1)), np.linspace(0.7, 1.0, CASES)[random.permutation(CASES)]
+    force = (200.0 + 300.0 * soft) * hard * random.uniform(0.9, 1.0, (count, CASES))
+    stroke = (0.03 - 0.02 * soft) * hard * random.uniform(0.9, 1.0, (count, CASES))
+    return MadeUpRuns(force, stroke, random.uniform(size=(count, CASES)) > 0.02, objective)
+
+
+def brute_force(runs, aggregate, constant, allowed, ranking):
+    """The best combinations by looking at all numbers."""
+    keeps = np.all((runs.stroke <= STROKE) & runs.captured, axis=1) & allowed
+    value = np.where(keeps, np.apply_along_axis(aggregate, 1, runs.force) + constant, np.inf)
+    return [int(k) for k in np.argsort(value, kind="stable")[:ranking] if keeps[k]]
+
+
+OVER = {
+    "worst": (Objective(), np.max),
+    "mean": (Objective(over="mean"), np.mean),
+    # of five cases the worst two fifths are the two largest
+    "cvar": (Objective(over="cvar", level=0.6), lambda row: np.mean(np.sort(row)[-2:])),
+}
+
+
+@pytest.mark.parametrize("over", OVER)
+@pytest.mark.parametrize("seed", range(4))
+def test_the_ranking_is_that_of_a_look_at_every_run(over, seed):
+    objective, aggregate = OVER[over]
+    runs, ranking = made_up(seed, objective), 1 + 3 * seed
+    random = np.random.default_rng(99 + seed)
+    constant, allowed = random.uniform(0.0, 40.0, 400), random.uniform(size=400) > 0.1
+    search = Enumeration(runs, objective, constant=constant, allowed=allowed, ranking=ranking)
+    search.run()
+    assert [int(k) for k in search.best()] == brute_force(runs, aggregate, constant, allowed, ranking)
+    assert len(set(runs.wanted)) == len(runs.wanted) == search.tally.runs < search.tally.possible
+    assert {number for number, _ in runs.wanted} <= set(np.flatnonzero(allowed))
+    tally = search.tally
+    assert tally.priced_out + tally.infeasible + tally.beaten + tally.complete == tally.combinations == 400
+
+
+def test_a_worst_case_objective_needs_little_more_than_a_run_a_combination():
+    runs = made_up(7, Objective(), count=2000)
+    search = Enumeration(runs, Objective(), constant=np.zeros(2000), allowed=np.ones(2000, bool), ranking=5)
+    search.run()
+    assert search.tally.runs < 1.4 * 2000, search.tally
+
+
+def test_the_cheapest_is_found_with_hardly_a_run():
+    """Price alone is known before any run: those dearer than the best feasible ones are never run."""
+    runs = made_up(1, Objective())
+    price = np.random.default_rng(5).uniform(10.0, 90.0, 400)
+    search = Enumeration(runs, None, constant=price, allowed=np.ones(400, bool), ranking=3)
+    search.run()
+    keeps = np.all((runs.stroke <= STROKE) & runs.captured, axis=1)
+    assert [int(k) for k in search.best()] == [int(k) for k in np.argsort(np.where(keeps, price, np.inf))[:3]]
+    assert search.tally.runs < 0.5 * search.tally.possible
+
+
+def test_where_none_keeps_the_limits_the_nearest_are_told():
+    runs = made_up(2, Objective())
+    runs.stroke[:] = STROKE * np.linspace(1.01, 2.0, 400)[:, None]
+    runs.captured[:] = True
+    search = Enumeration(runs, Objective(), constant=np.zeros(400), allowed=np.ones(400, bool), ranking=3)
+    search.run()
+    assert len(search.best()) == 0 and [int(k) for k in search.nearest()] == [0, 1, 2]
+    assert not np.isnan(search.judged.excess[[0, 1, 2]]).any(), "they are run at every case, to be told"
+
+
+def test_equal_combinations_stay_in_the_order_of_the_catalogues():
+    runs = made_up(3, Objective())
+    runs.force[:], runs.stroke[:], runs.captured[:] = 300.0, 0.01, True
+    search = Enumeration(runs, Objective(), constant=np.zeros(400), allowed=np.ones(400, bool), ranking=4)
+    search.run()
+    assert [int(k) for k in search.best()] == [0, 1, 2, 3]
+
+
+def test_progress_ends_with_all_runs_done_or_spared():
+    runs, told = made_up(4, Objective()), []
+    each = runs.each
+
+    def reporting(wanted, rtol=None, done=None):
+        done(len(wanted) // 2)
+        return each(wanted)
+
+    runs.each = reporting
+    search = Enumeration(
+        runs,
+        Objective(),
+        constant=np.zeros(400),
+        allowed=np.ones(400, bool),
+        ranking=2,
+        progress=lambda done, total: told.append((done, total)),
+    )
+    search.run()
+    assert told == sorted(told) and told[-1] == (2000, 2000)
