@@ -18,12 +18,14 @@ from ..mechanisms.energy import energy_text
 from ..mechanisms.mechanism import EndCount
 from ..tables import html, table, text
 from ..value_text import before_and_after, change_text, percent_text, relative_change
-from .checks import Corners, PeakForceBound, corners, lower_bound
+from .checks import PeakForceBound, lower_bound
+from .corners import CornerRuns, Corners, corners, run_corners
 from .evaluation import Evaluation, Evaluator
 from .goal import Goal, Tangent
 from .message import Ended, broken_limits, headline
 from .model_step import residual
 from .problem import Problem, Settings
+from .spread import Spread, Tightening, spread_lines, spread_table, spreads, tightening
 from .store import Record
 
 SHOWN = 12  # scenarios in a table
@@ -47,7 +49,10 @@ class Tuned(Saved):
     - ``lower_bound``: first impacts, which no buffer softens; None where the mechanism has no such lower bound.
     - ``records``: every evaluation, as in the log.
     - ``captures``: solved in all, the last check included.
-    - ``corners``: the design in the corners of the ranges that the problem scatters over; None where nothing scatters.
+    - ``corners``: the design in the corners of the tolerances and of the ranges that the problem scatters over; None
+      where there are none of either.
+    - ``spreads``: the scatter of the objective's and of each limited quantity by tolerances; ``tightening``: which
+      tolerance to tighten first; none without tolerances.
     - ``identity``: a hash of all that makes it the tuning it is, as its folder has it; "" where that is not known.
 
     **Example:**
@@ -73,6 +78,8 @@ class Tuned(Saved):
     records: tuple[Record, ...]
     captures: int
     corners: Corners | None = None
+    spreads: tuple[Spread, ...] = ()
+    tightening: Tightening | None = None
     tight: float = 1e-9
     identity: str = ""
 
@@ -84,8 +91,12 @@ class Tuned(Saved):
 
     @property
     def worst_first(self) -> tuple[Part, ...]:
-        """Return the load cases' scenarios by their peak contact force with the tuned design, the largest first."""
-        return tuple(self.problem.scenarios_met[k] for k in np.argsort(-self.after.peak_force, kind="stable"))
+        """Return the scenarios, without tolerances, by their peak contact force with the tuned design, the largest
+        first."""
+        drawn = self.problem.drawn
+        # The cases of each scenario, its corners among them, stand together.
+        peaks = self.after.peak_force.reshape(len(drawn), -1).max(axis=1)
+        return tuple(drawn[k].scenario for k in np.argsort(-peaks, kind="stable"))
 
     @property
     def screened(self) -> int:
@@ -191,7 +202,9 @@ def assess(
     exact = goal.slope(after, cases)
     error, largest = float(np.max(np.abs(goal.slope(best, cases) - exact))), float(np.max(np.abs(exact)))
     # Before the count of captures below: the corners are runs, too.
-    in_corners = corners(goal, evaluator, scaled, evaluator.tight)
+    runs = run_corners(problem, evaluator, scaled, evaluator.tight)
+    in_corners = None if runs is None else corners(problem, runs)
+    more = {} if runs is None or not problem.tolerances else _of_tolerances(problem, evaluator, scaled, runs)
     return Tuned(
         problem=problem,
         settings=settings,
@@ -208,8 +221,15 @@ def assess(
         records=tuple(records),
         captures=evaluator.captures,
         corners=in_corners,
+        **more,
         tight=evaluator.tight,
     )
+
+
+def _of_tolerances(problem: Problem, evaluator: Evaluator, scaled: np.ndarray, runs: CornerRuns) -> dict[str, Any]:
+    """Return which tolerances matter."""
+    arguments = (problem, evaluator, scaled, runs, evaluator.tight)
+    return {"spreads": spreads(*arguments), "tightening": tightening(*arguments)}
 
 
 def with_corners(message: str, in_corners: Corners | None, feasible: bool) -> str:
@@ -234,6 +254,7 @@ def tuned_parts(tuned: Tuned) -> list[str | Table]:
         f" {problem.mechanism.view.run_name}s, {tuned.screened} of them without derivatives",
     ]
     lines += [] if tuned.corners is None else tuned.corners.lines(problem)
+    lines += spread_lines(problem, tuned.spreads, tuned.tightening)
     lines += tuned_warnings(tuned)
     lines += [f"limit {line}" for line in broken_limits(tuned.goal, tuned.after)]
     broken = tuned.goal.broken(tuned.after)
@@ -241,6 +262,7 @@ def tuned_parts(tuned: Tuned) -> list[str | Table]:
     # A slice of one: the line is there only where some are left out.
     lines += [f"and {len(broken) - SHOWN} more" for _ in broken[SHOWN : SHOWN + 1]]
     tables = [_tuned_objective(tuned), _tuned_cases(tuned), _left_open(tuned), _tuned_variables(tuned)]
+    tables.append(spread_table(problem, tuned.spreads))
     first = headline(tuned.message, tuned.goal.feasible(tuned.after), tuned.end_count(tuned.after))
     return [first, *(it for it in tables if it is not None), *lines]
 
