@@ -51,7 +51,10 @@ class Corners:
 
     @property
     def verdict(self) -> str:
-        """Return in words how many corners the design fails in."""
+        """Return in words in how many corners the design holds."""
+        if self.hold:
+            count, which = len(self.cases), "" if self.whole else " that were run"
+            return f"the design holds in {count} of {count} corners of the {self.what}{which}"
         if self.holding == len(self.cases):
             return f"the design holds in every corner of the {self.what}, and not in their middle"
         return f"the design holds in {self.holding} of {len(self.cases)} corners of the {self.what} only"

@@ -22,7 +22,7 @@ from .checks import PeakForceBound, lower_bound
 from .corners import CornerRuns, Corners, corners, run_corners
 from .evaluation import Evaluation, Evaluator
 from .goal import Goal, Tangent
-from .message import Ended, broken_limits, headline
+from .message import INFEASIBLE, Ended, broken_limits, headline
 from .model_step import residual
 from .problem import Problem, Settings
 from .spread import Spread, Tightening, spread_lines, spread_table, spreads, tightening
@@ -103,7 +103,7 @@ class Tuned(Saved):
         """Return how many of the captures were solved without derivatives."""
         # A lone start needs no screening, and is run with derivatives at once.
         alone = self.settings.starts == 1
-        return 0 if alone else len(self.problem.cases) * sum(it["status"] == "start" for it in self.records)
+        return 0 if alone else sum(len(it["outcome"]) for it in self.records if it["status"] == "start")
 
     @property
     def converged(self) -> bool:
@@ -233,10 +233,14 @@ def _of_tolerances(problem: Problem, evaluator: Evaluator, scaled: np.ndarray, r
 
 
 def with_corners(message: str, in_corners: Corners | None, feasible: bool) -> str:
-    """Return a message with the verdict of the corners before it, where the scenarios keep what the corners break."""
-    if in_corners is None or in_corners.hold or not feasible:
+    """Return a message with the verdict of the corners before it: where they break something, and of tolerances."""
+    if in_corners is None:
         return message
-    return f"{in_corners.verdict}. {message[:1].upper()}{message[1:]}"
+    if in_corners.hold and feasible:
+        return f"{in_corners.verdict}. {message[:1].upper()}{message[1:]}" if "tolerances" in in_corners.what else message
+    if feasible:
+        return f"{in_corners.verdict}. {message[:1].upper()}{message[1:]}"
+    return f"{INFEASIBLE}{in_corners.verdict}; {message.removeprefix(INFEASIBLE)}" if not in_corners.hold else message
 
 
 def tuned_table(tuned: Tuned) -> str:
