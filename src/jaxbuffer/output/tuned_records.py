@@ -12,6 +12,7 @@ from ..tuning.cases import Case
 from ..tuning.evaluation import Evaluation
 from ..tuning.message import headline
 from ..tuning.pareto import Front, point_status
+from ..tuning.spread import CAPTION, spread_headings, spread_lines, spread_rows
 from ..tuning.tuned import SHOWN, Tuned, tuned_warnings
 from ..value_text import with_unit
 from ..version import version
@@ -95,6 +96,7 @@ def _scattered(tuned: Tuned) -> dict[str, Any]:
             address: {**dataclasses.asdict(it), "in_words": problem.tolerance_text(address)}
             for address, it in problem.tolerances.items()
         }
+        record["spread"] = _spread(tuned)
     each = zip(corners.cases, corners.values, corners.broken, strict=True)
     return record | {
         "corners": {
@@ -112,6 +114,30 @@ def _scattered(tuned: Tuned) -> dict[str, Any]:
                 for case, value, broken in each
             ],
         },
+    }
+
+
+def _spread(tuned: Tuned) -> dict[str, Any]:
+    """Return which tolerances matter, in words and in numbers."""
+    problem, found = tuned.problem, tuned.spreads
+    return {
+        "caption": CAPTION,
+        "headings": ["field", "tolerance", *spread_headings(problem, found)],
+        "rows": spread_rows(problem, found),
+        "lines": spread_lines(problem, found, tuned.tightening),
+        "each": [
+            {
+                "quantity": it.name,
+                "unit": problem.catalogue[it.name].unit,
+                "as_drawn": json_number(it.drawn),
+                "in_corners": [json_number(it.low), json_number(it.high)],
+                "changes": dict(zip(problem.tolerances, map(json_number, it.effects), strict=True)),
+                "shares": dict(zip(problem.tolerances, map(json_number, it.shares), strict=True)),
+                "error": json_number(it.error),
+                "trusted": it.trusted,
+            }
+            for it in found
+        ],
     }
 
 

@@ -166,7 +166,8 @@ def _is_a_case(run: Record, tuned: Record) -> bool:
         return False
     return any(
         # A run simulates the design as drawn, which a case with factors does not.
-        not any(case.get(it) for it in ("factors", "shifts", "values")) and all(same(case.get(name), value) for name, value in run["scenario"].items())
+        not any(case.get(it) for it in ("factors", "shifts", "values"))
+        and all(same(case.get(name), value) for name, value in run["scenario"].items())
         for case in tuned["scenarios"]
     )
 
@@ -228,7 +229,9 @@ def limits(results: Results, every: Sequence[Results] = (), named: bool = False)
     check = limit_check(results, every)
     if check is None:
         return None
-    of = "The run" if results.tuned is None else "The worst over all scenarios"
+    sampled = results.tuned is not None and "sample" in results.tuned
+    over = "The largest over all samples, no bound," if sampled else "The worst over all scenarios"
+    of = "The run" if results.tuned is None else over
     caption = (
         f"{of} against {f'the limits of {check.source_folder}' if check.source_folder else 'the limits of its study'}"
     )

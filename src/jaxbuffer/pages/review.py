@@ -16,6 +16,7 @@ from .origin import origin, verification
 from .page import Page, PageSection, write_page
 from .runs import diagnosis, run, scenarios, search
 from .sensitivities import sensitivity
+from .tolerances import tolerances
 
 Parts = list[tuple[Results, PageSection]]
 
@@ -61,6 +62,7 @@ def review(every: Sequence[Results], title: str = "") -> Page:
     # A run that repeats a scenario of a tuning would say the same a second time.
     made += [(results, limits(results, every)) for results in every if not repeats_tuning(results, every)]
     made += [(results, scenarios(results)) for results in every]
+    made += [(results, tolerances(results)) for results in every]
     for results in every:
         made += [(results, run(results, first)), (results, diagnosis(results, every))]
     made += [(results, sensitivity(results, first, every)) for results in every]

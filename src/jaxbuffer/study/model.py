@@ -117,7 +117,7 @@ class ProblemTable:
         VARIABLES, 'what jaxbuffer tune may change: [low, high] or [low, high, "linear"]'
     )
     grid: Mapping[str, list[Any]] | None = subtable(
-        ValueKind(lambda *given: _read_grid(*given), lambda names: _grid_schema(names)),
+        ValueKind(_read_grid, _grid_schema),
         "for every combination of these values, of fields of the scenario and, by path, of the design",
     )
     sample: Scatter | None = subtable(

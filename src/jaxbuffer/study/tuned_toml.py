@@ -42,7 +42,14 @@ def tuned_toml(
         whole = design_toml(design, listed, comment, problem.units)
     else:  # the samples are drawn again; what scatters, or is in the grid, replaces those fields of the scenario
         whole = design_toml(design, listed[:1], comment, problem.units, "[scenario]")
-    parts = [*_variables(problem), *_objective(problem), *_limits(problem), *(sampled or ()), *_tolerances(problem), *options]
+    parts = [
+        *_variables(problem),
+        *_objective(problem),
+        *_limits(problem),
+        *(sampled or ()),
+        *_tolerances(problem),
+        *options,
+    ]
     changed = [] if settings is None else _keys(settings, declared(Settings))
     return "\n".join([whole, *parts[1:], *(["", "[tune]", *changed] if changed else [])]) + "\n"
 

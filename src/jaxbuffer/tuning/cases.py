@@ -142,7 +142,7 @@ class Scatter:
     """
 
     count: int = whole(
-        16, 1, doc="samples of each scenario; their worst is no bound, so the ranges' corners are run too"
+        16, 1, doc="samples of each scenario; their largest is no bound, so the ranges' corners are run too"
     )
     fields: Mapping[str, Distribution] = dataclasses.field(default_factory=dict)
     factors: Mapping[str, Distribution] = dataclasses.field(default_factory=dict)

@@ -18,6 +18,7 @@ from .problem import Problem
 from .targets import Target, targets
 from .tolerances import moved
 
+CLIMBS = 8  # corners from which each target's search goes on to neighbours
 STEPS = 8  # of one search along the slopes, and from a corner to its neighbours
 WORSE = 1e-4  # relative, by which an objective must be larger in a corner that a tuning then takes among its cases
 
@@ -81,8 +82,12 @@ class CornerSearch:
             places = set(self._named(evaluation, [(b, np.array(row)) for b, row in new]))
 
     def _climb(self, k: int) -> Place:
-        """Return a corner in which a target is no better than in its neighbours, from the worst one known."""
-        worst = max(self.values, key=lambda place: (self.values[place][k], place))
+        """Return the worst corner in which a target is no better than in its neighbours, from the worst ones known."""
+        starts = sorted(self.values, key=lambda place: (self.values[place][k], place))[-CLIMBS:]
+        return max((self._climb_from(k, place) for place in starts), key=lambda place: (self.values[place][k], place))
+
+    def _climb_from(self, k: int, worst: Place) -> Place:
+        """Go from corner to corner, each time to the worst neighbour, until none is worse."""
         for _ in range(STEPS):
             b, row = worst
             flips = 1.0 - 2.0 * np.eye(len(row))

@@ -138,7 +138,12 @@ class Evaluator:
         return _gather(problem, point, cases, runs, _by_shares(problem, point, cases))
 
     def _measure(
-        self, points: Sequence[np.ndarray], cases: Sequence[Case], rtol: float | None, slopes: bool, paths: Sequence[str]
+        self,
+        points: Sequence[np.ndarray],
+        cases: Sequence[Case],
+        rtol: float | None,
+        slopes: bool,
+        paths: Sequence[str],
     ) -> list[Measurement]:
         """Run designs in load cases, all cases of the first design first, with derivatives by ``paths``."""
         problem = self.problem
@@ -161,9 +166,7 @@ class Evaluator:
         return [Measurement.lost(problem, len(paths)) if design is None else next(results) for design, _ in jobs]
 
 
-def _by_variables(
-    problem: Problem, scaled: np.ndarray, cases: Sequence[Case]
-) -> Float[np.ndarray, "cases variables"]:
+def _by_variables(problem: Problem, scaled: np.ndarray, cases: Sequence[Case]) -> Float[np.ndarray, "cases variables"]:
     """Return d built number / d scaled variable: the load case's factor times the variable's scale."""
     values, factors = problem.values(scaled), [dict(case.factors) for case in cases]
     return np.array(

@@ -71,8 +71,8 @@ def measure(
     """Run once and read off the numbers, with their derivatives if ``slopes``; else those are zero.
 
     **Arguments:** ``built``: design and scenario; ``mechanism``: whose design it is; ``measured``: names of the
-    quantities to read off; ``paths``: addresses by which they are differentiated; ``end``: what the run must reach besides, None
-    for nothing; ``solver``: as for `simulate`.
+    quantities to read off; ``paths``: addresses by which they are differentiated; ``end``: what the run must reach
+    besides, None for nothing; ``solver``: as for `simulate`.
     """
     (design, scenario), solver = built, None if solver is None else solver_named(solver)
     rest = [name for name in measured if name != PEAK_FORCE]

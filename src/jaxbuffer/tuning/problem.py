@@ -37,7 +37,7 @@ from ..value_text import interval_text, with_unit
 from .cases import WHOLE_CORNERS, Case, Scatter, corner_signs
 from .custom_quantity import CustomQuantity, check_custom_quantities
 from .objective import ONE_LIMIT, Limits, Objective, SecondObjective, in_units, quantity_in_words
-from .tolerances import Tolerance, check_ends, corner_cases, read_tolerances
+from .tolerances import check_ends, corner_cases, read_tolerances
 
 SCALES = ("log", "linear")
 PEAK_FORCE = "peak_force"  # the quantity that every mechanism has, and a search knows of every impact

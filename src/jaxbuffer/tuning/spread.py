@@ -25,7 +25,7 @@ class Spread(NamedTuple):
     """The scatter of a quantity by tolerances, in the scenario that has its worst corner.
 
     - ``name``: of the quantity; ``scenario``: its number among the problem's load cases as drawn.
-    - ``drawn``: the value without tolerances; ``low``, ``high``: the least and the largest in the corners that were run.
+    - ``drawn``: the value without tolerances; ``low``, ``high``: the least and the largest in the corners run.
     - ``effects``: the change by half of each tolerance's width, to first order, in the quantity's unit.
     - ``error``: of the first order in the corners, rms, relative to the rms change there [-]; NaN where one failed.
     """
@@ -54,7 +54,7 @@ class Spread(NamedTuple):
 class Tightening:
     """What half of each tolerance would bring in the worst corner, by a run each.
 
-    - ``title``: of what is worst there; ``corner``: in words; ``before``: its value there, in words.
+    - ``title``: of what is worst there; ``corner``: in words; ``before``: its value there and its limit, in words.
     - ``after``: the values with half of each tolerance, in words, by address, those that help most first; those that do
       not help are left out.
     """
@@ -145,7 +145,8 @@ def tightening(
         if value < before and np.isfinite(value)
     }
     label = corner.label([*problem.drawn, *runs.cases])
-    return Tightening(target.title, label, target.text(before) if np.isfinite(before) else "not known", helping)
+    value = target.text(before) if np.isfinite(before) else "not known"
+    return Tightening(target.title, label, value + target.bound, helping)
 
 
 def _worst(problem: Problem, runs: CornerRuns) -> tuple[Target, int] | None:

@@ -63,6 +63,14 @@ class Target(NamedTuple):
             return str(self.problem.mechanism.tuning.margin).replace("_", " ")
         return IMPACTS if self.limit.name == IMPACTS else self.problem.catalogue[self.limit.name].title
 
+    @property
+    def bound(self) -> str:
+        """Return the limit in words, after a comma: ", limit ≤ 25 mm"; "" where there is none."""
+        if self.limit is None:
+            return ""
+        shown = ("", 1.0) if self.limit.name == IMPACTS else self.problem.catalogue[self.limit.name].in_figures
+        return f", limit {self.limit.bound_text(*shown)}"
+
     def text(self, value: float) -> str:
         """Return a number in the unit of what it is of: "25.1 mm"."""
         if self.objective is not None:

@@ -39,8 +39,8 @@ class Tolerance:
 
     **Arguments:**
 
-    - ``low``, ``high``: the change at either end, at most 0 and at least 0: in the number's unit or, if ``relative``, as
-      a share of the drawn number [-].
+    - ``low``, ``high``: the change at either end, at most 0 and at least 0, in the number's unit.
+    - ``relative``: whether the ends are shares of the drawn number [-] instead.
 
     **Raises:** `InputError` for ends that are not finite, on the wrong side of 0, or both 0.
 
@@ -122,7 +122,9 @@ def read_tolerance(where: str, given: Any, symbol: str) -> Tolerance:
         ends = [-half, half]
     low, high = ends
     if not low <= 0.0 <= high or low == high:
-        raise InputError(f"{where} = {shown(given)}: a pair goes from at most 0 to at least 0, and is not 0 on both sides")
+        raise InputError(
+            f"{where} = {shown(given)}: a pair goes from at most 0 to at least 0, and is not 0 on both sides"
+        )
     return Tolerance(low, high, relative)
 
 
@@ -160,7 +162,9 @@ def read_tolerances(given: Mapping[str, Any], design: Part, scenario: Part) -> d
             what = no_number(owner, address.removeprefix(SCENARIO))
             raise InputError(f"{where}: {address} is {what}; only numbers have tolerances")
         if number is None:
-            raise InputError(f"{where}: {address} is not set, so that nothing can differ from it; give it a value first")
+            raise InputError(
+                f"{where}: {address} is not set, so that nothing can differ from it; give it a value first"
+            )
         read[address] = read_tolerance(where, value, symbol)
     return read
 
@@ -222,4 +226,3 @@ def check_ends(
                 raise error.between(f"{words} leads out of the allowed range: ") from None
             except InputError as error:
                 raise error.between(f"{words}: ") from None
-
