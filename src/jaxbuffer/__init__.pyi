@@ -99,6 +99,7 @@ from .tuning.problem import (
     Problem as Problem,
     Variable as Variable,
 )
+from .tuning.tolerances import Tolerance as Tolerance
 from .tuning.tune import tune as tune
 from .tuning.tuned import Tuned as Tuned
 

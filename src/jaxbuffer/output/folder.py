@@ -58,9 +58,9 @@ class Results:
     - ``folder``: where it is.
     - ``run``: of `jaxbuffer simulate`, as `Run.to_xarray` made it, history included.
     - ``sweep``: of `jaxbuffer sweep`, as `Sweep.to_xarray` made it.
-    - ``records``: the JSON files by what they are of: "run", "tuned", "sensitivity", "sweep", "sample", "front", "choice";
-      "motion" and "force" over time of a run, or "force" of a tuning; "what_if": models around a tuned design. They
-      are asked with or without units:
+    - ``records``: the JSON files by what they are of: "run", "tuned", "sensitivity", "sweep", "sample", "front",
+      "choice"; "motion" and "force" over time of a run, or "force" of a tuning; "what_if": models around a tuned
+      design. They are asked with or without units:
       ``found.records["run"]["peak_force"]``.
     - ``design``: the tuned one, or else that of the run, the sensitivities, the sweep, the sample or the front.
 

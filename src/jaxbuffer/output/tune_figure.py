@@ -126,7 +126,8 @@ def _force(axes: Axes, tuned: Tuned, worst: Sequence[Run]) -> None:
     named = problem.cases[number].label(problem.cases)
     if len(named) > LONGEST:
         named = f"number {number + 1}: {named}"
-    label(axes, f"Force in the worst scenario, {named}", f"time [{unit}]", "contact force [N]")
+    which = "sample with the largest force" if problem.samples else "worst scenario"
+    label(axes, f"Force in the {which}, {named}", f"time [{unit}]", "contact force [N]")
 
 
 def _variables(axes: Axes, tuned: Tuned) -> None:
@@ -205,7 +206,8 @@ def _limits(axes: Axes, tuned: Tuned) -> None:
     axes.set_ylim(len(row) - 0.5, -0.5)
     axes.set_xlim(0.0, min(axes.get_xlim()[1], 1.03 * WIDEST))
     x = "share of the limit (red), or of the value before [%]"
-    label(axes, "Worst over the scenarios, before → after", x, "", False)
+    over = "Largest over the samples" if tuned.problem.samples else "Worst over the scenarios"
+    label(axes, f"{over}, before → after", x, "", False)
 
 
 def _share(row: QuantityChange, value: float) -> float:
@@ -278,7 +280,8 @@ def front_figure(front: Front) -> Figure:
             axes.plot(scale * values[left, k], factor * values[left, 0], "x", color=GREY, label="dominated")
         _widen(axes)
         _number(axes, order, scale * values[order, k], factor * values[order, 0])
-        label(axes, "", f"{name}, worst scenario [{other}]", f"{first}, worst scenario [{unit}]")
+        which = "largest of the samples" if front.problem.samples else "worst scenario"
+        label(axes, "", f"{name}, {which} [{other}]", f"{first}, {which} [{unit}]")
     lost = int((~front.feasible).sum())
     count = len(front.problem.cases)
     over = f"{count} scenarios" if count > 1 else "one scenario"

@@ -8,9 +8,11 @@ import numpy as np
 
 from ..fields import get, unit
 from ..labelled.record import heading, headings, json_number, part_record
+from ..tuning.cases import Case
 from ..tuning.evaluation import Evaluation
 from ..tuning.message import headline
 from ..tuning.pareto import Front, point_status
+from ..tuning.spread import CAPTION, spread_headings, spread_lines, spread_rows
 from ..tuning.tuned import SHOWN, Tuned, tuned_warnings
 from ..value_text import with_unit
 from ..version import version
@@ -61,7 +63,7 @@ def tuned_record(tuned: Tuned) -> dict[str, Any]:
         "scenarios": [
             {
                 **part_record(case.scenario),
-                "factors": dict(case.factors),
+                **_built(case),
                 **lower_bound,
                 "before": before,
                 "after": after,
@@ -74,36 +76,68 @@ def tuned_record(tuned: Tuned) -> dict[str, Any]:
     }
 
 
+def _built(case: Case) -> dict[str, Any]:
+    """Return how a load case has the mechanism built."""
+    others = {"shifts": dict(case.shifts), "values": dict(case.values)}
+    return {"factors": dict(case.factors), **{name: it for name, it in others.items() if it}}
+
+
 def _scattered(tuned: Tuned) -> dict[str, Any]:
-    """Return what the cases of a tuning are samples of, and the result in the corners of the ranges."""
-    scatter, corners = tuned.problem.scatter, tuned.corners
-    if scatter is None or corners is None:
+    """Return what scatters, the result in the corners of that, and whose scatter matters."""
+    problem, scatter, corners = tuned.problem, tuned.problem.scatter, tuned.corners
+    if corners is None:
         return {}
+    record = dict[str, Any]()
+    if scatter is not None:
+        ranges = {name: [given.kind, *given.range] for name, given in scatter.distributions.items()}
+        record["sample"] = {"count": scatter.count, "seed": scatter.seed, "ranges": ranges}
+    if problem.tolerances:
+        record["tolerances"] = {
+            address: {**dataclasses.asdict(it), "in_words": problem.tolerance_text(address)}
+            for address, it in problem.tolerances.items()
+        }
+        record["spread"] = _spread(tuned)
     each = zip(corners.cases, corners.values, corners.broken, strict=True)
-    return {
-        "sample": {
-            "count": scatter.count,
-            "seed": scatter.seed,
-            "ranges": {name: [given.kind, *given.range] for name, given in scatter.distributions.items()},
-        },
+    return record | {
         "corners": {
-            "lines": corners.lines(tuned.problem),
+            "lines": corners.lines(problem),
+            "of": corners.what,
             "run": len(corners.cases),
             "all": corners.whole,
+            "searched": corners.searched,
             "holding": corners.holding,
             "holds": corners.hold,
             "largest_objective": json_number(corners.largest),
             "objective_in_the_middle": json_number(corners.middle),
             "each": [
-                {
-                    **part_record(case.scenario),
-                    "factors": dict(case.factors),
-                    "objective": json_number(value),
-                    "broken": broken,
-                }
+                {**part_record(case.scenario), **_built(case), "objective": json_number(value), "broken": broken}
                 for case, value, broken in each
             ],
         },
+    }
+
+
+def _spread(tuned: Tuned) -> dict[str, Any]:
+    """Return which tolerances matter, in words and in numbers."""
+    problem, found = tuned.problem, tuned.spreads
+    return {
+        "caption": CAPTION,
+        "headings": ["field", "tolerance", *spread_headings(problem, found)],
+        "rows": spread_rows(problem, found),
+        "lines": spread_lines(problem, found, tuned.tightening),
+        "each": [
+            {
+                "quantity": it.name,
+                "unit": problem.catalogue[it.name].unit,
+                "as_drawn": json_number(it.drawn),
+                "in_corners": [json_number(it.low), json_number(it.high)],
+                "changes": dict(zip(problem.tolerances, map(json_number, it.effects), strict=True)),
+                "shares": dict(zip(problem.tolerances, map(json_number, it.shares), strict=True)),
+                "error": json_number(it.error),
+                "trusted": it.trusted,
+            }
+            for it in found
+        ],
     }
 
 

@@ -55,9 +55,18 @@ def _of_tuning(results: Results, others: Sequence[Results]) -> list[Cell]:
         return [Cell(f"the design {corners_verdict(tuned)}", "bad"), force, *_of_search(tuned, True)]
     first = [] if tuned["feasible"] else [Cell(f"{INFEASIBLE} found", "bad")]
     limits = [] if counts is None or not (counts.faults or tuned["feasible"]) else [_of_limits(results, counts)]
+    first += _of_corners(tuned)
     if counts is None and (count := end_count(results)) is not None:
         limits = [Cell(str(count), "good" if count.complete else "unsure")]
     return [*first, *limits, force, *_of_search(tuned, tuned["feasible"])]
+
+
+def _of_corners(tuned: Record) -> list[Cell]:
+    """Return a badge with the corners of tolerances in which a design holds."""
+    if not tuned.get("tolerances"):
+        return []
+    holding, run = tuned["corners"]["holding"], tuned["corners"]["run"]
+    return [Cell(f"holds in {holding} of {run} corners", "good" if tuned["corners"]["holds"] else "bad")]
 
 
 def _of_objective(results: Results, others: Sequence[Results], feasible: bool) -> Cell:
@@ -180,14 +189,15 @@ def _tuning(results: Results, every: Sequence[Results]) -> str:
     where = "its scenario" if count == 1 else f"the {count} scenarios"
     ends = end_count(results)
     text = f"{_objective(mechanism, tuned)}; the design{verdict} in {where}{'' if ends is None else f', {ends}'}."
-    search = (
-        "The search converged." if tuned.get("converged", True) else f"The search {tuned['message'].split('. ')[0]}."
-    )
+    # The message begins with the verdict of the corners, where there are some.
+    ending = next(it for it in tuned["message"].split(". ") if not it.startswith("the design holds"))
+    search = f"The search {'converged' if tuned.get('converged', True) else f'{ending[:1].lower()}{ending[1:]}'}."
     texts = [text, _variables(mechanism, tuned), search]
     if (corners := tuned.get("corners")) is not None:  # how far samples say what is worst
-        texts.append(
-            f"The scenarios are {tuned['sample']['count']} samples, which are no bound: {corners['lines'][0]}."
-        )
+        sample = tuned.get("sample")
+        samples = "" if sample is None else f"The scenarios are {sample['count']} samples, which are no bound: "
+        line = corners["lines"][0]
+        texts.append(f"{samples}{line if samples else line[:1].upper() + line[1:]}.")
     return " ".join(texts)
 
 

@@ -25,8 +25,9 @@ def requirements(first: Results, every: Sequence[Results]) -> PageSection | None
     rows = _limits(first, source_of_limits([first, *every]))
     if tuned is not None:
         rows = [["objective", words(tuned["objective"]), "as small as possible"], *rows]
-        rows += _scenarios(mechanism, tuned["scenarios"], units_of(first))
+        rows += _scenarios(mechanism, tuned["scenarios"], units_of(first), bool(tuned.get("tolerances")))
         rows += _variables(mechanism, tuned["variables"])
+        rows += [["tolerance", path, it["in_words"]] for path, it in tuned.get("tolerances", {}).items()]
     elif run is not None:
         rows += _scenarios(mechanism, [run["scenario"]], units_of(first))
     text = [f"What the model leaves out: {' '.join(mechanism.view.limitations)}"] if mechanism.view.limitations else []
@@ -49,12 +50,15 @@ def _limits(first: Results, source: Record | None) -> Rows:
     return rows
 
 
-def _scenarios(mechanism: Mechanism, cases: Sequence[Record], units: Mapping[str, str]) -> Rows:
+def _scenarios(
+    mechanism: Mechanism, cases: Sequence[Record], units: Mapping[str, str], toleranced: bool = False
+) -> Rows:
     """Return how many there are, and the range of each field; ranges of what is built otherwise than drawn."""
     met, usual = [scenario_of(mechanism, case) for case in cases], mechanism.scenario()
     name = "scenario" if len(met) == 1 else f"{len(met)} scenarios"
     rows = [[name, *_range(met, usual, path, units.get(f"scenario.{path}", ""))] for path in paths(usual)]
-    built = dict.fromkeys(path for case in cases for path in case.get("factors", {}))
+    # Those of tolerances are listed by themselves.
+    built = dict.fromkeys(path for case in cases for path in case.get("factors", {}) if not toleranced)
     for path in built:
         factors = [case.get("factors", {}).get(path, 1.0) for case in cases]
         rows.append(["as built, of the drawn", path, f"{min(factors):.4g} to {max(factors):.4g}"])

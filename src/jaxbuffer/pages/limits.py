@@ -10,6 +10,7 @@ from ..labelled.record import Record
 from ..mechanisms.limit import IMPACTS, Limit, both_sides
 from ..mechanisms.mechanism import EndCount, Mechanism, RequiredEnd
 from ..output.folder import Results
+from ..tuning.cases import built_label
 from ..value_text import percent_text, with_unit
 from .page import Cell, PageSection, Table
 from .records import Display, display, same, scenario_of, words
@@ -165,7 +166,8 @@ def _is_a_case(run: Record, tuned: Record) -> bool:
         return False
     return any(
         # A run simulates the design as drawn, which a case with factors does not.
-        not case.get("factors") and all(same(case.get(name), value) for name, value in run["scenario"].items())
+        not any(case.get(it) for it in ("factors", "shifts", "values"))
+        and all(same(case.get(name), value) for name, value in run["scenario"].items())
         for case in tuned["scenarios"]
     )
 
@@ -211,10 +213,11 @@ def case_labels(results: Results, among: Sequence[Any] = ()) -> list[str]:
     cases = [] if results.tuned is None else results.tuned["scenarios"]
     met = [scenario_of(results.mechanism, case) for case in cases]
     others = list(among) or met
+    design = results.mechanism.design()
+    built = [[case.get(name, {}).items() for name in ("factors", "shifts", "values")] for case in cases]
     return [
-        results.mechanism.view.label(scenario, others)
-        + "".join(f", {factor:.4g} {path}" for path, factor in case.get("factors", {}).items())
-        for case, scenario in zip(cases, met, strict=True)
+        results.mechanism.view.label(scenario, others) + built_label(design, *differing)
+        for differing, scenario in zip(built, met, strict=True)
     ]
 
 
@@ -226,7 +229,9 @@ def limits(results: Results, every: Sequence[Results] = (), named: bool = False)
     check = limit_check(results, every)
     if check is None:
         return None
-    of = "The run" if results.tuned is None else "The worst over all scenarios"
+    sampled = results.tuned is not None and "sample" in results.tuned
+    over = "The largest over all samples, no bound," if sampled else "The worst over all scenarios"
+    of = "The run" if results.tuned is None else over
     caption = (
         f"{of} against {f'the limits of {check.source_folder}' if check.source_folder else 'the limits of its study'}"
     )

@@ -17,6 +17,7 @@ from .origin import origin, verification
 from .page import Page, PageSection, write_page
 from .runs import diagnosis, run, scenarios, search
 from .sensitivities import sensitivity
+from .tolerances import tolerances
 from .what_if import make_what_if, tuned_folder
 from .what_if import what_if as sliders
 
@@ -71,6 +72,7 @@ def review(every: Sequence[Results], title: str = "") -> Page:
     # A run that repeats a scenario of a tuning would say the same a second time.
     made += [(results, limits(results, every)) for results in every if not repeats_tuning(results, every)]
     made += [(results, scenarios(results)) for results in every]
+    made += [(results, tolerances(results)) for results in every]
     for results in every:
         made += [(results, run(results, first)), (results, diagnosis(results, every))]
     made += [(results, sliders(results)) for results in every]

@@ -16,6 +16,7 @@ from .page import Cell, PageSection, Table
 from .records import Display, display, ended, figure, same, scenario_of, words
 
 MANY = 12  # impacts; a longer table is folded
+LISTED = 40  # scenarios; a longer table is folded
 FIRST = "what to change first"
 MARGIN = "_margin"  # how names of margins end
 HELPING = 3  # lines of advice that are shown
@@ -123,11 +124,12 @@ def scenarios(results: Results) -> PageSection | None:
     for it in shown.values():
         headings += [f"{it.title}\n[{it.unit}] before", "\nafter"]
     worst = results.records.get("force", Record()).get("scenario", "")
-    curves = forces(results, f"Contact force of the worst scenario ({worst}), before and after tuning")
-    tables, corners = [Table("Before and after tuning", headings, rows)], tuned.get("corners")
+    which = "sample with the largest force" if "sample" in tuned else "worst scenario"
+    curves = forces(results, f"Contact force of the {which} ({worst}), before and after tuning")
+    tables, corners = [Table("Before and after tuning", headings, rows, len(rows) > LISTED)], tuned.get("corners")
     counts = [end_count(results, side) for side in ("before", "after")]
     reached = [f"Before tuning {counts[0]} scenarios, after it {counts[1]}."] if counts[1] else []
-    if corners is None:
+    if corners is None or "sample" not in tuned:
         return PageSection("Scenarios", reached, curves=curves, tables=tables)
     lines = [f"{line[:1].upper()}{line[1:]}." for line in corners["lines"]]
     holds = not corners_verdict(tuned)

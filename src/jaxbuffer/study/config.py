@@ -13,12 +13,13 @@ import equinox as eqx
 import tomli_w
 
 from ..choosing.catalogue import TOTALS, PartsCatalogue
-from ..errors import InputError, check_whole
+from ..errors import InputError, check_whole, shown
 from ..fields import (
     SCENARIO,
     Curve,
     Part,
     as_written,
+    by_path,
     check_address,
     declared,
     errors_in_typed_units,
@@ -33,13 +34,25 @@ from ..mechanisms.registry import mechanism_of
 from ..run.request import check_pair
 from ..sweeps.axis import literal
 from ..tuning.problem import Problem, Settings
+from ..tuning.tolerances import Tolerance
 from ..value_text import unit_text
 from .mistaken import no_file, no_table, no_toml
-from .model import PROBLEM, ROUNDINGS, SAMPLE, SCENARIO_TABLE, SCENARIOS, SWEEP, ProblemTable, SampleTable, StudyOptions
+from .model import (
+    PROBLEM,
+    ROUNDINGS,
+    SAMPLE,
+    SCENARIO_TABLE,
+    SCENARIOS,
+    SWEEP,
+    TOLERANCES,
+    ProblemTable,
+    SampleTable,
+    StudyOptions,
+)
 from .parts_toml import PARTS, ChoiceSettings, Selection, check_no_sums, sums
 from .problem_toml import check_table, read_problem
 from .tables import PartTable, StudyNames, read_keys, replaced, subtable
-from .values import as_table
+from .values import TOLERANCED, as_table
 
 T = TypeVar("T", bound=eqx.Module)
 
@@ -75,6 +88,9 @@ class Config:
     )
     choosing: ChoiceSettings = subtable(
         PartTable(lambda names: ChoiceSettings()), "how jaxbuffer choose ranks", ChoiceSettings, key="choose"
+    )
+    tolerances: Mapping[str, Tolerance] = subtable(
+        TOLERANCES, "how far built numbers may be from the drawn ones; tune keeps every limit in their corners", dict
     )
     folder: Path = Path()
     texts: Mapping[str, str] = dataclasses.field(default_factory=dict, compare=False)
@@ -130,6 +146,7 @@ class Config:
                 rtol=self.options.rtol,
                 folder=self.folder,
                 units=self.units,
+                tolerances=self.tolerances,
             )
 
     def selection(self) -> Selection:
@@ -281,6 +298,7 @@ def _config(data: dict[str, Any], folder: Path) -> Config:
     for name in data:
         if name not in known:
             raise InputError(f"[{name}] is unknown{no_table(name, known)}")
+    data = _with_tolerances(data, (*parts, "scenario"))
     typed = {f"{part}.{key}": value for part in parts for key, value in as_table(part, data.get(part, {})).items()}
     design, rest = replaced(mechanism.design(), typed, folder=folder), dict(tables)
     names = StudyNames(design, mechanism.scenario(), folder=folder)
@@ -305,6 +323,29 @@ def _config(data: dict[str, Any], folder: Path) -> Config:
     return config
 
 
+def _with_tolerances(data: dict[str, Any], parts: Iterable[str]) -> dict[str, Any]:
+    """Return a study's tables in which the tolerances that stand with a number are among its [tolerances]."""
+    data, found = dict(data), dict[str, Any]()
+    for part in parts:
+        table = dict(as_table(part, data.get(part, {})))
+        for name, given in table.items():
+            if not isinstance(given, Mapping):
+                continue
+            where = f"{part}.{name}"
+            if set(given) != set(TOLERANCED):
+                raise InputError(f'{where} = {shown(given)}; write {name} = {{value = …, tolerance = "10 %"}}')
+            table[name], found[where] = given["value"], given["tolerance"]
+        if part in data:
+            data[part] = table
+    if not found:
+        return data
+    others = by_path(as_table("tolerances", data.get("tolerances", {})), where="tolerances")
+    for where in found:
+        if where in others:
+            raise InputError(f"{where} has a tolerance in its own table and in [tolerances]; keep one")
+    return data | {"tolerances": others | found}
+
+
 def _typed_units(value: Any, path: str = "") -> Iterator[tuple[str, str]]:
     """Yield the unit that was typed with each number, by the address of its field, wherever it is set, tuned, swept or
     sampled. ``path``: of ``value`` in the file."""
@@ -320,8 +361,10 @@ def _typed_units(value: Any, path: str = "") -> Iterator[tuple[str, str]]:
                 yield f"{path}[{k}]", symbol
     elif symbol := typed_unit(value):
         # From the number's place in the file to the address of the field that it is about.
-        path = re.sub(r"\.(from|to|uniform|normal)$", "", path)
+        path = re.sub(r"^(.*)\.tolerance$", r"tolerances.\1", path)
+        path = re.sub(r"\.(from|to|uniform|normal|value)$", "", path)
         path = re.sub(r"^(problem\.variables|sweep|sample\.ranges)\.", "", path)
+        path = re.sub(r"^problem\.grid\.(?=\w+\.)", "", path)
         yield re.sub(r"^problem\.(grid|sample\.scenario)\.", "scenario.", path), symbol
 
 

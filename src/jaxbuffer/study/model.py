@@ -11,7 +11,7 @@ from typing import Any
 from ..errors import InputError, check_known
 from ..experiments.points import METHODS, points
 from ..experiments.ranges import ranges
-from ..fields import POSITIVE, Part, choice, declared, number, whole
+from ..fields import POSITIVE, Part, choice, declared, number, paths, whole
 from ..hybrid import SOLVER_NAMES, Solver, solver_named
 from ..mechanisms.mechanism import Mechanism
 from ..run.request import DEFAULT_TOLERANCE
@@ -21,10 +21,24 @@ from ..sweeps.grid import grid
 from ..tuning.cases import KINDS, Distribution, Scatter
 from ..tuning.objective import Limits, Objective, SecondObjective
 from ..tuning.problem import Variable
+from ..tuning.tolerances import Tolerance, read_tolerances
 from .own_quantities import OWN, NamedQuantity
 from .parts_toml import ROUNDING
 from .tables import Keys, KeyTable, PartTable, PathTable, StudyNames, keys_schema, read_keys, subtable
-from .values import BOUNDS, DISTRIBUTION, FACTOR, LIMIT, RANGE, SEVERAL, SWEPT, WEIGHT, Schema, ValueKind, as_table
+from .values import (
+    BOUNDS,
+    DISTRIBUTION,
+    FACTOR,
+    LIMIT,
+    RANGE,
+    SEVERAL,
+    SWEPT,
+    TOLERANCE,
+    WEIGHT,
+    Schema,
+    ValueKind,
+    as_table,
+)
 
 
 class StudyOptions(Part):
@@ -90,6 +104,25 @@ VARIABLES = PathTable(BOUNDS, "design", example="buffer.k_A = [100, 2000]")
 LIMITS = KeyTable(_limits, limit_keys, LIMIT, first=True)
 
 
+def _read_grid(where: str, given: Any, names: StudyNames) -> dict[str, list[Any]]:
+    """Read [problem.grid]: a scenario's fields by name, a design's by path."""
+    given, sections = as_table(where, given), {path.partition(".")[0] for path in paths(names.design) if "." in path}
+    # Quoted, a path has a point; else TOML reads it as a table in a table.
+    of_design = {name: it for name, it in given.items() if "." in name or name in sections}
+    of_scenario = {name: it for name, it in given.items() if name not in of_design}
+    return GRID_SCENARIO.read(where, of_scenario, names) | GRID_DESIGN.read(where, of_design, names)
+
+
+def _grid_schema(names: StudyNames) -> dict[str, Any]:
+    both, of_design = GRID_SCENARIO.schema(names), GRID_DESIGN.schema(names)
+    patterns = {"patternProperties": of_design["patternProperties"]} if "patternProperties" in of_design else {}
+    return both | {"properties": of_design["properties"] | both["properties"]} | patterns
+
+
+GRID_SCENARIO = PathTable(SEVERAL, "scenario", numbers=False)
+GRID_DESIGN = PathTable(SEVERAL, "design", numbers=False, words=SPAN)
+
+
 @dataclasses.dataclass(frozen=True)
 class ProblemTable:
     """``[problem]``: what `jaxbuffer tune` is to do. A table that a study does not have is None."""
@@ -98,8 +131,8 @@ class ProblemTable:
         VARIABLES, 'what jaxbuffer tune may change: [low, high] or [low, high, "linear"]'
     )
     grid: Mapping[str, list[Any]] | None = subtable(
-        PathTable(SEVERAL, "scenario", numbers=False),
-        "for every combination of these values; or list scenarios, each under [[scenarios]]",
+        ValueKind(_read_grid, _grid_schema),
+        "for every combination of these values, of fields of the scenario and, by path, of the design",
     )
     sample: Scatter | None = subtable(
         KeyTable(_scatter, lambda mechanism: declared(Scatter) | declared(Scattered)),
@@ -160,6 +193,10 @@ def _read_sweep(where: str, given: Any, names: StudyNames) -> dict[str, Any]:
     return read
 
 
+def _read_tolerances(where: str, given: Any, names: StudyNames) -> dict[str, Tolerance]:
+    return read_tolerances(TOLERANCE_PATHS.read(where, given, names), names.design, names.scenario)
+
+
 def _read_scenarios(where: str, given: Any, names: StudyNames) -> tuple[Part, ...]:
     """Read [[scenarios]], each of which begins with the fields of [scenario]."""
     if not (isinstance(given, list) and given and all(isinstance(it, dict) for it in given)):
@@ -183,6 +220,8 @@ SAMPLE = KeyTable(_sample, lambda mechanism: declared(SampleTable), hint="; rang
 SPANNED = PathTable(SWEPT, "both", numbers=False, words=SPAN)
 SWEEP = ValueKind(_read_sweep, SPANNED.schema)
 ROUNDINGS = PathTable(ROUNDING, "design", example='buffer.k_A = "E24"')
+TOLERANCE_PATHS = PathTable(TOLERANCE, "both")
+TOLERANCES = ValueKind(_read_tolerances, TOLERANCE_PATHS.schema)
 SCENARIO_TABLE = PartTable(lambda names: names.scenario)
 SCENARIOS = ValueKind(
     _read_scenarios, lambda names: {"type": "array", "items": SCENARIO_TABLE.schema(names), "minItems": 1}

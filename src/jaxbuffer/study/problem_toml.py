@@ -11,6 +11,7 @@ from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
 from ..tuning.cases import Case, grid
 from ..tuning.problem import Limits, Objective, Problem, Variable
+from ..tuning.tolerances import Tolerance
 from ..value_text import interval_text, with_unit
 from .model import LIMITS, VARIABLES, ProblemTable
 from .own_quantities import own_quantities
@@ -26,12 +27,13 @@ def read_problem(
     rtol: float,
     folder: Path,
     units: Mapping[str, str],
+    tolerances: Mapping[str, Tolerance],
 ) -> Problem:
     """Return the problem of a study.
 
     **Arguments:** ``listed``: the study's scenarios, which a grid or a sample here replaces; where both are here, every
     sample is taken at every point of the grid; ``folder``: the study's, beside which its Python files are; ``units``:
-    as of `Config`.
+    and ``tolerances``: as of `Config`.
     """
     mechanism = mechanism_of(design)
     of_study, own = limits(table, mechanism), table.quantities or {}
@@ -41,7 +43,7 @@ def read_problem(
         _check_start(design, variables, table.variables is not None, units)
         return Problem(
             design,
-            _scenarios(table, base, listed),
+            _scenarios(table, base, listed, design),
             variables,
             objective=table.objective or Objective(),
             limits=of_study,
@@ -52,6 +54,7 @@ def read_problem(
             quantities=own_quantities(own, mechanism, folder),
             scatter=table.sample,
             units=units,
+            tolerances=tolerances,
         )
     except InputError as error:
         # A `Problem` names its own part first: here the place in the file is put in front.
@@ -68,7 +71,7 @@ def check_table(table: ProblemTable, design: Part, base: Part, listed: tuple[Par
     for name in ("grid", "sample"):
         if listed and getattr(table, name) is not None:
             raise InputError(f"[[scenarios]] and [problem.{name}] both say which scenarios to tune for; keep one")
-    scenarios = _scenarios(table, base, ())
+    scenarios = _scenarios(table, base, (), design)
     if table.sample is None:
         return
     for name in table.sample.fields:
@@ -111,8 +114,8 @@ def _check_start(design: Part, variables: Iterable[Variable], own: bool, units: 
             raise InputError(f"the start, {v.path} = {start}, is outside {bounds_in_words}")
 
 
-def _scenarios(table: ProblemTable, base: Part, listed: tuple[Part, ...]) -> tuple[Case, ...]:
+def _scenarios(table: ProblemTable, base: Part, listed: tuple[Part, ...], design: Part) -> tuple[Case, ...]:
     """Return the scenarios: the grid's, or the one that samples are taken about, or else the study's."""
     if table.grid is not None:
-        return grid(table.grid, base)
+        return grid(table.grid, base, design)
     return tuple(Case(scenario) for scenario in ((base,) if table.sample is not None else listed))

@@ -7,7 +7,7 @@ from typing import Any
 
 import tomli_w
 
-from ..fields import SCENARIO, Part, as_written, declared, unit
+from ..fields import SCENARIO, Part, as_written, declared, unit, unit_at
 from ..tuning.cases import Case, Scatter
 from ..tuning.objective import Objective, SecondObjective
 from ..tuning.problem import Problem, Settings
@@ -34,7 +34,7 @@ def tuned_toml(
     search.
     """
     assert problem.duration is not None
-    listed = tuple(scenarios) or problem.scenarios_met
+    listed = tuple(scenarios) or tuple(case.scenario for case in problem.drawn)
     duration = _entry({"duration": as_written(problem.duration, "s", problem.units.get("options.duration", ""))})
     options = ["", "[options]", f"{duration}  # s", f"rtol = {float(problem.rtol)!r}"]
     sampled = _sampled(problem)
@@ -42,7 +42,14 @@ def tuned_toml(
         whole = design_toml(design, listed, comment, problem.units)
     else:  # the samples are drawn again; what scatters, or is in the grid, replaces those fields of the scenario
         whole = design_toml(design, listed[:1], comment, problem.units, "[scenario]")
-    parts = [*_variables(problem), *_objective(problem), *_limits(problem), *(sampled or ()), *options]
+    parts = [
+        *_variables(problem),
+        *_objective(problem),
+        *_limits(problem),
+        *(sampled or ()),
+        *_tolerances(problem),
+        *options,
+    ]
     changed = [] if settings is None else _keys(settings, declared(Settings))
     return "\n".join([whole, *parts[1:], *(["", "[tune]", *changed] if changed else [])]) + "\n"
 
@@ -109,23 +116,49 @@ def _limits(problem: Problem) -> list[str]:
 
 
 def _sampled(problem: Problem) -> list[str] | None:
-    """Return [problem.sample], and [problem.grid] where it is taken at several scenarios; None where nothing scatters,
-    or the scenarios are no grid."""
+    """Return [problem.sample] where something is sampled, and [problem.grid] of several scenarios; None where
+    [[scenarios]] say it, as the scenarios are no grid, or nothing is sampled and they do not set numbers of the
+    design."""
     scatter, bases = problem.scatter, [it if isinstance(it, Case) else Case(it) for it in problem.scenarios]
-    if scatter is None or any(base.factors for base in bases):
+    if (scatter is None and not any(base.values for base in bases)) or any(base.factors for base in bases):
         return None
-    lines, fields = _distributions(scatter), _grid([base.scenario for base in bases])
+    lines, fields = [] if scatter is None else _distributions(scatter), _grid(bases)
     if fields is None:
         return None
     if fields:
         lines += ["", "[problem.grid]"]
         for name, values in fields.items():
-            typed, symbol = problem.units.get(f"{SCENARIO}{name}", ""), unit(bases[0].scenario, name)
+            of_design = "." in name
+            typed = problem.units.get(name if of_design else f"{SCENARIO}{name}", "")
+            symbol = unit(problem.design if of_design else bases[0].scenario, name)
             written = [as_written(value, symbol, typed) for value in values] if symbol else values
             if len({isinstance(it, str) for it in written}) > 1:
                 written = values
-            lines.append(f"{name} = {_list(written)}" if symbol else _entry({name: list(values)}))
+            key = f'"{name}"' if of_design else name
+            lines.append(f"{key} = {_list(written)}" if symbol else f"{key} = {_entry({'x': list(values)})[4:]}")
     return lines
+
+
+def _tolerances(problem: Problem) -> list[str]:
+    """Return [tolerances], none where there are none."""
+    lines = ["", "[tolerances]"] if problem.tolerances else []
+    for address, it in problem.tolerances.items():
+        symbol = unit_at(problem.design, problem.drawn[0].scenario, address)
+        typed = "%" if it.relative else problem.units.get(f"tolerances.{address}", "") or symbol
+        ends = [_tolerance_end(end, "-" if it.relative else symbol, typed) for end in (it.low, it.high)]
+        both = f"[{', '.join(ends)}]"
+        lines.append(f'"{address}" = {ends[1] if it.low == -it.high else both}')
+    return lines
+
+
+def _tolerance_end(end: float, symbol: str, typed: str) -> str:
+    """Return one side of a tolerance as TOML; a number alone would have no unit."""
+    written = as_written(end, symbol, typed)
+    if isinstance(written, str):
+        return f'"{written}"'
+    if typed == "%":
+        return f'"{100.0 * written!r} %"'
+    return repr(written) if symbol == "-" else f'"{written!r} {symbol}"'
 
 
 def _distributions(scatter: Scatter) -> list[str]:
@@ -138,15 +171,16 @@ def _distributions(scatter: Scatter) -> list[str]:
     return lines
 
 
-def _grid(scenarios: list[Part]) -> dict[str, list[Any]] | None:
-    """Return the values of each field that differs between scenarios that are all combinations of them; None of
-    others."""
-    names = [field.name for field in dataclasses.fields(scenarios[0])]
-    values = {name: list(dict.fromkeys(getattr(it, name) for it in scenarios)) for name in names}
-    differing = {name: several for name, several in values.items() if len(several) > 1}
-    every = {tuple(getattr(it, name) for name in differing) for it in scenarios}
+def _grid(cases: list[Case]) -> dict[str, list[Any]] | None:
+    """Return the values of each field that differs between cases which are all combinations of them, and of each number
+    of the design that they set; None of others."""
+    names = [field.name for field in dataclasses.fields(cases[0].scenario)]
+    points = [{**{name: getattr(it.scenario, name) for name in names}, **dict(it.values)} for it in cases]
+    values = {name: list(dict.fromkeys(it[name] for it in points)) for name in points[0]}
+    differing = {name: several for name, several in values.items() if len(several) > 1 or "." in name}
+    every = {tuple(it[name] for name in differing) for it in points}
     # A grid says the same only if every combination is there, each once.
-    whole = every == set(itertools.product(*differing.values())) and len(scenarios) == len(every)
+    whole = every == set(itertools.product(*differing.values())) and len(points) == len(every)
     return differing if whole else None
 
 

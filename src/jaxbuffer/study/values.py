@@ -16,7 +16,6 @@ from ..fields import (
     POSITIVE,
     SCENARIO,
     Part,
-    check_alone,
     check_choosing,
     check_path,
     check_units_agree,
@@ -27,7 +26,6 @@ from ..fields import (
     meaning,
     metadata,
     no_number,
-    paths,
     single_paths,
     typed_unit,
     unit,
@@ -149,12 +147,13 @@ def _range_schema(known: Known, scales: Sequence[str]) -> Schema:
     return {"type": "array", "items": items, "minItems": 2, "maxItems": 3, "description": words}
 
 
-def _read_several(where: str, name: str, given: Any, scenario: Part) -> list[Any]:
-    """Read several values of a scenario's field: numbers, listed or spanned, or some of what a choice may be."""
-    check_known([name], paths(scenario), where.removesuffix(f".{name}"), lambda path: meaning(scenario, path))
-    symbol, limits = unit(scenario, name), limits_of(scenario, name)
+def _read_several(where: str, name: str, given: Any, part: Part) -> list[Any]:
+    """Read several values of a field of a scenario or a design: numbers, listed or spanned, or some of what a choice
+    may be."""
+    check_known([name], single_paths(part), where.removesuffix(f".{name}"), lambda path: meaning(part, path))
+    symbol, limits = unit(part, name), limits_of(part, name)
     if not symbol:
-        return _read_choices(where, name, given, scenario)
+        return _read_choices(where, name, given, part)
     if isinstance(given, Mapping):
         return [float(x) for x in np.asarray(span(where, given, symbol, MOST))]
     listed = given if isinstance(given, list) else []
@@ -165,13 +164,13 @@ def _read_several(where: str, name: str, given: Any, scenario: Part) -> list[Any
     return read
 
 
-def _read_choices(where: str, name: str, given: Any, scenario: Part) -> list[Any]:
+def _read_choices(where: str, name: str, given: Any, part: Part) -> list[Any]:
     if not isinstance(given, list) or not given:
-        example = choices_example(metadata(scenario, name), get(scenario, name))
+        example = choices_example(metadata(part, name), get(part, name))
         raise InputError(f"{where} = {shown(given)} is not a list of choices; write some of {example}")
     for value in given:
         try:
-            check_alone(scenario, scenario, f"{SCENARIO}{name}", value)
+            check_choosing(name if "." in name else f"{SCENARIO}{name}", value, metadata(part, name))
         except InputError as error:
             raise error.between("problem.grid: ") from None
         if given.count(value) > 1:
@@ -228,6 +227,20 @@ def _distribution_schema(words: str) -> Schema:
     return object_schema(kinds, minProperties=1, maxProperties=1)
 
 
+def _tolerance_schema(known: Known) -> Schema:
+    """Return the schema of a tolerance: a text, of a plain number a number, or a pair of them."""
+    one: Schema = {"anyOf": [TEXT, {"type": "number"}]} if known.get("unit") == "-" else {"type": "string"}
+    pair = {"type": "array", "items": {"anyOf": [TEXT, {"type": "number"}]}, "minItems": 2, "maxItems": 2}
+    words = f'"10 %" of the number, or in {known.get("unit")}; a pair for unequal sides'
+    return {"anyOf": [one, pair], "description": words}
+
+
+def toleranced_schema(known: Known) -> Schema:
+    """Return the schema of a number that stands with its tolerance."""
+    inner = {"value": value_schema(known), "tolerance": _tolerance_schema(known)}
+    return object_schema(inner, required=list(TOLERANCED))
+
+
 def _as_given(where: str, path: str, given: Any, part: Part) -> Any:
     """Return a value as it is: `sweeps.grid` and `experiments.ranges` read it."""
     return given
@@ -236,6 +249,8 @@ def _as_given(where: str, path: str, given: Any, part: Part) -> Any:
 ENDS = ("low and high", "mean, deviation")  # the two numbers of each of `KINDS`
 BOUNDS = ValueKind(_read_bounds, lambda known: _range_schema(known, SCALES))
 SEVERAL = ValueKind(_read_several, _several_schema)
+TOLERANCED = ("value", "tolerance")  # keys of a number that stands with its tolerance
+TOLERANCE = ValueKind(_as_given, _tolerance_schema)
 SWEPT = ValueKind(_as_given, _one_or_several_schema)
 RANGE = ValueKind(_as_given, lambda known: _range_schema(known, RANGE_SCALES))
 DISTRIBUTION = ValueKind(_read_distribution, lambda known: _distribution_schema(f"[{known['unit']}]"))

@@ -3,7 +3,7 @@
 import dataclasses
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,10 +11,10 @@ import scipy
 from jaxtyping import Float
 
 from ..errors import InputError, check_choice, check_single, check_type, shown
-from ..fields import Curve, Part, check_declared, check_path, get, replace, unit, whole
+from ..fields import Curve, Part, as_displayed, check_declared, check_path, get, replace, unit, whole
 from ..mechanisms import all_mechanisms
 from ..mechanisms.registry import mechanism_of_scenario
-from ..value_text import unit_text
+from ..value_text import unit_text, with_unit
 
 KINDS = ("uniform", "normal")
 MOST = 100_000  # cases in a sample
@@ -32,8 +32,10 @@ class Case:
     - ``scenario``: of the design's mechanism.
     - ``factors``: pairs of a dotted path of the design and the factor by which the built mechanism's number differs
       from the drawn one's [-].
+    - ``shifts``: pairs of a path and what is added to the number, after its factor, in its unit.
+    - ``values``: pairs of a path and what stands there in place of the design's number, before factor and shift.
 
-    **Raises:** `InputError` for what is no scenario, and for factors that are not such pairs.
+    **Raises:** `InputError` for what is no scenario, and for factors, shifts or values that are not such pairs.
 
     **Example:** a spring that came out 10 % too stiff.
 
@@ -44,29 +46,54 @@ class Case:
 
     scenario: Part
     factors: tuple[tuple[str, float], ...] = ()
+    shifts: tuple[tuple[str, float], ...] = ()
+    values: tuple[tuple[str, Any], ...] = ()
 
     def __post_init__(self) -> None:
         try:
             mechanism_of_scenario(self.scenario)
         except InputError as error:
             raise InputError(f"case's {error}; write Case(Scenario(approach_speed=0.2))") from None
-        for pair in self.factors:
-            if not isinstance(pair, tuple) or len(pair) != 2:
-                raise InputError(
-                    f"case's factors = {shown(self.factors)}; write Case(scenario, (('buffer.k_A', 1.1),))"
-                )
-            check_single(f"case's factor on {pair[0]}", pair[1], "-", "a case is one run")
+        for what in ("factors", "shifts", "values"):
+            for pair in getattr(self, what):
+                if not isinstance(pair, tuple) or len(pair) != 2:
+                    example = "Case(scenario, (('buffer.k_A', 1.1),))"
+                    raise InputError(f"case's {what} = {shown(getattr(self, what))}; write {example}")
+        for path, number in (*self.factors, *self.shifts):
+            check_single(f"case's factor on {path}", number, "-", "a case is one run")
 
     def label(self, among: Sequence["Case"] = ()) -> str:
         """Return what people call the load case: "0.2 m/s, +3°, 1.1 buffer.k_A"."""
-        factors = (f", {factor:.4g} {path}" for path, factor in self.factors)
-        return mechanism_of_scenario(self.scenario).view.label(
-            self.scenario, [case.scenario for case in among]
-        ) + "".join(factors)
+        mechanism = mechanism_of_scenario(self.scenario)
+        scenario = mechanism.view.label(self.scenario, [case.scenario for case in among])
+        return scenario + built_label(mechanism.design(), self.factors, self.shifts, self.values)
 
     def of(self, design: Part) -> Part:
         """Return the design as built."""
-        return replace(design, {path: float(get(design, path)) * factor for path, factor in self.factors})
+        if not (self.factors or self.shifts or self.values):
+            return design
+        factors, shifts, values = dict(self.factors), dict(self.shifts), dict(self.values)
+        built = dict(values)
+        for path in (*factors, *shifts):
+            number = float(values.get(path, get(design, path)))
+            built[path] = number * factors.get(path, 1.0) + shifts.get(path, 0.0)
+        return replace(design, built)
+
+
+def built_label(
+    design: Part,
+    factors: Iterable[tuple[str, float]] = (),
+    shifts: Iterable[tuple[str, float]] = (),
+    values: Iterable[tuple[str, Any]] = (),
+) -> str:
+    """Return in words how a built mechanism differs from the drawn one, each after a comma; ``design``: for units."""
+    texts = [
+        *(f"{path} = {with_unit(*as_displayed(x, unit(design, path)), 4)}" if unit(design, path) else f"{path} = {x}"
+          for path, x in values),
+        *(f"{factor:.4g} {path}" for path, factor in factors),
+        *(f"{path} {with_unit(*as_displayed(x, unit(design, path)), 4, sign=True)}" for path, x in shifts),
+    ]  # fmt: skip
+    return "".join(f", {text}" for text in texts)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -115,7 +142,7 @@ class Scatter:
     """
 
     count: int = whole(
-        16, 1, doc="samples of each scenario; their worst is no bound, so the ranges' corners are run too"
+        16, 1, doc="samples of each scenario; their largest is no bound, so the ranges' corners are run too"
     )
     fields: Mapping[str, Distribution] = dataclasses.field(default_factory=dict)
     factors: Mapping[str, Distribution] = dataclasses.field(default_factory=dict)
@@ -155,23 +182,19 @@ class Scatter:
         return self._at(scenarios, np.array(spread).T)
 
     def corners(self, scenarios: Sequence[Case]) -> tuple[Case, ...]:
-        """Return the corners of all ranges, each at every scenario: every one of up to six ranges, of more a fraction.
-
-        In the fraction each two ranges, and each three of up to 32, take all combinations of their ends equally often.
-        It is a two-level fractional factorial design (Box and Hunter, 1961): a range is at its high end where an odd
-        number of the basic factors in its own set are. The sets are distinct, those of odd size first.
-        """
-        count = len(self.distributions)
-        # 2**basic - 1 sets are not empty, and each range needs one of its own.
-        basic = min(count, max(WHOLE_CORNERS, count.bit_length()))
-        sets = sorted(range(1, 2**basic), key=lambda it: (it.bit_count() % 2 == 0, it.bit_count()))[:count]
-        high = np.array([[(row & it).bit_count() % 2 for it in sets] for row in range(2**basic)])
-        ends = np.array([it.range for it in self.distributions.values()])
-        return self._at(scenarios, np.where(high, ends[:, 1], ends[:, 0]))
+        """Return the corners of all ranges, each at every scenario: every one of up to six ranges, of more a
+        fraction."""
+        return self.at(scenarios, corner_signs(len(self.distributions)))
 
     def middle(self, scenarios: Sequence[Case]) -> tuple[Case, ...]:
         """Return the middle of all ranges at every scenario."""
-        return self._at(scenarios, np.array([[np.mean(given.range) for given in self.distributions.values()]]))
+        return self.at(scenarios, np.zeros((1, len(self.distributions))))
+
+    def at(self, scenarios: Sequence[Case], signs: Float[np.ndarray, "n numbers"]) -> tuple[Case, ...]:
+        """Return the low end (-1), the middle (0) or the high end (1) of each range, row by row, at every scenario."""
+        ends = np.array([it.range for it in self.distributions.values()])
+        numbers = np.where(signs > 0, ends[:, 1], np.where(signs < 0, ends[:, 0], np.mean(ends, axis=1)))
+        return self._at(scenarios, numbers)
 
     def _at(self, scenarios: Sequence[Case], rows: Float[np.ndarray, "n numbers"]) -> tuple[Case, ...]:
         """Return each row of numbers at every scenario, all rows of the first one first."""
@@ -183,8 +206,22 @@ class Scatter:
             factors = dict(case.factors)
             # A scenario may have a factor of its own on the same number: both hold, so that they are multiplied.
             factors |= {path: factor * factors.get(path, 1.0) for path, factor in drawn.items()}
-            cases.append(Case(scenario, tuple(factors.items())))
+            cases.append(dataclasses.replace(case, scenario=scenario, factors=tuple(factors.items())))
         return tuple(cases)
+
+
+def corner_signs(count: int) -> Float[np.ndarray, "corners numbers"]:
+    """Return corners of a number of ranges as rows of -1 and 1: every one of up to six ranges, of more a fraction.
+
+    In the fraction each two ranges, and each three of up to 32, take all combinations of their ends equally often.
+    It is a two-level fractional factorial design (Box and Hunter, 1961): a range is at its high end where an odd
+    number of the basic factors in its own set are. The sets are distinct, those of odd size first.
+    """
+    # 2**basic - 1 sets are not empty, and each range needs one of its own.
+    basic = min(count, max(WHOLE_CORNERS, count.bit_length()))
+    sets = sorted(range(1, 2**basic), key=lambda it: (it.bit_count() % 2 == 0, it.bit_count()))[:count]
+    high = [[(row & it).bit_count() % 2 for it in sets] for row in range(2**basic)]
+    return 2.0 * np.array(high, float).reshape(2**basic, count) - 1.0
 
 
 def _values_of(base: Part, name: str) -> str:
@@ -192,22 +229,28 @@ def _values_of(base: Part, name: str) -> str:
     return f"values{unit_text(symbol, ' in ')}" if symbol else "choices"
 
 
-def grid(fields: Mapping[str, Sequence[float]], base: Part | None = None) -> tuple[Case, ...]:
-    """Return every combination of the listed values of scenario fields.
+def grid(fields: Mapping[str, Sequence[Any]], base: Part | None = None, design: Part | None = None) -> tuple[Case, ...]:
+    """Return every combination of the listed values of fields of the scenario and, by dotted path, of the design.
 
-    The other fields are those of ``base``, by default of the first mechanism's scenario.
+    The scenario's other fields are those of ``base``, by default of the first mechanism's scenario; ``design``: whose
+    paths are checked.
     """
     base = all_mechanisms()[0].scenario() if base is None else base
+    design = mechanism_of_scenario(base).design() if design is None else design
     check_type("grid's fields", fields, Mapping, "grid({'approach_speed': [0.1, 0.2]})")
     for name, values in fields.items():
-        check_path(base, name)
+        owner = design if "." in str(name) else base
+        check_path(owner, name)
         if not isinstance(values, (Sequence, np.ndarray)) or isinstance(values, (str, bytes)):
-            raise InputError(f"grid.{name} = {shown(values)} is not a list of {_values_of(base, name)}")
+            raise InputError(f"grid.{name} = {shown(values)} is not a list of {_values_of(owner, name)}")
         if not len(values):
-            raise InputError(f"grid.{name} is empty; list at least one of its {_values_of(base, name)}")
+            raise InputError(f"grid.{name} is empty; list at least one of its {_values_of(owner, name)}")
     if (count := math.prod(len(values) for values in fields.values())) > MOST:
         raise InputError(f"grid: {count:.4g} combinations of values are too many to tune for; at most {MOST}")
-    return tuple(
-        Case(dataclasses.replace(base, **dict(zip(fields, values, strict=True))))
-        for values in itertools.product(*fields.values())
-    )
+    cases = []
+    for values in itertools.product(*fields.values()):
+        point = dict(zip(fields, values, strict=True))
+        scenario = {name: value for name, value in point.items() if "." not in name}
+        built = tuple((name, value) for name, value in point.items() if "." in name)
+        cases.append(Case(dataclasses.replace(base, **scenario), values=built))
+    return tuple(cases)

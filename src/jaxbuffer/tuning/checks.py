@@ -1,11 +1,9 @@
-"""Checks of a tuned design beside its search: the lower bound of the peak force, and the corners of what scatters.
+"""The lower bound of the peak force, a check of a tuned design beside its search.
 
 The lower bound of the peak contact force is the first impact, which no buffer softens: it is over before a spring or
 damper has moved, and sets the peak of a buffer gone soft. Friction and hysteresis lower its closed form
 (`first_impact`) by some per cent; so the bound itself is the first impact *simulated* with the buffer taken away, and
 the closed form stands beside it and says what it is made of.
-
-A design tuned for samples is run in the corners of the ranges they come from, because samples alone are no bound.
 """
 
 import dataclasses
@@ -18,10 +16,8 @@ from jaxtyping import Float
 
 from ..fields import Curve, Part, get, replace
 from ..run.simulate import simulate
-from ..value_text import with_unit
 from .cases import Case
-from .evaluation import Evaluator, built_design
-from .goal import Goal
+from .evaluation import built_design
 from .measurement import Measurement, measure
 from .problem import Problem
 
@@ -205,99 +201,3 @@ def _gone(design: Part, compliant_parts: Sequence[str]) -> dict[str, float]:
         elif value is not None:
             numbers[path] = value
     return {path: GONE * float(number) for path, number in numbers.items()}
-
-
-@dataclasses.dataclass(frozen=True)
-class Corners:
-    """A design in the corners of the sampled ranges, at every scenario that scatters.
-
-    - ``cases``: the corners; ``broken``: of each what does not hold there, limits and how the run must end; ``values``:
-      the objective's, in its unit, NaN where a corner can not be built or its run fails.
-    - ``worst``: the corner farthest beyond its limits.
-    - ``ranges``: how many there are; ``whole``: whether all their corners were run, or a fraction of them.
-    - ``middle``: the objective's largest value in the middle of the ranges; ``middle_holds``: whether it holds there;
-      ``middle_touches``: whether anything does there.
-    """
-
-    cases: tuple[Case, ...]
-    broken: tuple[tuple[str, ...], ...]
-    values: Float[np.ndarray, " cases"]
-    worst: int
-    ranges: int
-    whole: bool
-    middle: float
-    middle_holds: bool
-    middle_touches: bool = True
-
-    @property
-    def holding(self) -> int:
-        """Return in how many corners the design holds."""
-        return sum(not it for it in self.broken)
-
-    @property
-    def hold(self) -> bool:
-        """Return whether the design holds in all of them and in the middle."""
-        return self.holding == len(self.cases) and self.middle_holds
-
-    @property
-    def verdict(self) -> str:
-        """Return in words how many corners the design fails in."""
-        if self.holding == len(self.cases):
-            return "the design holds in every corner of the sampled ranges, and not in their middle"
-        return f"the design holds in {self.holding} of {len(self.cases)} corners of the sampled ranges only"
-
-    @property
-    def largest(self) -> float:
-        """Return the objective's largest value, NaN where no corner has one."""
-        return float(np.nanmax(self.values)) if np.any(np.isfinite(self.values)) else float("nan")
-
-    def lines(self, problem: Problem) -> list[str]:
-        """Return a summary, the corner farthest beyond a limit and the middle, a line each."""
-        count, scenarios = len(self.cases), len(problem.scenarios)
-
-        def shown(value: float) -> str:
-            return with_unit(*problem.objective.shown(value, problem.catalogue), 5)
-
-        at = f" at {scenarios} scenarios" if scenarios > 1 else ""
-        which = (
-            f"all {2**self.ranges} corners" if self.whole else f"{count // scenarios} of the {2**self.ranges} corners"
-        )
-        lost, label = int(np.sum(~np.isfinite(self.values))), lambda k: self.cases[k].label(self.cases)
-        parts = [f"the design holds in {self.holding} of {count}"]
-        parts += [f"{lost} can not be built or simulated"] if lost else []
-        if lost < count:
-            where = label(int(np.nanargmax(self.values)))
-            parts.append(f"the largest objective there is {shown(self.largest)}, at {where}")
-        lines = [f"{which} of the {self.ranges} sampled ranges{at}: {'; '.join(parts)}"]
-        if broken := self.broken[self.worst]:
-            lines.append(f"the corner farthest beyond a limit, {label(self.worst)}: {'; '.join(broken)}")
-        middle = shown(self.middle) if np.isfinite(self.middle) else "can not be simulated"
-        if self.middle == 0.0 and not self.middle_touches:
-            middle = "nothing touches there"
-        return [*lines, f"the middle of the ranges: {middle}{'' if self.middle_holds else ', does not hold'}"]
-
-
-def corners(goal: Goal, evaluator: Evaluator, scaled: Float[np.ndarray, " variables"], rtol: float) -> Corners | None:
-    """Evaluate a design in the corners, at a tolerance of ``rtol`` [-]; None where nothing scatters."""
-    problem = goal.problem
-    if problem.scatter is None:
-        return None
-    scenarios = [it if isinstance(it, Case) else Case(it) for it in problem.scenarios]
-    cases, middle = problem.scatter.corners(scenarios), problem.scatter.middle(scenarios)
-    (evaluation,) = evaluator([scaled], rtol, slopes=False, cases=(*cases, *middle))
-    first = Goal(problem, problem.objective)
-    values = np.where(evaluation.solved, evaluation.quantities @ first.weights(problem.objective), np.nan)
-    count, ranges = len(cases), len(problem.scatter.distributions)
-    every = (*cases, *middle)
-    broken = [tuple(first.broken_in(evaluation, k, every)) for k in range(len(every))]
-    return Corners(
-        cases=cases,
-        broken=tuple(broken[:count]),
-        values=values[:count],
-        worst=next(k for k in first.worst_first(evaluation) if k < count),
-        ranges=ranges,
-        whole=count == len(scenarios) * 2**ranges,
-        middle=float(np.max(values[count:])),
-        middle_holds=not any(broken[count:]),
-        middle_touches=bool(np.any(evaluation.impacts[count:] > 0)),
-    )

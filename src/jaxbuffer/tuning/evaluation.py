@@ -13,7 +13,7 @@ from jaxtyping import Bool, Float, Int
 
 from ..cluster.pool import Pool
 from ..errors import InputError
-from ..fields import Part
+from ..fields import Part, value_at
 from ..hybrid import Diffrax, Solver, name_of, solver_named
 from ..run.request import check_pair
 from ..run.stepper import stepper_of
@@ -111,28 +111,78 @@ class Evaluator:
 
         ``rtol`` [-] and ``cases`` default to the problem's, ``slopes`` to the evaluator's.
         """
-        problem, with_slopes = self.problem, self.slopes if slopes is None else slopes
-        cases = problem.cases if cases is None else cases
         points = [np.asarray(point, float) for point in points]
+        cases = self.problem.cases if cases is None else cases
+        runs = self._measure(points, cases, rtol, self.slopes if slopes is None else slopes, self.problem.paths)
+        count, problem = len(cases), self.problem
+        return [gather(problem, point, cases, runs[k * count : (k + 1) * count]) for k, point in enumerate(points)]
+
+    def by_tolerances(
+        self, scaled: Float[np.ndarray, " variables"], cases: Sequence[Case], rtol: float | None = None
+    ) -> Evaluation:
+        """Evaluate a design in some load cases, with derivatives by the tolerances in place of the variables.
+
+        A tolerance counts from -1 at its low end to 1 at its high one.
+        """
+        problem, point, addresses = self.problem, np.asarray(scaled, float), tuple(self.problem.tolerances)
+        # The search's own program serves where it differentiates by all of these numbers: another one takes long to
+        # compile.
+        known = set(addresses) <= set(problem.paths)
+        runs = self._measure([point], cases, rtol, True, problem.paths if known else addresses)
+        if known:
+            columns = [problem.paths.index(address) for address in addresses]
+            runs = [run.of_columns(columns) for run in runs]
+        return gather(problem, point, cases, runs, _by_shares(problem, point, cases))
+
+    def _measure(
+        self,
+        points: Sequence[np.ndarray],
+        cases: Sequence[Case],
+        rtol: float | None,
+        slopes: bool,
+        paths: Sequence[str],
+    ) -> list[Measurement]:
+        """Run designs in load cases, all cases of the first design first, with derivatives by ``paths``."""
+        problem = self.problem
         jobs = [(built_design(problem, point, case), case.scenario) for point in points for case in cases]
         fitting = [(design, scenario) for design, scenario in jobs if design is not None]
         one = functools.partial(
             measure,
             mechanism=problem.mechanism,
             measured=problem.measured,
-            paths=problem.paths,
+            paths=paths,
             duration=problem.duration,
             rtol=rtol or problem.rtol,
             end=problem.end,
             solver=self._solver,
-            slopes=with_slopes,
+            slopes=slopes,
         )
         results = iter(self._pool.map(one, fitting))
-        # Designs whose parts do not fit are not run, and count: a resumed tuning must count the same.
-        runs = [Measurement.lost(problem) if design is None else next(results) for design, _ in jobs]
         self.captures += len(jobs)
-        count = len(cases)
-        return [gather(problem, point, cases, runs[k * count : (k + 1) * count]) for k, point in enumerate(points)]
+        # Designs whose parts do not fit are not run, and count: a resumed tuning must count the same.
+        return [Measurement.lost(problem, len(paths)) if design is None else next(results) for design, _ in jobs]
+
+
+def _by_variables(problem: Problem, scaled: np.ndarray, cases: Sequence[Case]) -> Float[np.ndarray, "cases variables"]:
+    """Return d built number / d scaled variable: the load case's factor times the variable's scale."""
+    values, factors = problem.values(scaled), [dict(case.factors) for case in cases]
+    return np.array(
+        [[v.slope(x) * f.get(v.path, 1.0) for v, x in zip(problem.variables, values, strict=True)] for f in factors]
+    )
+
+
+def _by_shares(problem: Problem, scaled: np.ndarray, cases: Sequence[Case]) -> Float[np.ndarray, "cases tolerances"]:
+    """Return d built number / d share of its tolerance: half the width of this."""
+    design = problem.built(scaled)
+    return np.array(
+        [
+            [
+                it.half_width(float(dict(case.values).get(address, value_at(design, case.scenario, address))))
+                for address, it in problem.tolerances.items()
+            ]
+            for case in cases
+        ]
+    )
 
 
 def built_design(problem: Problem, scaled: Float[np.ndarray, " variables"], case: Case) -> Part | None:
@@ -145,17 +195,20 @@ def built_design(problem: Problem, scaled: Float[np.ndarray, " variables"], case
     return design
 
 
-def gather(problem: Problem, scaled: np.ndarray, cases: Sequence[Case], runs: list[Measurement]) -> Evaluation:
+def gather(
+    problem: Problem,
+    scaled: np.ndarray,
+    cases: Sequence[Case],
+    runs: Sequence[Measurement],
+    stretch: Float[np.ndarray, "cases parameters"] | None = None,
+) -> Evaluation:
     """Gather the runs' numbers in arrays and add the own quantities.
 
-    A load case where one of these is not finite counts as failed, and is an error at the problem's start.
+    ``stretch``: by which the chain rule makes slopes by built numbers those that the evaluation has, by default those
+    by the scaled variables. A load case where an own quantity is not finite counts as failed, and is an error at the
+    problem's start.
     """
-    factors = [dict(case.factors) for case in cases]
-    values = problem.values(scaled)
-    # The chain rule from a built number to the scaled variable: by the load case's factor and the variable's scale.
-    stretch = np.array(
-        [[v.slope(x) * f.get(v.path, 1.0) for v, x in zip(problem.variables, values, strict=True)] for f in factors]
-    )
+    stretch = _by_variables(problem, scaled, cases) if stretch is None else stretch
     stacked = {name: np.stack([getattr(m, name) for m in runs]) for name in Measurement._fields}
     for name in ("peaks_slope", "rest_slope"):
         stacked[name] = stacked[name] * stretch[:, None, :]

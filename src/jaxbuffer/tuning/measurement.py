@@ -7,7 +7,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from jaxtyping import Float, Int
 
-from ..fields import Part, get
+from ..fields import Part, get, value_at
 from ..hybrid import Solver, solver_named
 from ..mechanisms.mechanism import Mechanism, RequiredEnd
 from ..mechanisms.outcome import RunOutcome
@@ -55,14 +55,22 @@ class Measurement(NamedTuple):
     margin_slope: Float[np.ndarray, " paths"]
 
     @staticmethod
-    def lost(problem: Problem) -> "Measurement":
-        """Return that of a load case whose design and scenario do not fit each other."""
-        rest, paths = len(problem.measured) - 1, len(problem.paths)
+    def lost(problem: Problem, paths: int | None = None) -> "Measurement":
+        """Return that of a load case whose design and scenario do not fit each other.
+
+        ``paths``: how many slopes it has, by default one a variable.
+        """
+        rest, paths = len(problem.measured) - 1, len(problem.paths) if paths is None else paths
         slopes = {"peaks_slope": (PEAKS, paths), "rest_slope": (rest, paths), "margin_slope": (paths,)}
         shapes = {"peaks": (PEAKS,), "rest": (rest,), "margin": (), "first": ()} | slopes
         numbers: dict[str, Any] = {name: np.full(shape, np.nan) for name, shape in shapes.items()}
         code = int(problem.mechanism.outcomes["failed_input"])
         return Measurement(code=code, impacts=0, slots=np.arange(PEAKS), **numbers)
+
+    def of_columns(self, columns: Sequence[int]) -> "Measurement":
+        """Return the same run with the slopes by some of its paths only."""
+        slopes = {name: getattr(self, name)[..., columns] for name in ("peaks_slope", "rest_slope", "margin_slope")}
+        return self._replace(**slopes)
 
     @staticmethod
     def of_numbers(problem: Problem, run: Ending, impacts: int, numbers: Mapping[str, float]) -> "Measurement":
@@ -110,15 +118,15 @@ def measure(
     """Run once and read off the numbers, with their derivatives if ``slopes``; else those are zero.
 
     **Arguments:** ``built``: design and scenario; ``mechanism``: whose design it is; ``measured``: names of the
-    quantities to read off; ``paths``: by which they are differentiated; ``end``: what the run must reach besides, None
-    for nothing; ``solver``: as for `simulate`.
+    quantities to read off; ``paths``: addresses by which they are differentiated; ``end``: what the run must reach
+    besides, None for nothing; ``solver``: as for `simulate`.
     """
     (design, scenario), solver = built, None if solver is None else solver_named(solver)
     rest = [name for name in measured if name != PEAK_FORCE]
     catalogue = mechanism.quantities
     margin = [] if mechanism.tuning.margin is None else [mechanism.tuning.margin]
     if slopes:
-        at = [float(get(design, p)) for p in paths]
+        at = [float(value_at(design, scenario, p)) for p in paths]
         result = gradients(mechanism, design, scenario, paths, at, duration, rtol=rtol, solver=solver)
         run = result.run
         of_peaks = np.asarray(result.by_impact[PEAK_FORCE])

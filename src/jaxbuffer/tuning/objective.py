@@ -104,10 +104,11 @@ class Objective:
         return self.format()
 
     def format(self, samples: str = "") -> str:
-        """Return it in words. ``samples``: "24 samples", where the load cases are such: their worst is no bound."""
+        """Return it in words. ``samples``: "24 samples", where the load cases are such: their largest is no bound."""
         names = [f"{w:g} {name}" if w != 1.0 else name for name, w in self.weights.items()]
         over = f"mean of the worst {1.0 - self.level:.3g}" if self.over == "cvar" else self.over
-        no_bound = ", no bound" if self.over == "worst" else ""
+        # The largest of a random sample is no worst case.
+        over, no_bound = ("largest", ", no bound") if samples and over == "worst" else (over, "")
         return f"{' + '.join(names)}, {over} " + (f"of {samples}{no_bound}" if samples else "over the cases")
 
 

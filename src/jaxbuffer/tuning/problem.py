@@ -26,6 +26,7 @@ from ..fields import (
     replace,
     typed_unit,
     unit,
+    unit_at,
     whole,
 )
 from ..mechanisms.mechanism import Mechanism, RequiredEnd
@@ -33,9 +34,10 @@ from ..mechanisms.quantity import Catalogue
 from ..mechanisms.registry import mechanism_of
 from ..run.request import DEFAULT_TOLERANCE, TOLERANCES, check_pair
 from ..value_text import interval_text, with_unit
-from .cases import Case, Scatter
+from .cases import WHOLE_CORNERS, Case, Scatter, corner_signs
 from .custom_quantity import CustomQuantity, check_custom_quantities
 from .objective import ONE_LIMIT, Limits, Objective, SecondObjective, in_units, quantity_in_words
+from .tolerances import check_ends, corner_cases, read_tolerances
 
 SCALES = ("log", "linear")
 PEAK_FORCE = "peak_force"  # the quantity that every mechanism has, and a search knows of every impact
@@ -118,8 +120,14 @@ class Problem:
     - ``units``: in which people are shown the numbers at some dotted paths; default: each in its own.
     - ``scatter``: how each of the ``scenarios`` and the design scatter, a `jaxbuffer.tuning.Scatter`; ``cases`` are
       then samples of that, each at every scenario, and a tuning runs its result in the corners of the ranges too.
+    - ``tolerances``: how far built numbers may be from the drawn ones, by dotted path, "scenario." before a field of
+      the scenario: "10 %" of the number, "0.5 mm", ["-1 mm", "2 mm"], or a `Tolerance`. ``cases`` then has each
+      scenario as drawn and in every ``corners`` of up to six tolerances; of more, in those that ``signs`` names.
+    - ``signs``: corners as rows of -1 and 1, a number a tolerance; default: all of up to six tolerances, else none.
+      `tune` searches for those that matter.
 
-    **Raises:** `InputError` for names that are unknown, empty lists, bounds that are crossed or do not hold the start.
+    **Raises:** `InputError` for names that are unknown, empty lists, bounds that are crossed or do not hold the start,
+    and tolerances that lead out of the allowed range.
 
     **Example:**
 
@@ -143,6 +151,8 @@ class Problem:
     quantities: Mapping[str, CustomQuantity] = dataclasses.field(default_factory=dict)
     scatter: Scatter | None = None
     units: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    tolerances: Mapping[str, Any] = dataclasses.field(default_factory=dict)
+    signs: tuple[tuple[float, ...], ...] = ()
 
     def __post_init__(self) -> None:
         mechanism = self.mechanism
@@ -155,11 +165,13 @@ class Problem:
         if self.scatter is not None and cases:
             check_type("scatter", self.scatter, Scatter, "Scatter(24, {'approach_speed': Distribution(...)})")
             cases = self.scatter.cases(cases, self.design)
-        object.__setattr__(self, "cases", cases)
         if not cases:
             raise InputError("scenarios is empty; tuning needs at least one")
         self._read_units()
         _check_variables(self.design, self.variables, self.units)
+        self._check_values(cases)
+        cases = self._with_corners(cases)
+        object.__setattr__(self, "cases", cases)
         for k, case in enumerate(cases, 1):
             try:
                 check_pair(mechanism, case.of(self.design), case.scenario)
@@ -167,6 +179,28 @@ class Problem:
                 # A factor or a sampled field may lead out of the range that the design or the scenario allows.
                 raise error.between(f"scenario {k} ({case.label(cases)}): ") from None
         mechanism.tuning.check_problem(self)
+
+    def _check_values(self, cases: Sequence[Case]) -> None:
+        """Raise `InputError` where a load case sets a number that is tuned."""
+        for path in dict.fromkeys(path for case in cases for path, _ in case.values):
+            check_path(self.design, path)
+            if path in self.paths:
+                raise InputError(
+                    f"{path} is tuned, and the scenarios list values of it; keep one, or give it a tolerance instead"
+                )
+
+    def _with_corners(self, cases: tuple[Case, ...]) -> tuple[Case, ...]:
+        """Return the load cases, each followed by its corners; the tolerances are read on the way."""
+        tolerances = read_tolerances(self.tolerances, self.design, cases[0].scenario)
+        object.__setattr__(self, "tolerances", tolerances)
+        object.__setattr__(self, "drawn", cases)
+        if not tolerances:
+            return cases
+        bounds = {variable.path: (variable.low, variable.high) for variable in self.variables}
+        check_ends(tolerances, self.design, cases, bounds)
+        if any(len(row) != len(tolerances) for row in self.signs):
+            raise InputError(f"signs: a corner has {len(tolerances)} numbers, one a tolerance")
+        return tuple(it for case in cases for it in (case, *corner_cases([case], tolerances, self.corner_rows)))
 
     def _read_units(self) -> None:
         """Read bounds and limits that were given with a unit; people are shown the numbers in those units."""
@@ -212,6 +246,25 @@ class Problem:
             check_single(f"constraints.{name}", limit, unit, ONE_LIMIT, low=0.0, low_open=True, high=high)
 
     cases: tuple[Case, ...] = dataclasses.field(init=False, default=())
+    drawn: tuple[Case, ...] = dataclasses.field(init=False, default=())  # the load cases without tolerances
+
+    @property
+    def corners(self) -> tuple[Case, ...]:
+        """Return those of the cases that are corners of the tolerances; none where there are no tolerances."""
+        return tuple(case for k, case in enumerate(self.cases) if k % (1 + len(self.corner_rows)))
+
+    @property
+    def corner_rows(self) -> Float[np.ndarray, "corners tolerances"]:
+        """Return the corners among the cases as rows of -1 and 1: ``signs``, or all where these may be all."""
+        count = len(self.tolerances)
+        if not self.signs and 0 < count <= WHOLE_CORNERS:
+            return corner_signs(count)
+        return np.array(self.signs, float).reshape(len(self.signs), count)
+
+    @property
+    def needs_search(self) -> bool:
+        """Return whether there are more corners than `tune` has among its cases, so that it searches for the worst."""
+        return len(self.tolerances) > WHOLE_CORNERS
 
     def check_tunable(self) -> None:
         """Raise `InputError` where there is nothing to tune."""
@@ -294,7 +347,7 @@ class Problem:
         scatters."""
         if self.scatter is None:
             return ""
-        scenarios = len(self.cases) // self.scatter.count
+        scenarios = len(self.drawn) // self.scatter.count
         return f"{self.scatter.count} samples" + (f" at each of {scenarios} scenarios" if scenarios > 1 else "")
 
     def format(self, objective: Objective) -> str:
@@ -304,6 +357,11 @@ class Problem:
     def shown(self, path: str, value: float) -> tuple[float, str]:
         """Return a number of the design in the unit that people are shown, and that unit."""
         return as_typed(float(value), unit(self.design, path), self.units.get(path, ""))
+
+    def tolerance_text(self, address: str) -> str:
+        """Return a tolerance in words: "±10 %", "-1 to +2 mm"."""
+        symbol = unit_at(self.design, self.drawn[0].scenario, address)
+        return str(self.tolerances[address].in_words(symbol, self.units.get(f"tolerances.{address}", "")))
 
     def start(self) -> Float[np.ndarray, " variables"]:
         """Return the design's scaled variables [-]."""
@@ -322,6 +380,9 @@ class Problem:
         listed = [f"{path}={get(self.design, path)!r}" for path in paths(self.design)]
         for case in self.cases:
             listed.append(repr([getattr(case.scenario, name) for name in paths(case.scenario)]) + repr(case.factors))
+            if case.shifts or case.values:
+                listed.append(repr(case.shifts) + repr(case.values))
+        listed += [f"{address} {it!r}" for address, it in self.tolerances.items()]
         rest: tuple[Any, ...] = (self.variables, self.objective, self.limits, self.then, self.duration, self.rtol)
         listed += map(repr, rest)
         listed += [f"{name} [{own.unit}] {own.parameters} {own.identity}" for name, own in self.quantities.items()]

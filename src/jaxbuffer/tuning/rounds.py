@@ -28,12 +28,16 @@ Scaled = Float[np.ndarray, " variables"]
 
 @dataclasses.dataclass
 class Rounds:
-    """The rounds of searches of one tuning."""
+    """The rounds of searches of one tuning.
+
+    ``begin``: scaled variables of the design to begin with; None: the problem's own.
+    """
 
     problem: Problem
     settings: Settings
     evaluator: Evaluator
     store: TuningStore
+    begin: Scaled | None = None
 
     def run(self, progress: Progress | None) -> Progress:
         """Run all rounds of both stages, from stored progress if there is some."""
@@ -69,7 +73,8 @@ class Rounds:
 
     def _begin(self) -> Progress:
         """Begin the first round, with the problem's own start among the designs screened; alone it needs none."""
-        goal, own, settings = Goal(self.problem, self.problem.objective), self.problem.start(), self.settings
+        goal, settings = Goal(self.problem, self.problem.objective), self.settings
+        own = self.problem.start() if self.begin is None else self.begin
         alone = settings.starts == 1
         points = self.evaluator([own, *anywhere(settings, 0, len(own), settings.starts - 1)], slopes=alone)
         progress = Progress(0, 0, size(goal, points), np.nan, 0, np.inf, points[0], ())
@@ -139,7 +144,9 @@ class Rounds:
 
     def _log(self, stage: int, number: int, search: Search, point: Evaluation, branch: Branch | None) -> None:
         """Log an evaluated design; ``branch`` is None for a start."""
-        self.store.append(record_of(search.goal, point, len(self.store.records), stage, number, branch))
+        records = self.store.records
+        captures = records[-1]["captures"] if records else 0
+        self.store.append(record_of(search.goal, point, len(records), stage, number, branch, captures))
 
     def result(self, progress: Progress) -> Tuned:
         """Return the best design, evaluated at tight tolerance."""
@@ -149,7 +156,7 @@ class Rounds:
             search.goal,
             self.settings,
             self.evaluator,
-            progress.first.scaled,
+            self.problem.start(),
             branch.best,
             search.scale,
             branch.penalty,

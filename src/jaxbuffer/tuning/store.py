@@ -102,13 +102,14 @@ class TuningStore:
     the log is kept in memory only.
 
     ``records``: the evaluations so far; ``state``: the arrays of the last `keep`, None before the first; ``report``:
-    called with each record that is appended.
+    called with each record that is appended; ``beside``: arrays that every `keep` stores, too.
     """
 
     def __init__(self, folder: Path | None, identity: Identity, resume: bool) -> None:
         self.folder, self.records = folder, list[Record]()
         self.state: dict[str, np.ndarray] | None = None
         self.report: Callable[[Record], None] | None = None
+        self.beside: dict[str, np.ndarray] = {}
         self.lines = b""
         if folder is None:
             if resume:
@@ -172,7 +173,7 @@ class TuningStore:
         if state and (self.folder / STATE).exists():
             # A rename keeps the last state whole while the new one is written.
             (self.folder / STATE).replace(self.folder / PREVIOUS)
-        arrays = {name: np.asarray(value) for name, value in state.items()}
+        arrays = {name: np.asarray(value) for name, value in {**state, **self.beside}.items()}
         self.states.write(STATE, {LINES: np.frombuffer(self.lines, np.uint8), **arrays})
 
 
@@ -209,13 +210,22 @@ def stored_identity(folder: Path) -> str | None:
     return None
 
 
-def record_of(goal: Goal, point: Evaluation, number: int, stage: int, search: int, branch: Branch | None) -> Record:
+def record_of(
+    goal: Goal,
+    point: Evaluation,
+    number: int,
+    stage: int,
+    search: int,
+    branch: Branch | None,
+    captures: int | None = None,
+) -> Record:
     """Return the log's record of a design tried.
 
     **Arguments:** ``number`` of the evaluation; ``stage``; ``search``: number of the search; ``branch``: the search
-    after it was tried, None for a start.
+    after it was tried, None for a start; ``captures`` spent before it, by default those of as many such evaluations.
     """
     problem = goal.problem
+    captures = len(problem.cases) * number if captures is None else captures
     values, known = map(float, problem.values(point.scaled)), problem.known(point.code)
     return {
         "evaluation": number,
@@ -232,7 +242,7 @@ def record_of(goal: Goal, point: Evaluation, number: int, stage: int, search: in
         "radius": None if branch is None else branch.radius,
         "residual": None if branch is None or np.isnan(branch.residual) else branch.residual,
         "status": "start" if branch is None else STATUS[branch.status],
-        "captures": len(problem.cases) * (number + 1),
+        "captures": captures + len(problem.cases),
         "values": dict(zip(problem.paths, values, strict=True)),
         "outcome": [problem.mechanism.outcomes(int(code)).name for code in point.code],
         "succeeded": [bool(success) for success in point.succeeded],

@@ -7,6 +7,8 @@ from concurrent.futures import Executor
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
 from ..block_store import short_hash
 from ..errors import InputError, check_flag, check_type, check_whole
 from ..fields import Part
@@ -16,6 +18,7 @@ from ..programs.identity import source_hash
 from ..programs.structure import user_code
 from ..progress import reported
 from ..version import version
+from .corner_search import with_corners, worse_corners
 from .descent import check_optimizer, descend, optimizer_named
 from .evaluation import Evaluator
 from .goal import Goal
@@ -34,6 +37,8 @@ from .store import (
     read_state,
 )
 from .tuned import Tuned
+
+SIGNS, BEGIN = "corner_signs", "begin"  # in a state: the corners among the cases, and what the rounds begin with
 
 if TYPE_CHECKING:
     import optax  # takes half a second to import; a caller who has an optimizer has it imported
@@ -112,16 +117,47 @@ def tune(
             for record in store.records:  # of the run that is resumed
                 show(record)
         store.report = show
-        if optimizer is not None:
-            tuned = descend(problem, optimizer, chosen, evaluator, store)
-        else:
-            rounds = Rounds(problem, chosen, evaluator, store)
-            tuned = rounds.result(rounds.run(Progress.read(store.state)))
+        tuned = _search(problem, optimizer, chosen, evaluator, store)
     # The hash in the result says which store it is of.
     tuned = dataclasses.replace(tuned, identity=short_hash(identity))
     if save and folder is not None:
         tuned.save(folder, force=True, figures=False)
     return tuned
+
+
+def _search(problem: Problem, optimizer: Any, settings: Settings, evaluator: Evaluator, store: TuningStore) -> Tuned:
+    """Search for the best design: of a problem with many tolerances in the corners that matter, which are searched for
+    at its start, and again at each result until none is worse."""
+    progress, begin = None if optimizer is not None else Progress.read(store.state), None
+    if problem.needs_search:
+        problem, begin = _with_first_corners(problem, evaluator, store)
+    while True:
+        evaluator.problem = problem
+        if optimizer is not None:
+            return descend(problem, optimizer, settings, evaluator, store)
+        rounds = Rounds(problem, settings, evaluator, store, begin)
+        progress = rounds.run(progress)
+        if not problem.needs_search:
+            return rounds.result(progress)
+        best = best_branch(stage_search(problem, settings, progress), progress.branches).best.scaled
+        more = worse_corners(problem, evaluator, best)
+        if not more:
+            return rounds.result(progress)
+        problem, begin, progress = with_corners(problem, more), best, None
+        store.beside = {SIGNS: np.array(problem.signs), BEGIN: begin}
+
+
+def _with_first_corners(problem: Problem, evaluator: Evaluator, store: TuningStore) -> tuple[Problem, np.ndarray]:
+    """Return the problem with the corners that a run had got to, or else with those of its start, and the design that
+    its rounds begin with."""
+    state = store.state or {}
+    if SIGNS in state:
+        problem, begin = with_corners(problem, state[SIGNS]), state[BEGIN]
+    else:
+        begin = problem.start()
+        problem = with_corners(problem, worse_corners(problem, evaluator, begin))
+    store.beside = {SIGNS: np.array(problem.signs), BEGIN: begin}
+    return problem, begin
 
 
 class Unfinished(NamedTuple):
@@ -153,6 +189,8 @@ def best_so_far(
     """
     chosen, optimizer = _chosen(optimizer, settings)
     _, state, lines = read_state(user_path(folder), _identity(problem, chosen, optimizer, solver))
+    if SIGNS in state:
+        problem = with_corners(problem, state[SIGNS])
     stage, goal = 0, Goal(problem, problem.objective)
     if points := evaluations_of(state):  # of an optimiser's
         # A feasible design comes before any that is not, as in the search.

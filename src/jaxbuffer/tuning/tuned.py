@@ -18,12 +18,14 @@ from ..mechanisms.energy import energy_text
 from ..mechanisms.mechanism import EndCount
 from ..tables import html, table, text
 from ..value_text import before_and_after, change_text, percent_text, relative_change
-from .checks import Corners, PeakForceBound, corners, lower_bound
+from .checks import PeakForceBound, lower_bound
+from .corners import CornerRuns, Corners, corners, run_corners
 from .evaluation import Evaluation, Evaluator
 from .goal import Goal, Tangent
-from .message import Ended, broken_limits, headline
+from .message import INFEASIBLE, Ended, broken_limits, headline
 from .model_step import residual
 from .problem import Problem, Settings
+from .spread import Spread, Tightening, spread_lines, spread_table, spreads, tightening
 from .store import Record
 
 SHOWN = 12  # scenarios in a table
@@ -47,7 +49,10 @@ class Tuned(Saved):
     - ``lower_bound``: first impacts, which no buffer softens; None where the mechanism has no such lower bound.
     - ``records``: every evaluation, as in the log.
     - ``captures``: solved in all, the last check included.
-    - ``corners``: the design in the corners of the ranges that the problem scatters over; None where nothing scatters.
+    - ``corners``: the design in the corners of the tolerances and of the ranges that the problem scatters over; None
+      where there are none of either.
+    - ``spreads``: the scatter of the objective's and of each limited quantity by tolerances; ``tightening``: which
+      tolerance to tighten first; none without tolerances.
     - ``identity``: a hash of all that makes it the tuning it is, as its folder has it; "" where that is not known.
 
     **Example:**
@@ -73,6 +78,8 @@ class Tuned(Saved):
     records: tuple[Record, ...]
     captures: int
     corners: Corners | None = None
+    spreads: tuple[Spread, ...] = ()
+    tightening: Tightening | None = None
     tight: float = 1e-9
     identity: str = ""
 
@@ -84,15 +91,19 @@ class Tuned(Saved):
 
     @property
     def worst_first(self) -> tuple[Part, ...]:
-        """Return the load cases' scenarios by their peak contact force with the tuned design, the largest first."""
-        return tuple(self.problem.scenarios_met[k] for k in np.argsort(-self.after.peak_force, kind="stable"))
+        """Return the scenarios, without tolerances, by their peak contact force with the tuned design, the largest
+        first."""
+        drawn = self.problem.drawn
+        # The cases of each scenario, its corners among them, stand together.
+        peaks = self.after.peak_force.reshape(len(drawn), -1).max(axis=1)
+        return tuple(drawn[k].scenario for k in np.argsort(-peaks, kind="stable"))
 
     @property
     def screened(self) -> int:
         """Return how many of the captures were solved without derivatives."""
         # A lone start needs no screening, and is run with derivatives at once.
         alone = self.settings.starts == 1
-        return 0 if alone else len(self.problem.cases) * sum(it["status"] == "start" for it in self.records)
+        return 0 if alone else sum(len(it["outcome"]) for it in self.records if it["status"] == "start")
 
     @property
     def converged(self) -> bool:
@@ -191,7 +202,9 @@ def assess(
     exact = goal.slope(after, cases)
     error, largest = float(np.max(np.abs(goal.slope(best, cases) - exact))), float(np.max(np.abs(exact)))
     # Before the count of captures below: the corners are runs, too.
-    in_corners = corners(goal, evaluator, scaled, evaluator.tight)
+    runs = run_corners(problem, evaluator, scaled, evaluator.tight)
+    in_corners = None if runs is None else corners(problem, runs)
+    more = {} if runs is None or not problem.tolerances else _of_tolerances(problem, evaluator, scaled, runs)
     return Tuned(
         problem=problem,
         settings=settings,
@@ -208,15 +221,28 @@ def assess(
         records=tuple(records),
         captures=evaluator.captures,
         corners=in_corners,
+        **more,
         tight=evaluator.tight,
     )
 
 
+def _of_tolerances(problem: Problem, evaluator: Evaluator, scaled: np.ndarray, runs: CornerRuns) -> dict[str, Any]:
+    """Return which tolerances matter."""
+    arguments = (problem, evaluator, scaled, runs, evaluator.tight)
+    return {"spreads": spreads(*arguments), "tightening": tightening(*arguments)}
+
+
 def with_corners(message: str, in_corners: Corners | None, feasible: bool) -> str:
-    """Return a message with the verdict of the corners before it, where the scenarios keep what the corners break."""
-    if in_corners is None or in_corners.hold or not feasible:
+    """Return a message with the verdict of the corners before it: where they break something, and of tolerances."""
+    if in_corners is None:
         return message
-    return f"{in_corners.verdict}. {message[:1].upper()}{message[1:]}"
+    if in_corners.hold and feasible:
+        return (
+            f"{in_corners.verdict}. {message[:1].upper()}{message[1:]}" if "tolerances" in in_corners.what else message
+        )
+    if feasible:
+        return f"{in_corners.verdict}. {message[:1].upper()}{message[1:]}"
+    return f"{INFEASIBLE}{in_corners.verdict}; {message.removeprefix(INFEASIBLE)}" if not in_corners.hold else message
 
 
 def tuned_table(tuned: Tuned) -> str:
@@ -234,6 +260,7 @@ def tuned_parts(tuned: Tuned) -> list[str | Table]:
         f" {problem.mechanism.view.run_name}s, {tuned.screened} of them without derivatives",
     ]
     lines += [] if tuned.corners is None else tuned.corners.lines(problem)
+    lines += spread_lines(problem, tuned.spreads, tuned.tightening)
     lines += tuned_warnings(tuned)
     lines += [f"limit {line}" for line in broken_limits(tuned.goal, tuned.after)]
     broken = tuned.goal.broken(tuned.after)
@@ -241,6 +268,7 @@ def tuned_parts(tuned: Tuned) -> list[str | Table]:
     # A slice of one: the line is there only where some are left out.
     lines += [f"and {len(broken) - SHOWN} more" for _ in broken[SHOWN : SHOWN + 1]]
     tables = [_tuned_objective(tuned), _tuned_cases(tuned), _left_open(tuned), _tuned_variables(tuned)]
+    tables.append(spread_table(problem, tuned.spreads))
     first = headline(tuned.message, tuned.goal.feasible(tuned.after), tuned.end_count(tuned.after))
     return [first, *(it for it in tables if it is not None), *lines]
 
@@ -258,6 +286,7 @@ def _tuned_objective(tuned: Tuned) -> Table:
         unit, factor = problem.then.objective.in_figures(problem.catalogue)
         then = [factor * tuned.goal.value(point) for point in (tuned.before, tuned.after)]
         summary.add_row(f"then {problem.format(problem.then.objective)} [{unit}]", *(f"{value:.6g}" for value in then))
+    _add_corners(summary, tuned)
     points = (tuned.before, tuned.after)
     succeeded = f"cases {problem.success or 'solved'}"
     summary.add_row(succeeded, *(f"{int(np.sum(p.succeeded))} of {len(p.code)}" for p in points))
@@ -265,6 +294,17 @@ def _tuned_objective(tuned: Tuned) -> Table:
     if counts and counts[0].name != problem.success:
         summary.add_row(f"cases {counts[0].name}", *(f"{count.reached} of {count.runs}" for count in counts))
     return summary
+
+
+def _add_corners(summary: Table, tuned: Tuned) -> None:
+    """Add rows on the design in the corners and as drawn, or in the middle of the ranges."""
+    corners, (unit, factor) = tuned.corners, tuned.problem.objective.in_figures(tuned.problem.catalogue)
+    if corners is None:
+        return
+    count = len(corners.cases)
+    summary.add_row(f"largest in {count} corners [{unit}]", "", f"{factor * corners.largest:.6g}")
+    summary.add_row(f"{corners.middle_title} [{unit}]", "", f"{factor * corners.middle:.6g}")
+    summary.add_row("corners in which the design holds", "", f"{corners.holding} of {count}")
 
 
 def tuned_warnings(tuned: Tuned) -> list[str]:

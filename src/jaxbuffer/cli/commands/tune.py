@@ -36,7 +36,8 @@ def tune(request: CommandLine, scheduler: str | None, resume: bool, **search: st
             tuned = tuning(
                 lambda report: compute(problem, **settings, **keeping, executor=executor, report=report),
                 problem.success,
-                study.tuning.most_evaluations * (1 if problem.then is None else 2),
+                # How often the search begins anew for corners that it finds is not known before.
+                None if problem.needs_search else study.tuning.most_evaluations * (1 if problem.then is None else 2),
             )
     except KeyboardInterrupt:
         return keep_best(problem, settings, files)
