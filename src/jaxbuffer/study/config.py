@@ -33,6 +33,7 @@ from ..run.request import check_pair
 from ..sweeps.axis import literal
 from ..tuning.problem import Problem, Settings
 from ..value_text import unit_text
+from .fit_toml import FIT, FitTable
 from .mistaken import no_file, no_table, no_toml
 from .model import PROBLEM, SAMPLE, SCENARIO_TABLE, SCENARIOS, SWEEP, ProblemTable, SampleTable, StudyOptions
 from .problem_toml import check_table, read_problem
@@ -66,6 +67,7 @@ class Config:
         SWEEP, "what jaxbuffer sweep combines: a list, or from, to, count and scale", dict
     )
     sample: SampleTable = subtable(SAMPLE, "what jaxbuffer sample spreads runs over", SampleTable)
+    fit: FitTable = subtable(FIT, "what jaxbuffer fit finds from measured tests", FitTable)
     folder: Path = Path()
     texts: Mapping[str, str] = dataclasses.field(default_factory=dict, compare=False)
     units: Mapping[str, str] = dataclasses.field(default_factory=dict, compare=False)
@@ -274,7 +276,7 @@ def _typed_units(value: Any, path: str = "") -> Iterator[tuple[str, str]]:
     elif symbol := typed_unit(value):
         # From the number's place in the file to the address of the field that it is about.
         path = re.sub(r"\.(from|to|uniform|normal)$", "", path)
-        path = re.sub(r"^(problem\.variables|sweep|sample\.ranges)\.", "", path)
+        path = re.sub(r"^(problem\.variables|sweep|sample\.ranges|fit\.parameters)\.", "", path)
         yield re.sub(r"^problem\.(grid|sample\.scenario)\.", "scenario.", path), symbol
 
 
