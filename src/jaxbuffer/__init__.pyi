@@ -27,6 +27,14 @@ from .fields import (
     paths as paths,
     replace as replace,
 )
+from .fitting.fit import fit as fit
+from .fitting.fitted import Fitted as Fitted
+from .fitting.quantities import recorded_quantities as recorded_quantities
+from .fitting.reading import read_recording as read_recording
+from .fitting.recording import (
+    Channel as Channel,
+    Recording as Recording,
+)
 from .hybrid.rungekutta.diffrax_solver import Diffrax as Diffrax
 from .mechanisms.bar_drop import (
     BarDrop as BarDrop,

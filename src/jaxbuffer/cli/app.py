@@ -6,6 +6,7 @@ import typer
 
 import jaxbuffer
 
+from .fitting import fit
 from .many_runs import choose, pareto, sample, sweep, tune
 from .one_run import animate, laws, sensitivity, simulate
 from .options import plain, verb
@@ -65,6 +66,7 @@ verb(app, simulate, "One run: peak forces, stroke, hinge angle, energies.")
 verb(app, sensitivity, "One run's gradients and elasticities, certified.", epilog=WITH_QUANTITIES)
 verb(app, tune, "The best design over all scenarios, within bounds and limits.")
 verb(app, choose, "The best parts of catalogues, or values that can be built.")
+verb(app, fit, "The numbers of a design that measured tests tell, with 95 % intervals.", without=("solver",))
 verb(app, pareto, "The front of two objectives or more.", without=("solver",))
 verb(app, sweep, "Many runs: every combination of values of some fields.")
 verb(app, sample, "Many runs spread over ranges: what matters most, and a fitted surface.")

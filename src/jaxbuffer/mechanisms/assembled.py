@@ -499,6 +499,7 @@ class Assembled(ContactSystem):
             friction=row([forces.friction for forces in exerted.contacts]),
             multipliers=exerted.motion.multipliers,
             others={name: jnp.asarray(value) for name, value in others.items()},
+            acceleration=exerted.motion.acceleration,
         )
 
     def stored(self, at: EvaluatedState, active: Closed) -> dict[str, Scalar]:

@@ -10,7 +10,8 @@ from ..fields import Portable
 from .energy import Energy
 
 UNITS = {
-    **{"time": "s", "position": "m, m, rad", "velocity": "m/s, m/s, rad/s", "multipliers": "N, N m", "gap": "m"},
+    **{"time": "s", "position": "m, m, rad", "velocity": "m/s, m/s, rad/s",
+       "acceleration": "m/s², m/s², rad/s²", "multipliers": "N, N m", "gap": "m"},
     **{"approach_speed": "m/s", "slip": "m/s", "contact_force": "N", "friction_force": "N"},
 }
 
@@ -18,8 +19,8 @@ UNITS = {
 class History(Portable):
     """Histories along the first axis ("steps").
 
-    ``time`` [s]; ``position`` (steps, bodies, [x, y, angle]) [m, m, rad] and ``velocity``; ``multipliers`` of the
-    joints' rows [N, N m]; for each contact of the mechanism that has impacts ``gap`` [m], ``approach_speed`` and
+    ``time`` [s]; ``position`` (steps, bodies, [x, y, angle]) [m, m, rad], ``velocity`` and ``acceleration``, all
+    against the ground; ``multipliers`` of the joints' rows [N, N m]; for each contact of the mechanism that has impacts ``gap`` [m], ``approach_speed`` and
     ``slip`` [m/s], ``contact_force`` F_n and ``friction_force`` F_t [N]; ``others``: the mechanism's own by name, each
     an attribute too (units: `Mechanism.history_units`); ``energy`` [J]. ``state`` of the time stepping and the contacts
     that are ``closed`` from then on (1, else 0): what instants between the steps are found from (`run.instants`); None
@@ -31,6 +32,7 @@ class History(Portable):
     time: Float[Array, " steps"]
     position: Float[Array, "steps bodies 3"]
     velocity: Float[Array, "steps bodies 3"]
+    acceleration: Float[Array, "steps bodies 3"]
     multipliers: Float[Array, "steps rows"]
     gap: Float[Array, "steps contacts"]
     approach_speed: Float[Array, "steps contacts"]

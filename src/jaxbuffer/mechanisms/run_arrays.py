@@ -24,6 +24,7 @@ CONTACT_UNITS = {
 COORDINATES = {
     "position": (("x", "m"), ("y", "m"), ("angle", "rad")),
     "velocity": (("x", "m/s"), ("y", "m/s"), ("angle", "rad/s")),
+    "acceleration": (("x", "m/s²"), ("y", "m/s²"), ("angle", "rad/s²")),
 }
 
 
@@ -37,13 +38,13 @@ class Series(NamedTuple):
 
     name: str
     unit: str
-    values: np.ndarray
+    values: Any
     array: str
     axis: str
     description: str
 
 
-def _series(history: History, names: Names) -> Iterator[Series]:
+def series(history: History, names: Names) -> Iterator[Series]:
     """Yield contacts, the mechanism's own numbers, motion, multipliers and energies, in the order of a table."""
     for name, unit in CONTACT_UNITS.items():
         for k, contact in enumerate(names.contacts):
@@ -58,7 +59,7 @@ def _series(history: History, names: Names) -> Iterator[Series]:
                 yield Series(f"{body} {name} {axis}", unit, values, f"{name}_{axis}", "body", f"{name}: {axis}")
     for k, (name, unit) in enumerate(names.multipliers.items()):
         array = f"multiplier_{name.replace(' ', '_')}"
-        yield Series(f"multiplier {name}", unit, np.asarray(history.multipliers[:, k]), array, "", name)
+        yield Series(f"multiplier {name}", unit, history.multipliers[:, k], array, "", name)
     for name in history.energy.names:
         values = getattr(history.energy, name)
         yield Series(f"energy {name}", "J", values, "energy_history", "energy", "energy, or lost so far")
@@ -72,8 +73,8 @@ def history_columns(run: Any) -> dict[str, np.ndarray]:
     if run.history is None:
         raise InputError("the run has no history; jb.simulate(…, history=True) keeps one")
     history: Any = jax.tree.map(np.asarray, run.history)
-    series = _series(history, run.mechanism.view.names(run.design))
-    return {heading("time", "s"): history.time} | {heading(it.name, it.unit): it.values for it in series}
+    columns = series(history, run.mechanism.view.names(run.design))
+    return {heading("time", "s"): history.time} | {heading(it.name, it.unit): it.values for it in columns}
 
 
 def run_dataset(run: Any) -> Dataset:
@@ -136,14 +137,14 @@ def _impacts(run: Any, names: Names) -> dict[str, Labelled]:
 def _history(history: History, names: Names) -> dict[str, Labelled]:
     """Return everything along the accepted steps."""
     entries: dict[str, list[Series]] = {}
-    for it in _series(history, names):
+    for it in series(history, names):
         entries.setdefault(it.array, []).append(it)
     return {name: _array(series) for name, series in entries.items()}
 
 
-def _array(series: Sequence[Series]) -> Labelled:
+def _array(entries: Sequence[Series]) -> Labelled:
     """Return the array of the dataset that has these entries."""
-    first, values = series[0], np.stack([it.values for it in series], axis=1)
+    first, values = entries[0], np.stack([it.values for it in entries], axis=1)
     if first.axis:
         return Labelled(("step", first.axis), values, first.unit, first.description)
     return Labelled(("step",), values[:, 0], first.unit, first.description)

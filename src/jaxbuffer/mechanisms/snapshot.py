@@ -10,7 +10,7 @@ from .._types import Scalar
 class Snapshot(NamedTuple):
     """One instant of a run. For each contact that has impacts ``gap`` [m], ``approach_speed`` and ``slip`` [m/s],
     ``normal`` F_n and ``friction`` F_t [N]; ``multipliers`` of the joints' rows [N, N m]; ``others``: the mechanism's
-    own by name."""
+    own by name; ``acceleration``: (coordinates,) q̈ [m/s², m/s², rad/s², …]."""
 
     gap: Float[Array, " contacts"]
     approach_speed: Float[Array, " contacts"]
@@ -19,3 +19,4 @@ class Snapshot(NamedTuple):
     friction: Float[Array, " contacts"]
     multipliers: Float[Array, " rows"]
     others: dict[str, Scalar]
+    acceleration: Float[Array, " coordinates"]

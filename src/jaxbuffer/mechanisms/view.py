@@ -5,6 +5,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
+import jax
 import numpy as np
 
 from ..fields import Part, paths, unit
@@ -29,15 +30,17 @@ class Names:
     others: Mapping[str, str] = dataclasses.field(default_factory=dict)
     shares: Mapping[str, str] = dataclasses.field(default_factory=dict)
 
-    def series(self, others: Mapping[str, Any]) -> Iterator[tuple[str, str, np.ndarray]]:
+    def series(self, others: Mapping[str, Any]) -> Iterator[tuple[str, str, Any]]:
         """Yield name in tables, unit and values of each of the history's ``others``."""
         for name, symbol in self.others.items():
             if name not in others:
                 continue
-            values = np.asarray(others[name])
+            values = others[name]
             yield self.shares.get(name, name), symbol, values
-            if name in self.shares:
+            # Of a run that is traced nobody knows whether its first value is above zero.
+            if name in self.shares and not isinstance(values, jax.core.Tracer):
                 # A share of nothing is not known.
+                values = np.asarray(values)
                 first = float(values[0]) if len(values) else 0.0
                 yield name, "-", values / first if first > 0.0 else np.full(len(values), np.nan)
 

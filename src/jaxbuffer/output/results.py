@@ -8,6 +8,7 @@ from ..choosing.choice import Choice
 from ..errors import InputError, check_choice
 from ..experiments.sample import Sample
 from ..files import Lock, user_path
+from ..fitting.fitted import Fitted
 from ..mechanisms.run import Run
 from ..sensitivities.result import Sensitivity
 from ..sweeps.result import Sweep
@@ -16,6 +17,7 @@ from ..tuning.tuned import Tuned
 from . import formats, style
 from .choice_files import choice_files
 from .companions import stale
+from .fit_files import fit_files
 from .formats import Contents
 from .provenance import made_in_python
 from .run_files import run_files, sensitivity_files
@@ -32,11 +34,12 @@ KINDS: dict[type, Callable[..., Contents]] = {
     Tuned: tuned_files,
     Front: front_files,
     Choice: choice_files,
+    Fitted: fit_files,
 }
 
 
 def save(
-    result: Run | Sensitivity | Sweep | Sample | Tuned | Front | Choice,
+    result: Run | Sensitivity | Sweep | Sample | Tuned | Front | Choice | Fitted,
     folder: str | Path,
     *,
     force: bool = False,
@@ -95,7 +98,7 @@ def _contents(result: Any, beside: Mapping[str, Any]) -> Contents:
     files = next((files for kind, files in KINDS.items() if isinstance(result, kind)), None)
     if files is None:
         raise InputError(
-            f"save: expected a result of simulate, sensitivity, sweep, sample, tune, pareto or choose; found a"
+            f"save: expected a result of simulate, sensitivity, sweep, sample, tune, pareto, choose or fit; found a"
             f" {type(result).__name__}"
         )
     run = result.run if isinstance(result, Sensitivity) else result

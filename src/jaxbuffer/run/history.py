@@ -34,6 +34,7 @@ def history_at(system: ContactSystem, time: Array, active: Array, state: Array) 
         time=time,
         position=kin.q[: 3 * len(kin.frames)].reshape(-1, 3),
         velocity=kin.v[: 3 * len(kin.frames)].reshape(-1, 3),
+        acceleration=snapshot.acceleration[: 3 * len(kin.frames)].reshape(-1, 3),
         multipliers=snapshot.multipliers,
         gap=snapshot.gap,
         approach_speed=snapshot.approach_speed,

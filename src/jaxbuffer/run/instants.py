@@ -13,10 +13,11 @@ from ..hybrid.hermite import cubic, state_within
 from ..mechanisms.history import History
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.run import Run
+from ..mechanisms.system import ContactSystem
 from ..programs.cache import stored
 from .history import history_at
 
-BLOCK = 512  # instants looked at together
+BLOCK = 256  # instants looked at together
 ROUNDING = 1e-14  # relative, of a quintic's change within a step
 SMALL = 1e-6  # of the change of a velocity within a step, what rounding may add to it
 
@@ -134,7 +135,19 @@ def _instants(
 ) -> History:
     """Return the history at times between steps from ``start`` to ``end``, whose states are ``before`` and
     ``after``."""
-    system = mechanism.system(*parameters)
+    return history_within(mechanism.system(*parameters), start, end, time, closed, before, after)
+
+
+def history_within(
+    system: ContactSystem,
+    start: Float[Array, " instants"],
+    end: Float[Array, " instants"],
+    time: Float[Array, " instants"],
+    closed: Float[Array, "instants contacts"],
+    before: Float[Array, "instants state"],
+    after: Float[Array, "instants state"],
+) -> History:
+    """Return the history at times between the ``start`` and ``end`` of steps [s], from the states there."""
 
     def at(start: Array, end: Array, time: Array, closed: Array, before: Array, after: Array) -> History:
         length = jnp.where(end > start, end - start, 1.0)  # the last step of a history has none after it

@@ -36,6 +36,7 @@ from ..sweeps.axis import literal
 from ..tuning.problem import Problem, Settings
 from ..tuning.tolerances import Tolerance
 from ..value_text import unit_text
+from .fit_toml import FIT, FitTable
 from .mistaken import no_file, no_table, no_toml
 from .model import (
     PROBLEM,
@@ -92,6 +93,7 @@ class Config:
     tolerances: Mapping[str, Tolerance] = subtable(
         TOLERANCES, "how far built numbers may be from the drawn ones; tune keeps every limit in their corners", dict
     )
+    fit: FitTable = subtable(FIT, "what jaxbuffer fit finds from measured tests", FitTable)
     folder: Path = Path()
     texts: Mapping[str, str] = dataclasses.field(default_factory=dict, compare=False)
     given: frozenset[str] = dataclasses.field(default=frozenset(), compare=False)
@@ -363,7 +365,7 @@ def _typed_units(value: Any, path: str = "") -> Iterator[tuple[str, str]]:
         # From the number's place in the file to the address of the field that it is about.
         path = re.sub(r"^(.*)\.tolerance$", r"tolerances.\1", path)
         path = re.sub(r"\.(from|to|uniform|normal|value)$", "", path)
-        path = re.sub(r"^(problem\.variables|sweep|sample\.ranges)\.", "", path)
+        path = re.sub(r"^(problem\.variables|sweep|sample\.ranges|fit\.parameters)\.", "", path)
         path = re.sub(r"^problem\.grid\.(?=\w+\.)", "", path)
         yield re.sub(r"^problem\.(grid|sample\.scenario)\.", "scenario.", path), symbol
 

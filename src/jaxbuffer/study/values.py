@@ -119,7 +119,8 @@ def key_schema(name: str, known: Known) -> Schema:
 def _read_bounds(where: str, path: str, given: Any, design: Part) -> Variable:
     """Read the bounds of a design variable: [low, high] or [low, high, scale]."""
     if path.startswith(SCENARIO):
-        raise InputError(f"problem.variables: {path} is the scenario's; only numbers of the design can be tuned")
+        table = where.removesuffix(f".{path}")
+        raise InputError(f"{table}: {path} is the scenario's; only numbers of the design can be tuned")
     check_path(design, path)
     symbol, limits = unit(design, path), limits_of(design, path)
     if not symbol:

@@ -62,6 +62,21 @@ def tuning(work: Callable[[Callable[[Record], None]], T], success: str | None = 
         return _interruptible(lambda: work(report))
 
 
+def fitting(work: Callable[[Callable[[str], None]], T]) -> T:
+    """Run ``work``, which reports how far it is: a spinner on a terminal, a plain line every few seconds elsewhere."""
+    latest = -PERIOD
+
+    def line(text: str) -> None:
+        nonlocal latest
+        if (now := time.monotonic()) - latest >= PERIOD:
+            latest = now
+            _line(text)
+
+    with _bar("fitting", None, TEXT, CLOCK) as update:
+        report = line if update is None else lambda text: update(description=text)
+        return _interruptible(lambda: work(report))
+
+
 def counting(total: int, work: Callable[[Callable[[str], None]], T]) -> T:
     """Run ``work``, which reports what it has finished, ``total`` times: a bar on a terminal, plain lines elsewhere."""
     with _bar("", total, BarColumn(), MofNCompleteColumn(), TEXT, CLOCK) as update:

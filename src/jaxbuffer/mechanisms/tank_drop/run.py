@@ -162,10 +162,12 @@ def history_of(parts: TankModel, rows: HistoryRow) -> History:
         others |= {"highest_pressure": jnp.max(wet, axis=1), "lowest_pressure": jnp.min(wet, axis=1)}
         others["pressure"] = rows.pressure + system.static_pressure[None]
     whole = jax.tree.map(lambda x: factor * x, rows.energies)
+    falling = system.gravity[1] + system.inverse_mass[parts.slider, 1] * rows.force
     return History(
         time=rows.time,
         position=jnp.stack([zero, slider, zero + parts.angle], axis=1)[:, None],
         velocity=jnp.stack([zero, rows.speed, zero], axis=1)[:, None],
+        acceleration=jnp.stack([zero, falling, zero], axis=1)[:, None],
         multipliers=jnp.zeros((count, 0)),
         gap=-compression[:, None],
         approach_speed=-rows.speed[:, None],

@@ -1,0 +1,111 @@
+"""What a fit has found."""
+
+import dataclasses
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from ..fields import Part, as_displayed, get, replace
+from ..labelled.saved import Saved
+from ..tables import table, text
+from ..value_text import unit_text
+
+
+class Estimate(NamedTuple):
+    """A fitted number: its ``value`` with the ends ``low`` and ``high`` of its 95 % interval, in SI units, its ``unit``,
+    and whether it lies "at low bound" or "at high bound", else ""."""
+
+    value: float
+    low: float
+    high: float
+    unit: str
+    at_bound: str = ""
+
+
+class Comparison(NamedTuple):
+    """A test beside its fit: ``columns``, the ``quantities`` that they recorded and their ``units``; ``times`` [s] of
+    the record; ``measured`` and ``fitted`` (columns, rows)."""
+
+    columns: tuple[str, ...]
+    quantities: tuple[str, ...]
+    units: tuple[str, ...]
+    times: Float[np.ndarray, " rows"]
+    measured: Float[np.ndarray, "columns rows"]
+    fitted: Float[np.ndarray, "columns rows"]
+
+
+@dataclasses.dataclass(frozen=True)
+class Fitted(Saved):
+    """A fitted design. Print it for its tables.
+
+    - ``design``: with the fitted numbers; ``start``: that the search began with; ``scenario``: of tests without one.
+    - ``parameters``: an `Estimate` for each path.
+    - ``nuisance``: by test, what is unknown of its sensors: "time_shift" [s], "COLUMN: gain" [-], "COLUMN: filter" [s].
+    - ``residual``: by test and column, the root mean square of measured less fitted, in deviations of the noise [-].
+    - ``noise``: by test and column, that deviation in SI units, given or estimated.
+    - ``names``: of all unknowns; ``correlation`` of their estimates, a matrix in this order.
+    - ``not_told_apart``: what the data say next to nothing of, and pairs that they hardly tell apart, a line each.
+    - ``inflation``: of the variances, where the residuals exceed the noise; else 1.
+    - ``records``: by test, what was measured beside what the fitted design gives.
+    - ``rows`` of each test; ``evaluations``: runs with derivatives; ``converged``: whether the search came to an end.
+    """
+
+    start: Part
+    scenario: Part
+    parameters: Mapping[str, Estimate]
+    nuisance: Mapping[str, Mapping[str, Estimate]]
+    residual: Mapping[str, Mapping[str, float]]
+    noise: Mapping[str, Mapping[str, float]]
+    names: tuple[str, ...]
+    correlation: Float[np.ndarray, "unknowns unknowns"]
+    not_told_apart: tuple[str, ...]
+    inflation: float
+    rows: Mapping[str, int]
+    records: Mapping[str, Comparison]
+    evaluations: int
+    converged: bool
+
+    @property
+    def design(self) -> Any:
+        """Return the design with the fitted numbers."""
+        return replace(self.start, {path: it.value for path, it in self.parameters.items()})
+
+    def own_name(self, test: str, name: str) -> str:
+        """Return the name of a column or an unknown of a test: with several tests it begins with the test's."""
+        return name if len(self.rows) == 1 else f"{test}: {name}"
+
+    def __repr__(self) -> str:
+        how = "converged" if self.converged else "NOT converged"
+        tests = "1 test" if len(self.rows) == 1 else f"{len(self.rows)} tests"
+        lines: list[Any] = [f"Fit to {tests}, {sum(self.rows.values())} rows: {how} after {self.evaluations} runs"]
+        shown = table("Fitted numbers", ("number",), ("start", "fitted", "95 % interval", "unit", ""))
+        for path, it in self.parameters.items():
+            shown.add_row(path, f"{float(get(self.start, path)):.5g}", *_cells(it))
+        for test, own in self.nuisance.items():
+            for name, it in own.items():
+                shown.add_row(self.own_name(test, name), "", *_cells(it))
+        lines.append(shown)
+        met = table("Residuals", ("test", "column"), ("rms / noise", "noise", "unit"))
+        for test, columns in self.residual.items():
+            for column, figure in columns.items():
+                unit = dict(zip(self.records[test].columns, self.records[test].units, strict=True))[column]
+                noise, symbol = as_displayed(self.noise[test][column], unit)
+                met.add_row(test, column, f"{figure:.3f}", f"{noise:.3g}", unit_text(symbol, ""))
+        lines.append(met)
+        if self.inflation > 1.0:
+            lines.append(
+                f"The residuals exceed the noise: the model lacks something, and the intervals are {self.inflation**0.5:.2g}"
+                " times as wide as noise alone makes them."
+            )
+        lines += self.not_told_apart
+        return text(*lines)
+
+
+def _cells(it: Estimate) -> tuple[str, ...]:
+    spread = max(it.high - it.low, 1e-300)
+    digits = max(4, int(np.ceil(np.log10(max(abs(it.value), 1e-300) / spread))) + 3)
+    value, symbol = as_displayed(it.value, it.unit)
+    low, high = (as_displayed(end, it.unit)[0] for end in (it.low, it.high))
+    return f"{value:.{digits}g}", f"{low:.{digits}g} to {high:.{digits}g}", unit_text(symbol, ""), it.at_bound

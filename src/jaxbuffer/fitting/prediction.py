@@ -1,0 +1,167 @@
+"""What a test would have recorded: a run's histories behind the sensors, with derivatives by all unknowns."""
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from ..tuning.problem import Variable
+from .low_pass import Filtered
+from .recording import FILTER, GAIN, Recording, bounds, noise_of
+from .residuals import Block
+from .signals import Parameters, Signals, SteppedRun, signals, stepped_run
+
+SHIFT = "time_shift"
+FINE = 1e-4  # s, between the shifts that are tried first
+
+
+class Sensor(NamedTuple):
+    """A channel as numbers: ``quantity``; ``noise`` in its unit, None if unknown; ``gain`` [-] and ``lag`` [s], each a
+    number or unknown."""
+
+    quantity: str
+    noise: float | None
+    gain: float | Variable
+    lag: float | Variable
+
+
+class Prediction:
+    """A test's prediction from the parameters and its own unknowns.
+
+    **Arguments:** ``of``: the run, by the parameters' paths; ``recording``; ``units`` of the quantities, by name.
+
+    **Raises:** `InputError` for numbers of a sensor that are out of range.
+    """
+
+    def __init__(self, of: Parameters, recording: Recording, units: Mapping[str, str]) -> None:
+        self.of, self.recording, self.times, self.units = of, recording, recording.times, units
+        name = recording.name
+        self.shift = bounds(f"{name}: {SHIFT}", recording.time_shift, "s")
+        self.sensors = {}
+        for column, channel in recording.channels.items():
+            where = f"{name}: {column}: "
+            self.sensors[column] = Sensor(
+                channel.quantity,
+                noise_of(f"{where}noise", channel, units[channel.quantity]),
+                bounds(f"{where}gain", channel.gain, "-", **GAIN),
+                bounds(f"{where}filter", channel.filter, "s", **FILTER),
+            )
+        self.values = np.stack([np.asarray(recording.values[column], float) for column in self.sensors])
+        self.unknowns: dict[str, Variable] = {}
+        if isinstance(self.shift, Variable):
+            self.unknowns[SHIFT] = self.shift
+        for column, sensor in self.sensors.items():
+            for kind, given in (("gain", sensor.gain), ("filter", sensor.lag)):
+                if isinstance(given, Variable):
+                    self.unknowns[f"{column}: {kind}"] = given
+        self.begin, self.end_time, self.failed = float(self.times[0]), 0.0, False
+
+    def rows(self, share: float) -> int:
+        """Return how many rows a share of the record's time has."""
+        until = self.begin + share * (self.times[-1] - self.begin)
+        return len(self.times) if share >= 1.0 else max(int(np.searchsorted(self.times, until, side="right")), 2)
+
+    def __call__(
+        self, numbers: np.ndarray, own: Sequence[float], share: float
+    ) -> tuple[Float[np.ndarray, "columns rows"], Float[np.ndarray, "columns rows unknowns"]]:
+        """Return what the sensors would record up to a share of the test, and its slopes by the parameters and then by
+        the test's own unknowns."""
+        at = dict(zip(self.unknowns, own, strict=True))
+        moments = self.times[: self.rows(share)] - self._value(SHIFT, self.shift, at)
+        run = stepped_run(self.of, numbers, max(float(moments[-1]), 1e-6))
+        self.end_time, self.failed = run.end_time, run.failed
+        values, slopes, rates, lagging = self._behind_filters(run, moments, at)
+        count = slopes.shape[2]
+        full = np.zeros((*values.shape, count + len(self.unknowns)))
+        full[..., :count] = slopes
+        places = {name: count + k for k, name in enumerate(self.unknowns)}
+        if SHIFT in places:
+            full[..., places[SHIFT]] = -rates
+        for k, (column, sensor) in enumerate(self.sensors.items()):
+            gain = self._value(f"{column}: gain", sensor.gain, at)
+            if (place := places.get(f"{column}: filter")) is not None:
+                full[k, :, place] = lagging[k]
+            if (place := places.get(f"{column}: gain")) is not None:
+                full[k] *= gain
+                full[k, :, place] = values[k]
+            else:
+                full[k] *= gain
+            values[k] *= gain
+        return values, full
+
+    def start_shift(self, numbers: np.ndarray, noise: np.ndarray, share: float) -> float:
+        """Return the time shift at which the beginning of the test fits a run with these numbers best."""
+        assert isinstance(self.shift, Variable)
+        low, high = self.shift.low, min(self.shift.high, float(self.times[-1]))
+        until = high + share * (self.times[-1] - self.times[0])
+        rows = self.times <= until
+        own = [unknown.value(0.5) for unknown in self.unknowns.values()]
+        at = dict(zip(self.unknowns, own, strict=True)) | {SHIFT: 0.0}
+        moments = np.arange(0.0, until - low + FINE, FINE)
+        run = stepped_run(self.of, numbers, float(moments[-1]))
+        values = self._behind_filters(run, moments, at)[0]
+
+        def misfit(shift: float) -> float:
+            found = [np.interp(self.times[rows] - shift, moments, it) for it in values]
+            return float(np.sum(((np.stack(found) - self.values[:, rows]) / noise[:, None]) ** 2))
+
+        return min(np.linspace(low, high, max(int((high - low) / FINE), 2)), key=misfit)
+
+    def block(self, numbers: np.ndarray, own: Sequence[float], share: float, noise: np.ndarray) -> Block:
+        """Return the residuals over the ``noise`` of each column."""
+        values, slopes = self(numbers, own, share)
+        residuals = values - self.values[:, : values.shape[1]]
+        return Block(residuals / noise[:, None], slopes / noise[:, None, None])
+
+    def _value(self, name: str, given: float | Variable, at: Mapping[str, float]) -> float:
+        return at[name] if isinstance(given, Variable) else given
+
+    def _behind_filters(
+        self, run: SteppedRun, moments: np.ndarray, at: Mapping[str, float]
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Return values, slopes by the parameters, rates, and slopes by the filters' time constants."""
+        names = [sensor.quantity for sensor in self.sensors.values()]
+        lags = [self._value(f"{column}: filter", it.lag, at) for column, it in self.sensors.items()]
+        slow = [isinstance(it.lag, Variable) or lag > 0.0 for it, lag in zip(self.sensors.values(), lags, strict=True)]
+        every = sorted(set(names))
+        if not any(slow):
+            known = signals(self.of, run, every, moments)
+            parts = [_plain(known, every.index(name), np.arange(len(moments))) for name in names]
+        else:
+            nodes, place = _nodes(run, moments)
+            known = signals(self.of, run, every, np.concatenate([nodes, 0.5 * (nodes[1:] + nodes[:-1])]))
+            moving = (moments >= run.time[0]) & (moments <= run.time[-1])
+            parts = [
+                _filtered(known, every.index(name), nodes, place, lag, moving)
+                if behind
+                else _plain(known, every.index(name), place)
+                for name, lag, behind in zip(names, lags, slow, strict=True)
+            ]
+        values, slopes, rates, lagging = (np.stack(them) for them in zip(*parts, strict=True))
+        return values, slopes, rates, lagging
+
+
+def _plain(known: Signals, k: int, place: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Return value, slopes, rate and no slope by a time constant of a signal as it is, at some of the instants."""
+    return known.values[k][place], known.slopes[k][place], known.rates[k][place], np.zeros(len(place))
+
+
+def _nodes(run: SteppedRun, moments: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the ends of steps and the rows' moments, in order, and the place of each row among them."""
+    every = np.concatenate([np.clip(moments, run.time[0], run.time[-1]), run.time])
+    order = np.argsort(every, kind="stable")
+    return every[order], np.argsort(order, kind="stable")[: len(moments)]
+
+
+def _filtered(
+    known: Signals, k: int, nodes: np.ndarray, place: np.ndarray, lag: float, moving: np.ndarray
+) -> tuple[np.ndarray, ...]:
+    """Return value, slopes, rate and slope by the time constant of a signal behind a low-pass."""
+    count = len(nodes)
+    columns = np.concatenate([known.values[k][:, None], known.slopes[k]], axis=1)
+    on, between, low_pass = columns[:count], columns[count:], Filtered(nodes, lag)
+    answer = low_pass.answer(on, between)
+    by_lag = low_pass.slope(on[:, :1], between[:, :1], answer[:, :1])
+    rate = (on[place, 0] - answer[place, 0]) / low_pass.lag * moving
+    return answer[place, 0], answer[place, 1:], rate, by_lag[place, 0]

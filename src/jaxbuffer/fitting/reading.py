@@ -1,0 +1,162 @@
+"""Reading a measured test from a table: commas, semicolons or tabs, decimal commas, units in the headings."""
+
+import csv
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..errors import InputError, shown, suggest
+from ..fields import Part, in_unit
+from ..files import user_path
+from ..value_text import is_plain
+from .recording import Bounds, Channel, Recording
+
+UNIT = re.compile(r"\[([^\[\]]*)\]")
+DIGIT = re.compile(r"(?<=[A-Za-zµ])(\d)")  # of a power, as in m/s2
+HEADER = 1  # its line
+
+
+class Table(NamedTuple):
+    """A table as text: ``file``; ``headings``; ``rows`` of cells with the ``lines`` that they stand in; whether numbers
+    have a decimal ``comma``."""
+
+    file: str
+    headings: list[str]
+    rows: list[list[str]]
+    lines: list[int]
+    comma: bool
+
+    def column(self, name: str) -> list[str]:
+        """Return the cells of a column. **Raises:** `InputError` for one that is not there."""
+        if name not in self.headings:
+            have = ", ".join(f'"{it}"' for it in self.headings)
+            hint = suggest(name, self.headings)
+            raise InputError(f'{self.file}, line {HEADER}: there is no column "{name}"{hint or f"; it has {have}"}')
+        place = self.headings.index(name)
+        return [row[place] for row in self.rows]
+
+    def numbers(self, name: str, factor: float) -> np.ndarray:
+        """Return a column as numbers, each times a ``factor``. **Raises:** `InputError` that names the line."""
+        return factor * np.array([self._number(name, k, cell) for k, cell in enumerate(self.column(name))])
+
+    def _number(self, name: str, k: int, cell: str) -> float:
+        text = cell.strip().replace(",", ".") if self.comma else cell.strip()
+        try:
+            number = float(text)
+        except ValueError:
+            number = float("nan")
+        if not np.isfinite(number):
+            what = "is empty" if not text else f"has {shown(cell.strip())}, which is not a finite number"
+            raise InputError(f'{self.file}, line {self.lines[k]}: column "{name}" {what}')
+        return number
+
+
+def read_recording(
+    file: str | Path,
+    channels: Mapping[str, Channel],
+    *,
+    time: str = "time [s]",
+    scenario: Part | None = None,
+    time_shift: Bounds = 0.0,
+    units: Mapping[str, str],
+) -> Recording:
+    """Read a measured test from a table in a file.
+
+    Columns may stand in any order, between commas, semicolons or tabs; with the latter two numbers may have a decimal
+    comma. A heading's unit stands in brackets, "stroke [mm]"; without one it is the quantity's.
+
+    **Arguments:**
+
+    - ``file``: its path.
+    - ``channels``: by the heading of the column that each recorded.
+    - ``time``: heading of the times.
+    - ``scenario``, ``time_shift``: as of `Recording`.
+    - ``units``: of the quantities, by their names: `jb.recorded_quantities` of a design.
+
+    **Raises:** `InputError` with file, line and column for columns that are missing or there twice, rows that are too
+    short, texts and NaN in place of numbers, times that do not rise, and units that do not fit.
+
+    **Example:**
+
+    >>> import pathlib, tempfile
+    >>> folder = tempfile.TemporaryDirectory()
+    >>> file = pathlib.Path(folder.name) / "drop.csv"
+    >>> _ = file.write_text("time [ms];gap [mm]" + chr(10) + "0;194,0" + chr(10) + "50;181,7" + chr(10))
+    >>> units = jb.recorded_quantities(jb.BarDrop())
+    >>> test = jb.read_recording(file, {"gap [mm]": jb.Channel("gap_end")}, time="time [ms]", units=units)
+    >>> test.times, test.values["gap [mm]"]
+    (array([0.  , 0.05]), array([0.194 , 0.1817]))
+    """
+    path = user_path(file)
+    table = _table(path)
+    times = table.numbers(time, _factor(table, time, "s"))
+    for k, step in enumerate(np.diff(times), 1):
+        if step <= 0.0:
+            what = "is there twice" if step == 0.0 else "is earlier than that of the line before"
+            raise InputError(
+                f'{table.file}, line {table.lines[k]}: column "{time}" has {table.rows[k][table.headings.index(time)]},'
+                f" which {what}; times must rise"
+            )
+    values = {}
+    for name, channel in channels.items():
+        if channel.quantity not in units:
+            known = suggest(channel.quantity, units)
+            raise InputError(f'{table.file}: column "{name}": quantity {channel.quantity} is unknown{known}')
+        unit = units[channel.quantity]
+        values[name] = table.numbers(name, _factor(table, name, unit))
+        bare = isinstance(channel.noise, (int, float)) and not isinstance(channel.noise, bool)
+        if bare and not is_plain(unit) and _factor(table, name, unit) != 1.0:
+            given = _unit(table, name)
+            raise InputError(
+                f'{table.file}: column "{name}" is in {given}, and noise = {channel.noise} has no unit: write'
+                f' noise = "{channel.noise} {given}" or in {unit}, "{channel.noise} {unit}"'
+            )
+    return Recording(path.name, times, values, channels, scenario, time_shift, lines=tuple(table.lines))
+
+
+def _table(path: Path) -> Table:
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file") from None
+    except UnicodeDecodeError:
+        raise InputError(f"{path} is not text in UTF-8") from None
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror}") from None
+    numbered = [(k, line) for k, line in enumerate(text.splitlines(), 1) if line.strip()]
+    if len(numbered) < 3:
+        raise InputError(f"{path} needs a line of headings and two rows or more")
+    head = numbered[0][1]
+    delimiter = "\t" if "\t" in head else ";" if ";" in head else ","
+    cells = list(csv.reader((line for _, line in numbered), delimiter=delimiter))
+    headings = [cell.strip() for cell in cells[0]]
+    for name in headings:
+        if headings.count(name) > 1:
+            raise InputError(f'{path}, line {numbered[0][0]}: column "{name}" is there twice; keep one')
+    rows, lines = cells[1:], [k for k, _ in numbered[1:]]
+    for row, line in zip(rows, lines, strict=True):
+        if len(row) != len(headings):
+            raise InputError(
+                f"{path}, line {line} has {len(row)} cells, and line {numbered[0][0]} names {len(headings)} columns"
+            )
+    return Table(str(path), headings, rows, lines, delimiter != ",")
+
+
+def _unit(table: Table, name: str) -> str:
+    """Return the unit in a heading, "" for none. **Raises:** `InputError` for several."""
+    units: Sequence[Any] = UNIT.findall(name)
+    if len(units) > 1:
+        raise InputError(f'{table.file}, line {HEADER}: column "{name}" has two units; keep one')
+    return DIGIT.sub(r"^\1", units[0].strip()) if units else ""
+
+
+def _factor(table: Table, name: str, unit: str) -> float:
+    """Return how many of a quantity's unit one of the heading's is."""
+    given = _unit(table, name)
+    if not given or is_plain(given) or given == unit:
+        return 1.0
+    where = f'{table.file}, line {HEADER}: column "{name}"'
+    return float(in_unit(where, f"1 {given}", unit))

@@ -1,0 +1,91 @@
+"""Weighted residuals of records, smoothed over some rows, and Levenberg and Marquardt's way to their least squares."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+from scipy.ndimage import gaussian_filter1d
+from scipy.optimize import least_squares
+
+INSIDE = 1e-9  # of the range of an unknown: SciPy begins strictly within bounds
+
+
+class Block(NamedTuple):
+    """Residuals of one record: measured less simulated over the noise, ``values`` (columns, rows) [-], with ``slopes``
+    by the unknowns (columns, rows, unknowns)."""
+
+    values: Float[np.ndarray, "columns rows"]
+    slopes: Float[np.ndarray, "columns rows unknowns"]
+
+
+Residuals = Callable[[np.ndarray, float], list[Block]]
+"""From the scaled unknowns and a share of each record, counted from its beginning, to a block for each record."""
+
+
+class Minimum(NamedTuple):
+    """A point of least squares: scaled unknowns ``x``, mean square ``chi`` of the residuals [-], their ``slopes``
+    (residuals, unknowns), and whether the search ``converged``."""
+
+    x: Float[np.ndarray, " unknowns"]
+    chi: float
+    slopes: Float[np.ndarray, "residuals unknowns"]
+    converged: bool
+
+
+def smoothed(block: Block, width: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return residuals and slopes as rows, averaged over a Gaussian window of a ``width`` in rows; 0 leaves them.
+
+    They are scaled so that white noise of one keeps its information. An impact that comes a window too early or too
+    late still shows which way to go.
+    """
+    rows = np.concatenate([block.values[..., None], block.slopes], axis=2)
+    if width > 0.0:
+        hop = max(int(width), 1)
+        rows = gaussian_filter1d(rows, width, axis=1, mode="constant", truncate=3.0)[:, ::hop] * np.sqrt(hop)
+    rows = rows.reshape(-1, rows.shape[2])
+    return rows[:, 0], rows[:, 1:]
+
+
+def minimum(
+    residuals: Residuals,
+    x: np.ndarray,
+    share: float,
+    width: float = 0.0,
+    *,
+    pull: float = 0.0,
+    tolerance: float = 1e-4,
+    most: int = 12,
+) -> Minimum:
+    """Return the least squares of records up to a share of their rows, near ``x``.
+
+    **Arguments:** ``residuals``; ``x``: scaled unknowns, between 0 and 1; ``share`` [-] of each record; ``width``: of
+    the window that residuals are averaged over [rows]; ``pull``: weight of staying at ``x``, for what the rows do not
+    tell [-]; ``tolerance``: relative change of the sum of squares at which the search ends [-]; ``most`` evaluations.
+    """
+    known: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
+    start = np.clip(x, INSIDE, 1.0 - INSIDE)
+
+    def both(point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        key = point.tobytes()
+        if key not in known:
+            known.clear()  # SciPy asks for the slopes at the point whose residuals it asked for last
+            parts = [smoothed(block, width) for block in residuals(point, share)]
+            values, slopes = (np.concatenate(them) for them in zip(*parts, strict=True))
+            if pull > 0.0:
+                values = np.concatenate([values, pull * (point - start)])
+                slopes = np.concatenate([slopes, pull * np.eye(len(point))])
+            known[key] = values, slopes
+        return known[key]
+
+    found = least_squares(
+        lambda point: both(point)[0],
+        start,
+        lambda point: both(point)[1],
+        bounds=(0.0, 1.0),
+        ftol=tolerance,
+        xtol=1e-10,
+        gtol=1e-12,
+        max_nfev=most,
+    )
+    return Minimum(found.x, 2.0 * found.cost / len(found.fun), found.jac, found.status > 0)

@@ -1,0 +1,81 @@
+"""The staged search: the beginning of the records first, then more and more of them."""
+
+import math
+from collections.abc import Callable, Iterator
+
+import numpy as np
+from scipy.stats import qmc
+
+from .residuals import Block, Minimum, Residuals, minimum
+
+FIRST, GROWTH = 1.0 / 64.0, 1.3  # share of the records to begin with, and by which it grows
+FEWEST = 24  # rows to begin with
+WIDTHS = (16.0, 4.0, 0.0)  # rows of a window, from coarse to fine
+MET = 3.0  # mean square of the residuals, up to which the next rows are met already
+STARTS = 8  # further points to begin a stage at that did not come to its minimum
+NEAR = 0.2  # of an unknown's range, how far those lie from the point so far
+PULL = 3.0  # weight of staying where a short record says nothing [-]
+LAST = 1e-9  # relative change of the sum of squares at which the last stage ends
+MOST = 60  # evaluations of it
+
+Report = Callable[[float, float], None]
+
+
+def shares(rows: int) -> Iterator[float]:
+    """Yield shares of the records, from the first rows to all; ``rows``: of the longest record."""
+    share = max(FIRST, FEWEST / rows)
+    while share < 1.0:
+        yield share
+        share *= GROWTH
+    yield 1.0
+
+
+class Search:
+    """A search for the least squares of records.
+
+    **Arguments:** ``residuals``; ``rows``: of the longest record; ``report``: is told the share of the records and the
+    mean square of the residuals so far.
+    """
+
+    def __init__(self, residuals: Residuals, rows: int, report: Report = lambda share, chi: None) -> None:
+        self.residuals, self.rows, self.report = residuals, rows, report
+        # Of a model that does not meet the noise: what it comes to.
+        self.level = 1.0
+
+    def __call__(self, x: np.ndarray) -> Minimum:
+        """Return the least squares of whole records, from scaled unknowns to begin at."""
+        for share in shares(self.rows):
+            x, chi = self._stage(x, share)
+            self.report(share, chi)
+        return minimum(self.residuals, x, 1.0, tolerance=LAST, most=MOST)
+
+    def _stage(self, x: np.ndarray, share: float) -> tuple[np.ndarray, float]:
+        """Return the minimum of the records up to a share, from that of a smaller one."""
+        # Where the next rows are met already nothing can have gone wrong, and one descent is enough.
+        begin = -1 if self._excess(self.residuals(x, share)) < MET else 0
+        best = self._descent(x, share, WIDTHS[begin:])
+        if best[1] <= 1.0:
+            return best
+        for k, offset in enumerate(qmc.Sobol(len(x), seed=0).random(STARTS)):
+            size = NEAR * (k + 1) / STARTS
+            start = np.clip(x + size * (2.0 * offset - 1.0), 0.0, 1.0)
+            best = min(best, self._descent(start, share, WIDTHS), key=lambda it: it[1])
+            if best[1] <= 1.0:
+                return best
+        # No start meets the noise, so the model does not: further stages are held to what it comes to.
+        self.level *= max(best[1], 1.0)
+        return best
+
+    def _descent(self, x: np.ndarray, share: float, widths: tuple[float, ...]) -> tuple[np.ndarray, float]:
+        """Return the minimum that smaller and smaller windows lead to, and its excess."""
+        for width in widths:
+            x = minimum(self.residuals, x, share, width, pull=PULL if share < 1.0 else 0.0).x
+        return x, self._excess(self.residuals(x, share))
+
+    def _excess(self, blocks: list[Block]) -> float:
+        """Return the largest mean square of a column's residuals over what noise makes of it at most."""
+        worst = 0.0
+        for block in blocks:
+            allowed = self.level * (1.1 + 4.0 * math.sqrt(2.0 / block.values.shape[1]))
+            worst = max(worst, float(np.max(np.mean(block.values**2, axis=1))) / allowed)
+        return worst
