@@ -11,6 +11,7 @@ from typing import Any
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Bool, Float
 
 from ..errors import InputError
@@ -124,16 +125,23 @@ def solve_with_tangents(
     by = _stepper(options)
 
     def with_tangents(values: list[Array], others: Any, *rest: Any) -> Result:
-        sizes = _sizes(values)
-        directions = [jnp.zeros(len(sizes)).at[k].set(size) for k, size in enumerate(sizes)]
         assembled = lambda values: assemble(values, others)  # noqa: E731
-        build, tangents = push_through_assembly(assembled, values, directions)
+        build, tangents, moving = push_through_assembly(assembled, _motion, values, _sizes(values))
         result = by(build, tangents, *rest)
-        # Where no number of the system depends on any of the values, there are no tangents to step: all are zero.
-        missing = len(values) - tangents.count
-        return _with_rows(result, lambda rows: jnp.pad(rows, [(0, 0), (0, missing), (0, 0)]))
+        # The system does not depend on the other values at all: their tangents are zero, and were not stepped.
+        place = {k: 1 + row for row, k in enumerate(moving)}
+        rows = np.array([0, *(place.get(k, 1 + len(moving)) for k in range(len(values)))])
+        return _with_rows(result, lambda x: jnp.pad(x, [(0, 0), (0, 1), (0, 0)])[:, rows])
 
     return one_by_one(with_tangents, values, others, jnp.asarray(duration, float), options, allowed)
+
+
+def _motion(system: HybridSystem) -> tuple[Array, ...]:
+    """Return all of a system that tangents are lifted through, at its start."""
+    state, active = system.start()
+    none = jnp.zeros(())
+    after = [system.touchdown(state, none, jnp.asarray(0))] if active.shape[0] else []
+    return state, system.derivative(none, state, active), *after
 
 
 @eqx.filter_custom_jvp

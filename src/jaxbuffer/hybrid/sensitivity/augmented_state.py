@@ -5,11 +5,12 @@ AD through an adaptive loop bounds the error of the state only; carrying S = ∂
 """
 
 from collections.abc import Callable
-from typing import Generic, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax.extend.core import Literal
 from jaxtyping import Array, Float
 
@@ -88,14 +89,29 @@ def columns(rows: Rows) -> Columns:
     return jnp.pad(rows, [(0, -count % whole), (0, 0)]).T
 
 
+class Pushed(NamedTuple, Generic[S]):
+    """What the loop steps with tangents.
+
+    ``fill`` puts numbers that depend on the parameters into the assembled system; ``tangents``: these numbers, with a
+    tangent for each of the parameters that are ``moving``. The system's other numbers stay constant, and the other
+    parameters' tangents are zero: they cost nothing in the loop.
+    """
+
+    fill: Callable[[list[Array]], S]
+    tangents: Tangents[list[Array]]
+    moving: list[int]
+
+
 def push_through_assembly(
-    assemble: Callable[[list[Array]], S], values: list[Array], directions: list[Array]
-) -> tuple[Callable[[list[Array]], S], Tangents[list[Array]]]:
+    assemble: Callable[[list[Array]], S],
+    motion: Callable[[S], Any],
+    values: list[Array],
+    sizes: list[Float[Array, ""]],
+) -> Pushed[S]:
     """Push tangents through the assembly of a system once, before the loop.
 
-    **Arguments:** ``assemble``: from parameters to a system; ``values`` of the parameters and, with a leading axis
-    each, ``directions``. **Returns:** a function that fills in those numbers of the assembled system that depend on the
-    parameters, and these numbers with their tangents. The others stay constant and cost nothing in the loop.
+    **Arguments:** ``assemble``: from parameters to a system; ``motion``: all of a system that tangents are lifted
+    through; ``values`` of the parameters, numbers; ``sizes``: how large each one's tangent is.
     """
     system = assemble(values)
     arrays, rest = eqx.partition(system, eqx.is_inexact_array)
@@ -104,29 +120,48 @@ def push_through_assembly(
     def numbers(values: list[Array]) -> list[Array]:
         return jax.tree.leaves(eqx.filter(assemble(values), eqx.is_inexact_array))
 
+    def filled(numbers: list[Array]) -> S:
+        return eqx.combine(jax.tree.unflatten(structure, numbers), rest)
+
     # By the traced operations rather than by values: a derivative may happen to be zero at these parameters alone.
-    moving = [i for i, depends in enumerate(_depending(numbers, values)) if depends]
+    # A system also holds numbers that its motion does not depend on, those of parts that it has not, say.
+    sources, used = _sources(numbers, values), [True] * len(leaves)
+    if len(values) >= VECTOR:  # fewer tangents take as long as none, and tracing the motion takes half a second
+        used = _used(lambda numbers: motion(filled(numbers)), leaves)
+    depending = [i for i, them in enumerate(sources) if them and used[i]]
+    moving = sorted({k for i in depending for k in sources[i]})
+    directions = [jnp.where(np.array(moving, int) == k, size, 0.0) for k, size in enumerate(sizes)]
 
     def pick(values: list[Array]) -> list[Array]:
         picked = numbers(values)
-        return [picked[i] for i in moving]
+        return [picked[i] for i in depending]
 
-    pushed = jax.vmap(lambda direction: jax.jvp(pick, (values,), (direction,))[1])(directions)
+    pushed = jax.vmap(lambda direction: jax.jvp(pick, (values,), (direction,))[1])(directions) if moving else []
 
     def fill(moved: list[Array]) -> S:
-        filled = list(leaves)
-        for i, value in zip(moving, moved, strict=True):
-            filled[i] = value
-        return eqx.combine(jax.tree.unflatten(structure, filled), rest)
+        of = dict(zip(depending, moved, strict=True))
+        return filled([of.get(i, leaf) for i, leaf in enumerate(leaves)])
 
-    return fill, Tangents([leaves[i] for i in moving], pushed)
+    return Pushed(fill, Tangents([leaves[i] for i in depending], pushed), moving)
 
 
-def _depending(function: Callable[[list[Array]], list[Array]], values: list[Array]) -> list[bool]:
-    """Return which outputs depend on the inputs at all, followed through the traced operations."""
+def _used(function: Callable[[list[Array]], Any], numbers: list[Array]) -> list[bool]:
+    """Return which inputs any output depends on, followed back through the traced operations."""
+    traced = jax.make_jaxpr(function)(numbers).jaxpr
+    live = {x for x in traced.outvars if not isinstance(x, Literal)}
+    for equation in reversed(traced.eqns):
+        if not live.isdisjoint(equation.outvars):
+            live.update(x for x in equation.invars if not isinstance(x, Literal))
+    return [x in live for x in traced.invars]
+
+
+def _sources(function: Callable[[list[Array]], list[Array]], values: list[Array]) -> list[frozenset[int]]:
+    """Return for each output the inputs that it depends on at all, followed through the traced operations."""
     traced = jax.make_jaxpr(function)(values).jaxpr
-    reached = set(traced.invars)
+    of = {variable: frozenset((k,)) for k, variable in enumerate(traced.invars)}
+    none = frozenset[int]()
     for equation in traced.eqns:
-        if any(not isinstance(x, Literal) and x in reached for x in equation.invars):
-            reached.update(equation.outvars)
-    return [not isinstance(x, Literal) and x in reached for x in traced.outvars]
+        them = none.union(*(of.get(x, none) for x in equation.invars if not isinstance(x, Literal)))
+        if them:
+            of.update(dict.fromkeys(equation.outvars, them))
+    return [none if isinstance(x, Literal) else of.get(x, none) for x in traced.outvars]
