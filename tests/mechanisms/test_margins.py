@@ -56,6 +56,6 @@ def test_the_way_beyond_the_capture_plane_goes_on_at_the_last_speed():
         evaluated=lambda at, name: SimpleNamespace(before=at[0], receding=at[1]),
     )
     ended = log([[9.0, 9.0], [0.3, -0.1], [7.0, 7.0]], [0.0, 6.0, 1.0], 2)
-    before, beyond = throat(mechanism, ended, None, 10.0)
+    before, beyond = throat(mechanism, ended, ended.rows[1, 0], None, 10.0)
     assert float(before) == pytest.approx(0.3)
     assert float(beyond) == pytest.approx(0.1)

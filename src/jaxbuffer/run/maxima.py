@@ -17,7 +17,7 @@ from .survey import state_at, state_of_maximum
 def maxima(system: ContactSystem, log: Log, start: tuple[Any, Array]) -> Maxima:
     """Return the largest values over the start (posture, closed contacts), all located events and the end."""
     at, active = start
-    first = system.observables_at(at, system.derivative(jnp.zeros(()), at.state, active), active)
+    first = system.observables_at(at, system.rate_at(jnp.zeros(()), at, active), active)
     located = _located(system, log)
     pairs = zip(located.others.items(), first[system.impact_contacts :], strict=True)
     return located._replace(others={name: jnp.maximum(value, begin) for (name, value), begin in pairs})
@@ -31,15 +31,15 @@ def _located(system: ContactSystem, log: Log) -> Maxima:
     contacts = system.impact_contacts
 
     def observe(slot: Array) -> tuple[Array, Array]:
-        state, active = state_of_maximum(system, log, slot), log.active[slot]
+        at, active = system.evaluate(state_of_maximum(system, log, slot)), log.active[slot]
         # After a touchdown with a jump, or a release, the rate is another than in the step that ends there.
         rate = log.rates[slot, 0]
         if system.jumps:
-            rate = system.derivative(log.time[slot], state, active)
+            rate = system.rate_at(log.time[slot], at, active)
         elif system.observes_rate:
-            after = system.derivative(log.time[slot], state, active)
+            after = system.rate_at(log.time[slot], at, active)
             rate = jnp.where(log.kind[slot] == Kind.RELEASE, after, rate)
-        return system.observables(state, rate, active), rate
+        return system.observables_at(at, rate, active), rate
 
     # Any entry may hold a maximum: of two at one instant only one is logged under its own name, and a quantity may be
     # largest at the end.

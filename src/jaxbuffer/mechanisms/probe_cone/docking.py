@@ -32,22 +32,26 @@ class PlaneCrossing(NamedTuple):
     occurred: Bool[Array, ""]
 
 
-def latched(mechanism: Assembled, log: Log) -> Bool[Array, ""]:
-    """Return whether the latches began to close."""
-    end = mechanism.evaluate(log.rows[_last(log), 0])
+def end_of(mechanism: Assembled, log: Log) -> EvaluatedState:
+    """Evaluate the state at a run's end, once for all that is read off there."""
+    return mechanism.evaluate(log.rows[_last(log), 0])
+
+
+def latched(mechanism: Assembled, end: EvaluatedState) -> Bool[Array, ""]:
+    """Return whether the latches began to close before the run's ``end``."""
     closing = [mechanism.evaluated(end, latch.name).since > 0.0 for latch in mechanism.all_of(Latch)]
     return jnp.any(jnp.stack(closing)) if closing else jnp.asarray(False)
 
 
-def crossing(mechanism: Assembled, log: Log, code: Int[Array, ""]) -> PlaneCrossing:
+def crossing(mechanism: Assembled, log: Log, end: EvaluatedState, code: Int[Array, ""]) -> PlaneCrossing:
     """Return where the tip crossed the capture plane.
 
-    ``code``: of the outcome. Without latches a captured run ends there; with them it is the touchdown of theirs.
+    ``end``: the state at the run's end; ``code``: of the outcome. Without latches a captured run ends there; with them
+    it is the touchdown of theirs.
     """
     last = _last(log)
-    end = log.rows[last, 0]
     if not mechanism.all_of(Latch):
-        return PlaneCrossing(mechanism.evaluate(end), log.time[last], code == Outcome.captured)
+        return PlaneCrossing(end, log.time[last], code == Outcome.captured)
     which = mechanism.contact_names.index("latch")
     mine = (log.kind == Kind.TOUCHDOWN) & (log.which == which) & (jnp.arange(log.kind.shape[0]) < log.count)
     slot, listed = jnp.argmax(mine), jnp.any(mine)
@@ -55,26 +59,34 @@ def crossing(mechanism: Assembled, log: Log, code: Int[Array, ""]) -> PlaneCross
     late = mechanism.time_to_contact(row, jnp.asarray(which))
     # Its own change counts only with the time left to the crossing, as in `ContactSystem.saltation`.
     rate = jax.lax.stop_gradient(mechanism.derivative(0.0, row, log.active[slot]))
-    state = jnp.where(listed, row + rate * late, end)
+    state = jnp.where(listed, row + rate * late, end.state)
     # A log that overflowed does not have the entry; the state says when the latches began to close.
-    since = mechanism.evaluated(mechanism.evaluate(end), "latch").since
+    since = mechanism.evaluated(end, "latch").since
     return PlaneCrossing(mechanism.evaluate(state), log.time[last] - since, listed | (since > 0.0))
 
 
 def docking(
-    mechanism: Assembled, start: EvaluatedState, log: Log, code: Int[Array, ""], latch_force: Scalar
+    mechanism: Assembled,
+    ends: tuple[EvaluatedState, EvaluatedState],
+    log: Log,
+    cross: PlaneCrossing,
+    code: Int[Array, ""],
+    latch_force: Scalar,
 ) -> Docking:
-    """Read off what a run says of docking. ``latch_force``: the largest one [N]."""
-    last = _last(log)
-    end, active = mechanism.evaluate(log.rows[last, 0]), log.active[last]
+    """Read off what a run says of docking.
+
+    ``ends``: the states at its start and at its end; ``cross``: where it crossed the capture plane; ``code``: of the
+    outcome; ``latch_force``: the largest one [N].
+    """
+    (start, end), last = ends, _last(log)
+    active = log.active[last]
     # At the start no contact is deep, so that none stores energy.
     before, left = mechanism.relative_energy(start, jnp.zeros_like(active)), mechanism.relative_energy(end, active)
-    cross = crossing(mechanism, log, code)
     # A factor, so that derivatives are NaN as well.
     known = jnp.where(cross.occurred, 1.0, jnp.nan)
     tip, cone, probe = mechanism.evaluated(cross.at, "throat").tip, cross.at.kin.frame(T), cross.at.kin.frame(P)
     rate = _tip_rate(cross.at)
-    unlatched = jnp.where(latched(mechanism, log), 1.0, jnp.nan)
+    unlatched = jnp.where(latched(mechanism, end), 1.0, jnp.nan)
     passive = mechanism.parts.design.passive.mass
     push = (end.kin.frame(T).velocity - start.kin.frame(T).velocity) * passive
     return Docking(

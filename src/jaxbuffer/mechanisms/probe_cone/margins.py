@@ -7,11 +7,14 @@ from ..._types import Scalar
 from ...elements import BufferForce, EndStop, Latch
 from ...hybrid import Log
 from ..assembled import Assembled
+from ..layout import EvaluatedState
 from .docking import PlaneCrossing
 from .throat import ThroatState
 
 
-def throat(mechanism: Assembled, log: Log, cross: PlaneCrossing, duration: Scalar) -> tuple[Array, Array]:
+def throat(
+    mechanism: Assembled, log: Log, at_end: EvaluatedState, cross: PlaneCrossing, duration: Scalar
+) -> tuple[Array, Array]:
     """Return how far the tip centre is before the capture plane at the end of the run [m], and how far beyond that
     plane it would be at ``duration``, going on from the end, or from its crossing of the plane, as fast as it goes
     there [m]: positive exactly if it crosses the plane until then.
@@ -20,7 +23,7 @@ def throat(mechanism: Assembled, log: Log, cross: PlaneCrossing, duration: Scala
     crossing it is a jump.
     """
     last = jnp.maximum(log.count - 1, 0)
-    end = mechanism.evaluated(mechanism.evaluate(log.rows[last, 0]), "throat")
+    end = mechanism.evaluated(at_end, "throat")
     # With latches a run goes on beyond the plane: how the tip crossed it counts, not where the latches hold it.
     if not mechanism.all_of(Latch):
         return end.before, _through(mechanism, end, -(end.before + end.receding * (duration - log.time[last])))
@@ -37,9 +40,10 @@ def _through(mechanism: Assembled, end: ThroatState, beyond: Array) -> Array:
 
 
 def stroke_margin(
-    mechanism: Assembled, log: Log, stroke: Float[Array, ""], bottomed: Bool[Array, ""]
+    mechanism: Assembled, log: Log, at: EvaluatedState, stroke: Float[Array, ""], bottomed: Bool[Array, ""]
 ) -> Float[Array, ""]:
-    """Return how much stroke is left before the buffer's end [m]; less than zero for a bottomed run.
+    """Return how much stroke is left before the buffer's end [m]; less than zero for a bottomed run. ``at``: the state
+    at its end.
 
     There it is -½ m ṡ²/F, the way on which the buffer's force at its end would stop the mass m that its ends meet
     through the joints. So the margin is continuous, and zero, where a run just reaches the end, and its slope leads out
@@ -47,7 +51,6 @@ def stroke_margin(
     push on in later impacts. Runs with a longer stroke need 1 to 1000 times as much.
     """
     last = jnp.maximum(log.count - 1, 0)
-    at = mechanism.evaluate(log.rows[last, 0])
     buffer, axial = mechanism.parts.design.buffer, mechanism.element("buffer").force
     mass = mechanism.system.effective_mass(at.kin, mechanism.system.direction(axial.springs(at.kin)[0].blocks))
     speed = jnp.maximum(mechanism.evaluated(at, "buffer").stroke_rate, 0.0)

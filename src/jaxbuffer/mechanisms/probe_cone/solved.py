@@ -7,7 +7,7 @@ from ..assembled import Assembled
 from ..run import Solved
 from .capture import Capture, FlankImpacts
 from .closed_form import predict
-from .docking import crossing, docking, latched
+from .docking import crossing, docking, end_of, latched
 from .margins import stroke_margin, throat
 from .outcome import Outcome
 
@@ -16,15 +16,16 @@ def capture(mechanism: Assembled, solved: Solved) -> Capture:
     """Return what was solved, as a capture."""
     largest, known, log = solved.common["maxima"], solved.known, solved.log
     stroke = solved.maxima.others["stroke"]
+    end = end_of(mechanism, log)
     # Vehicles that latches hold, but that are not yet at rest when time is up, are latched.
-    code = jnp.where((solved.code == Outcome.timeout) & latched(mechanism, log), int(Outcome.latched), solved.code)
-    cross = crossing(mechanism, log, code)
-    throat_distance, beyond = throat(mechanism, log, cross, solved.duration)
+    code = jnp.where((solved.code == Outcome.timeout) & latched(mechanism, end), int(Outcome.latched), solved.code)
+    cross = crossing(mechanism, log, end, code)
+    throat_distance, beyond = throat(mechanism, log, end, cross, solved.duration)
     before = mechanism.evaluated(solved.start, "throat").before
-    margin = stroke_margin(mechanism, log, stroke, code == Outcome.bottomed)
+    margin = stroke_margin(mechanism, log, end, stroke, code == Outcome.bottomed)
     # Before the crossing it is what keeps its square root differentiable.
-    latch_force = jnp.where(latched(mechanism, log), largest.get("latch_force", 0.0), 0.0) * known
-    beyond_capture = docking(mechanism, solved.start, log, code, latch_force)
+    latch_force = jnp.where(latched(mechanism, end), largest.get("latch_force", 0.0), 0.0) * known
+    beyond_capture = docking(mechanism, (solved.start, end), log, cross, code, latch_force)
     common = {**solved.common, "code": code, "impacts": FlankImpacts(**vars(solved.common["impacts"]))}
     return Capture(
         **common,
