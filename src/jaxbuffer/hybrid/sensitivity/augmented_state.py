@@ -89,7 +89,7 @@ def columns(rows: Rows) -> Columns:
     return jnp.pad(rows, [(0, -count % whole), (0, 0)]).T
 
 
-class Pushed(NamedTuple, Generic[S]):
+class Pushed(NamedTuple):
     """What the loop steps with tangents.
 
     ``fill`` puts numbers that depend on the parameters into the assembled system; ``tangents``: these numbers, with a
@@ -97,7 +97,7 @@ class Pushed(NamedTuple, Generic[S]):
     parameters' tangents are zero: they cost nothing in the loop.
     """
 
-    fill: Callable[[list[Array]], S]
+    fill: Callable[[list[Array]], Any]
     tangents: Tangents[list[Array]]
     moving: list[int]
 
@@ -107,7 +107,7 @@ def push_through_assembly(
     motion: Callable[[S], Any],
     values: list[Array],
     sizes: list[Float[Array, ""]],
-) -> Pushed[S]:
+) -> Pushed:
     """Push tangents through the assembly of a system once, before the loop.
 
     **Arguments:** ``assemble``: from parameters to a system; ``motion``: all of a system that tangents are lifted
