@@ -87,16 +87,18 @@ def test_bad_counts_are_refused(runs):
 
 @pytest.mark.slow
 def test_a_capture_s_models_against_brute_force(evidence):
-    """Where models say that they are good, 24 captures at other places miss them by less than 2 %."""
+    """Where models say that they are good, 24 runs at other places miss them by less than 2 % if they are captured."""
     variables = [jb.Variable("buffer.k_A", 100.0, 2000.0), jb.Variable("buffer.c_A", 1.0, 60.0)]
     found = what_if(jb.Problem(jb.table2(), [jb.Scenario()], variables), runs=64)
     good = [q for q in range(len(found.quantities)) if found.good(0, q)]
     assert {"peak_force", "stroke"} <= {found.quantities[q] for q in good}
-    largest = 0.0
+    largest, captured = 0.0, 0
     for share in np.random.default_rng(8).random((24, 2)):
         fields = dict(zip((it.name for it in found.sliders), place(found, share), strict=True))
         run = jb.simulate(jb.replace(jb.table2(), fields))
-        for q in good:
+        captured += run.outcome == jb.Outcome.captured
+        for q in good if run.outcome == jb.Outcome.captured else ():
             value = float(run.quantity(found.quantities[q]))
             largest = max(largest, abs(found.models[0][q].at(share, found.shares) / value - 1.0))
+    assert captured >= 18
     evidence("Surfaces", "what-if models at captures that nobody has seen", largest, GOOD, "captures simulated there")

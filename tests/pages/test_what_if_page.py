@@ -45,7 +45,7 @@ def test_the_table_at_the_tuned_design(results, found):
     assert float(table[0, "most"]["text"]) == pytest.approx(quantity("peak_force", 2, middle), rel=5e-3)
     assert table[0, "most"]["where"] == "0.3 m/s, 0°" and table[0, "most"]["room"] == "–"
     stroke = 1e3 * quantity("stroke", 2, middle)
-    assert float(table[1, "most"]["text"]) == pytest.approx(stroke, rel=5e-4) and table[1, "most"]["limit"] == 25.0
+    assert float(table[1, "most"]["text"]) == pytest.approx(stroke, rel=5e-4) and table[1, "most"]["limit_text"] == "25"
     share = (25.0 - stroke) / 25.0
     assert table[1, "most"]["room"] == f"{25.0 - stroke:.3g} ({100.0 * share:.3g} %)"
     assert (3, "most") not in table
