@@ -22,6 +22,10 @@ from .experiments.surface import (
     Surface as Surface,
     response_surface as response_surface,
 )
+from .experiments.what_if import (
+    WhatIf as WhatIf,
+    what_if as what_if,
+)
 from .fields import (
     get as get,
     paths as paths,

@@ -14,6 +14,7 @@ from ..fields import get
 from ..tuning.cases import Case, Distribution
 from ..tuning.evaluation import Evaluation, Evaluator
 from ..tuning.problem import Problem
+from ..value_text import percent_text
 from .what_if_model import Model, fit
 
 RUNS = 128  # of each scenario that models are fitted to
@@ -38,7 +39,7 @@ class Slider(NamedTuple):
 
 @dataclasses.dataclass(frozen=True)
 class WhatIf:
-    """Models of a design's quantities around it.
+    """Models of a design's quantities around it. Print it for how good they are.
 
     - ``problem``: whose design it is.
     - ``sliders``: the d numbers that the models depend on, first the problem's variables, then factors of what is built
@@ -51,6 +52,13 @@ class WhatIf:
     - ``succeeded`` (n, cases): which of those runs did; ``right`` (cases,): the share of the runs kept apart that end
       well or not as the nearest of the others does.
     - ``apart``: how many runs of each case were kept apart; ``runs`` in all.
+
+    **Example:**
+
+    >>> problem = jb.Problem(jb.BarDrop(), [jb.BarDropScenario()], [jb.Variable("impact.stiffness", 1e10, 1e12)])
+    >>> found = jb.what_if(problem, runs=32)
+    >>> found.models[0][0].at(found.nominal, found.shares) > 0.0
+    True
     """
 
     problem: Problem
@@ -70,6 +78,14 @@ class WhatIf:
         """Return whether a model misses no run kept apart by more than 2 %."""
         model = self.models[case][quantity]
         return model is not None and model.error <= GOOD
+
+    def __repr__(self) -> str:
+        lines = [f"What if: {len(self.sliders)} numbers, {len(self.cases)} cases, {self.runs} runs"]
+        lines += [f"  {it.name} {it.low:.4g} … {it.high:.4g} {it.unit}" for it in self.sliders]
+        for q, name in enumerate(self.quantities):
+            good = sum(self.good(c, q) for c in range(len(self.cases)))
+            lines.append(f"  {name}: good to {percent_text(GOOD)} in {good} of {len(self.cases)} cases")
+        return "\n".join(lines)
 
     @property
     def count_good(self) -> int:

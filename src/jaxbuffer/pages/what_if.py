@@ -23,6 +23,7 @@ from .page import PageSection
 from .records import Display, display, same
 
 NONE = "–"
+SOLVED = "solved"  # where any end will do
 FINEST = 1e-4  # an error that is told: the runs themselves are no better
 DOUBTFUL = 0.5  # an error from which on a model says nothing of the truth
 SURE = 0.002  # an error up to which four digits are shown, and above it three
@@ -104,13 +105,18 @@ def data(record: Record, results: Results) -> dict[str, Any]:
     at = [[None if it is None else it.at(nominal, shares) for it in case] for case in models]
     return {
         "good": record["good"],
-        "success": record["success"],
+        "success": record["success"] or SOLVED,
         "sliders": [
             dict(it.items()) | {"nominal": place} for it, place in zip(record["sliders"], nominal.tolist(), strict=True)
         ],
         "shares": record["shares"],
         "quantities": [it._asdict() for it in shown],
-        "rows": [row._asdict() | _at_nominal(row, shown[row.quantity], at, record) for row in rows],
+        "rows": [
+            row._asdict()
+            | {"limit_text": NONE if row.limit is None else number(row.limit, 0.0)}
+            | _at_nominal(row, shown[row.quantity], at, record)
+            for row in rows
+        ],
         "cases": [_case(case, values, shown, record["good"]) for case, values in zip(record["cases"], at, strict=True)],
     }
 
@@ -120,12 +126,22 @@ def _text(record: Record, results: Results) -> list[str]:
     over = f"{count} scenario{'s' if count > 1 else ''}"
     if record["left_out"]:
         over += f" that decide at the tuned design; {record['left_out']} others are left out"
-    return [
+    lines = [
         f"Move a number to see what the design would do then, over {over}. The numbers come from models that are fitted"
         f" to {len(record['shares'])} {name}s of each scenario around the tuned design; their error is the largest of"
         f" {record['apart']} {name}s that were kept apart. A model that misses one of these by more than"
         f" {percent_text(record['good'])} shows no number. Simulate what you choose."
     ]
+    failing = [case for case in record["cases"] if not all(case["succeeded"])]
+    if failing:
+        counts = (f"{case['succeeded'].count(False)} in {case['label']}" for case in failing)
+        right = percent_text(min(case["right"] for case in failing), ".3g")
+        ended = record["success"] or SOLVED
+        lines.append(
+            f"Of those {len(record['shares'])}, some were not {ended}: {'; '.join(counts)}. Whether one is, is taken"
+            f" from the nearest of them, which is right for at least {right} of those kept apart."
+        )
+    return lines
 
 
 def _rows(record: Record, shown: Sequence[Display]) -> Iterator[Row]:

@@ -119,7 +119,8 @@ def _as_read(study: Config, address: str, path: str, part: Part) -> str:
     if isinstance(value, Curve):
         return points_text(value, address, study.units)
     text = study.texts.get(address, "")
-    return f"{text} = {_value(part, path)}" if text and unit(part, path) else _value(part, path)
+    shown = _value(part, path)
+    return f"{text} = {shown}" if text and unit(part, path) and text != shown else shown
 
 
 def _sample(study: Config) -> list[str]:

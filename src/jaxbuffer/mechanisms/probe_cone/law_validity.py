@@ -3,6 +3,7 @@ that add little energy, and what the elements know of themselves."""
 
 from typing import Any, NamedTuple
 
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
@@ -44,7 +45,7 @@ def validity(design: Design, penetration: np.ndarray, peak_force: np.ndarray) ->
         return Validity(depth, np.zeros_like(depth))
     # Which of the two sides is the softer is not known: the smaller of both ratios yields at the lower pressure.
     _, tip, _, cone = design.materials
-    limit = yield_pressure(stress, np.minimum(tip, cone))
+    limit = yield_pressure(stress, jnp.minimum(jnp.asarray(tip), cone))
     return Validity(depth, np.asarray(pressure(design, peak_force)) / np.asarray(limit))
 
 

@@ -91,7 +91,7 @@ class WhatIf {
     const failing = this.data.cases.filter((_, c) => !ended[c]);
     this.ends.classList.toggle("warning", failing.length > 0);
     this.ends.textContent = failing.length
-      ? `Not ${this.data.success} near here in ${failing.map(it => it.label).join("; ")}: so ended the nearest run, which is right for at least ${percent(Math.min(...failing.map(it => it.right)), 3)} of those kept apart. No number is shown.`
+      ? `No number is shown here: the nearest run is not ${this.data.success} in ${failing.map(it => it.label).join("; ")}.`
       : "";
   }
 
