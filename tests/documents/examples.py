@@ -20,7 +20,7 @@ def commands(page: Path) -> str:
 DOCS = ROOT / "docs"
 HOWTO = sorted((DOCS / "howto").glob("*.md"))
 GUIDES = [
-    *(DOCS / f"{name}.md" for name in ("quickstart", "clusters", "laws", "gradients", "tuning", "tank_drop")),
+    *(DOCS / f"{name}.md" for name in ("quickstart", "clusters", "laws", "gradients", "tuning", "robust", "tank_drop")),
     *HOWTO,
 ]
 PAGES = [page for page in (ROOT / "README.md", *sorted(DOCS.glob("*.md")), *HOWTO) if blocks(page)]

@@ -151,7 +151,11 @@ def test_the_tolerance_to_tighten_first_is_that_whose_half_helps_most():
     assert first.before == "25 mm, limit ≤ 24 mm" and first.after == {"buffer.k_T": "23.5 mm", "buffer.c_A": "24 mm"}
     assert first.line().startswith("tighten first the tolerance of buffer.k_T: ")
     found = corners(problem, runs)
-    assert found.holding == 6 and found.whole and "the design holds in 6 of 8 corners of the tolerances only" == found.verdict
+    assert (
+        found.holding == 6
+        and found.whole
+        and found.verdict == "the design holds in 6 of 8 corners of the tolerances only"
+    )
 
 
 def test_where_no_limit_is_near_the_objective_says_what_to_tighten():

@@ -103,13 +103,13 @@ class Corners:
 class CornerRuns(NamedTuple):
     """The runs of a design in corners and middle.
 
-    ``evaluation`` of all ``cases``, the corners first; ``count`` of the corners, ``signs`` of the tolerances in each,
-    and the ``bases`` that these differ from.
+    ``evaluation`` of all ``cases``, the corners first; ``corners``: how many these are; ``signs`` of the tolerances in
+    each, and the ``bases`` that these differ from.
     """
 
     evaluation: Evaluation
     cases: tuple[Case, ...]
-    count: int
+    corners: int
     signs: Float[np.ndarray, "corners tolerances"]
     bases: tuple[Case, ...]
 
@@ -142,7 +142,7 @@ def run_corners(
 
 def corners(problem: Problem, runs: CornerRuns) -> Corners:
     """Return in which corners a design holds."""
-    goal, evaluation, count = Goal(problem, problem.objective), runs.evaluation, runs.count
+    goal, evaluation, count = Goal(problem, problem.objective), runs.evaluation, runs.corners
     sampled = 0 if problem.scatter is None else len(problem.scatter.distributions)
     ranges = sampled + len(problem.tolerances)
     values = np.where(evaluation.solved, evaluation.quantities @ goal.weights(problem.objective), np.nan)
