@@ -113,7 +113,7 @@ def brute(design):
 
 @pytest.mark.slow
 def test_the_worst_of_seven_tolerances_is_that_of_all_corners(tmp_path):
-    """Also of a run that is interrupted in its second round and goes on."""
+    """Also of a run that is interrupted and goes on."""
     problem, options = seven(2500.0), {"starts": 1, "iterations": 2}
     tuned = jb.tune(problem, **options)
     assert tuned.corners.largest == pytest.approx(brute(tuned.design).max(), rel=1e-7)
