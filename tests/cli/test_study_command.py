@@ -199,7 +199,8 @@ def test_a_search_of_the_docs_finds_how_designs_scatter(word):
         and "[problem.sample]" in text
     ]
     assert found == ["robust.md"]
-    assert word in "".join(re.findall(r".*problem\.sample.*", example_toml(mechanism_named("bar_drop"))))
+    example = example_toml(mechanism_named("bar_drop")).lower()
+    assert word in "".join(re.findall(r".*problem\.sample.*", example)) and "# [tolerances]" in example
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -57,7 +57,8 @@ class Corners:
             return f"the design holds in {count} of {count} corners of the {self.what}{which}"
         if self.holding == len(self.cases):
             return f"the design holds in every corner of the {self.what}, and not in their middle"
-        return f"the design holds in {self.holding} of {len(self.cases)} corners of the {self.what} only"
+        which = f"{len(self.cases)} corners" if self.whole else f"the {len(self.cases)} corners that were run"
+        return f"the design holds in {self.holding} of {which} of the {self.what} only"
 
     @property
     def largest(self) -> float:
