@@ -20,7 +20,10 @@ def commands(page: Path) -> str:
 DOCS = ROOT / "docs"
 HOWTO = sorted((DOCS / "howto").glob("*.md"))
 GUIDES = [
-    *(DOCS / f"{name}.md" for name in ("quickstart", "clusters", "laws", "gradients", "tuning", "tank_drop", "choose")),
+    *(
+        DOCS / f"{name}.md"
+        for name in ("quickstart", "clusters", "laws", "gradients", "tuning", "robust", "tank_drop", "choose")
+    ),
     *HOWTO,
 ]
 PAGES = [page for page in (ROOT / "README.md", *sorted(DOCS.glob("*.md")), *HOWTO) if blocks(page)]

@@ -23,6 +23,7 @@ LONG = (
     "laws",
     "gradients",
     "tuning",
+    "robust",
     "tank_drop",
     "data_sheet",
     "choose",

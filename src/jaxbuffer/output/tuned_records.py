@@ -181,9 +181,9 @@ def tuned_comment(tuned: Tuned) -> str:
         f"Simulated up to {problem.duration:g} s at rtol {problem.rtol:g}; {', '.join(limits) or 'no limits'}.",
         f"{problem.format(problem.objective)}, before and after: {before}, {after}.",
     ]
-    for k, scenario in enumerate(problem.scenarios_met[:SHOWN]):
+    for k, case in enumerate(problem.cases[:SHOWN]):
         peaks = f"{tuned.before.peak_force[k]:.6g} N, {tuned.after.peak_force[k]:.6g} N"
-        lines.append(f"  peak at {problem.mechanism.view.label(scenario, problem.scenarios_met)}: {peaks}")
+        lines.append(f"  peak at {case.label(problem.cases)}: {peaks}")
     return "\n".join(lines)
 
 

@@ -25,6 +25,7 @@ from .tables import Keys
 
 WIDTH, LONGEST = 34, 118  # columns before a comment, and of a line
 SCHEMA = "jaxbuffer.schema.json"
+TOLERANCE_WORDS = 'of the drawn number; or "0.5 mm", or ["-1 mm", "2 mm"]; scenario.FIELD for one of the scenario'
 EXAMPLES = {"count": {"default": 24}}  # what the example has for a default
 
 
@@ -70,6 +71,11 @@ def example_toml(mechanism: Mechanism) -> str:
     lines += ["", heading["options"], *_fields(declared(options)), "", heading["tune"], *_fields(declared(Settings))]
     swept = ((_entry(path, it), unit_at(design, scenario, path)) for path, it in mechanism.defaults.grid.items())
     lines += ["", *_problem(mechanism, design), "", heading["sweep"], *itertools.starmap(_line, swept)]
+    lines += [
+        "",
+        f"# {heading['tolerances']}",
+        _line(f'# {mechanism.defaults.parameters[0]} = "10 %"', TOLERANCE_WORDS),
+    ]
     return "\n".join(lines) + "\n"
 
 

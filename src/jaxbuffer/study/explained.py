@@ -28,7 +28,7 @@ def explained(study: Config, name: str) -> str:
     """
     mechanism = study.mechanism
     usable, missing = _variables_with_start(study)
-    problem = _problem(study) if study.table and not missing else None
+    problem = _problem(study) if (study.table or study.tolerances) and not missing else None
     if study.table and missing and usable:  # everything else of the problem
         problem = dataclasses.replace(study, table=dataclasses.replace(study.table, variables=usable)).problem()
     own = {} if problem is None else problem.quantities
@@ -48,6 +48,7 @@ def explained(study: Config, name: str) -> str:
         "objective": [] if problem is None else [problem.format(problem.objective)],
         "own quantities": [f"{name} [{it.unit}] = {it.signature}" for name, it in own.items()],
         "limits": [] if problem is None else _limits(problem),
+        "tolerances": [] if problem is None else _tolerances(problem),
         "then": [] if problem is None or problem.then is None else [problem.format(problem.then.objective)],
         "parts": _parts(study),
         "roundings": [
@@ -187,6 +188,15 @@ def _limits(problem: Problem) -> list[str]:
     return lines
 
 
+def _tolerances(problem: Problem) -> list[str]:
+    """Return a line for each tolerance, and how many corners they have."""
+    lines = [f"{address} {problem.tolerance_text(address)}" for address in problem.tolerances]
+    if not lines:
+        return []
+    each = f"{2 ** len(lines)} corners at each of {len(problem.drawn)} scenarios"
+    return [*lines, f"{each}, of which the worst are searched for" if problem.needs_search else each]
+
+
 def _commands(study: Config, name: str, problem: Problem | None, swept: Grid, missing: bool) -> list[str]:
     """Say what each command would do. ``missing``: whether a tuning needs bounds that the study has not."""
     mechanism = study.mechanism
@@ -207,6 +217,7 @@ def _commands(study: Config, name: str, problem: Problem | None, swept: Grid, mi
     if problem is None:
         return [*commands, f"jaxbuffer tune {name}         the default problem; it has no [problem]"]
     cases = f"{len(problem.cases)} scenario{'s' if len(problem.cases) > 1 else ''}"
+    cases += ", corners of tolerances among them" if problem.corners else ""
     return [*commands, f"jaxbuffer tune {name}         {len(problem.variables)} variables over {cases}"]
 
 

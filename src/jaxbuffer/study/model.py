@@ -136,7 +136,7 @@ class ProblemTable:
     )
     sample: Scatter | None = subtable(
         KeyTable(_scatter, lambda mechanism: declared(Scatter) | declared(Scattered)),
-        "robust designs: what scatters; each sample at every point of a grid, if there is one",
+        "robust designs by samples (Monte Carlo): what scatters, at every point of a grid",
     )
     objective: Objective | None = subtable(
         KeyTable(_objective, lambda mechanism: declared(Objective), WEIGHT),

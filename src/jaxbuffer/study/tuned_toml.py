@@ -7,8 +7,8 @@ from typing import Any
 
 import tomli_w
 
-from ..fields import SCENARIO, Part, as_written, declared, unit, unit_at
-from ..tuning.cases import Case, Scatter
+from ..fields import Part, as_written, declared, unit, unit_at
+from ..tuning.cases import Case, Scatter, grid_address
 from ..tuning.objective import Objective, SecondObjective
 from ..tuning.problem import Problem, Settings
 from ..value_text import unit_text
@@ -129,7 +129,7 @@ def _sampled(problem: Problem) -> list[str] | None:
         lines += ["", "[problem.grid]"]
         for name, values in fields.items():
             of_design = "." in name
-            typed = problem.units.get(name if of_design else f"{SCENARIO}{name}", "")
+            typed = problem.units.get(grid_address(name), "")
             symbol = unit(problem.design if of_design else bases[0].scenario, name)
             written = [as_written(value, symbol, typed) for value in values] if symbol else values
             if len({isinstance(it, str) for it in written}) > 1:

@@ -31,7 +31,7 @@ from ..fields import (
     unit,
 )
 from ..sweeps.axis import EXAMPLE, SPAN, choices_example, span
-from ..tuning.cases import KINDS, MOST, Distribution
+from ..tuning.cases import KINDS, MOST, Distribution, grid_address
 from ..tuning.problem import SCALES, Variable
 from ..value_text import interval_text
 
@@ -171,7 +171,7 @@ def _read_choices(where: str, name: str, given: Any, part: Part) -> list[Any]:
         raise InputError(f"{where} = {shown(given)} is not a list of choices; write some of {example}")
     for value in given:
         try:
-            check_choosing(name if "." in name else f"{SCENARIO}{name}", value, metadata(part, name))
+            check_choosing(grid_address(name), value, metadata(part, name))
         except InputError as error:
             raise error.between("problem.grid: ") from None
         if given.count(value) > 1:

@@ -11,7 +11,7 @@ import scipy
 from jaxtyping import Float
 
 from ..errors import InputError, check_choice, check_single, check_type, shown
-from ..fields import Curve, Part, as_displayed, check_declared, check_path, get, replace, unit, whole
+from ..fields import SCENARIO, Curve, Part, as_displayed, check_declared, check_path, get, replace, unit, whole
 from ..mechanisms import all_mechanisms
 from ..mechanisms.registry import mechanism_of_scenario
 from ..value_text import unit_text, with_unit
@@ -227,6 +227,11 @@ def corner_signs(count: int) -> Float[np.ndarray, "corners numbers"]:
 def _values_of(base: Part, name: str) -> str:
     symbol = unit(base, name)
     return f"values{unit_text(symbol, ' in ')}" if symbol else "choices"
+
+
+def grid_address(name: str) -> str:
+    """Return the address of a field of a grid: a path with a point is the design's, any other the scenario's."""
+    return name if "." in name else f"{SCENARIO}{name}"
 
 
 def grid(fields: Mapping[str, Sequence[Any]], base: Part | None = None, design: Part | None = None) -> tuple[Case, ...]:

@@ -57,7 +57,8 @@ class Corners:
             return f"the design holds in {count} of {count} corners of the {self.what}{which}"
         if self.holding == len(self.cases):
             return f"the design holds in every corner of the {self.what}, and not in their middle"
-        return f"the design holds in {self.holding} of {len(self.cases)} corners of the {self.what} only"
+        which = f"{len(self.cases)} corners" if self.whole else f"the {len(self.cases)} corners that were run"
+        return f"the design holds in {self.holding} of {which} of the {self.what} only"
 
     @property
     def largest(self) -> float:
@@ -103,13 +104,13 @@ class Corners:
 class CornerRuns(NamedTuple):
     """The runs of a design in corners and middle.
 
-    ``evaluation`` of all ``cases``, the corners first; ``count`` of the corners, ``signs`` of the tolerances in each,
-    and the ``bases`` that these differ from.
+    ``evaluation`` of all ``cases``, the corners first; ``corners``: how many these are; ``signs`` of the tolerances in
+    each, and the ``bases`` that these differ from.
     """
 
     evaluation: Evaluation
     cases: tuple[Case, ...]
-    count: int
+    corners: int
     signs: Float[np.ndarray, "corners tolerances"]
     bases: tuple[Case, ...]
 
@@ -142,7 +143,7 @@ def run_corners(
 
 def corners(problem: Problem, runs: CornerRuns) -> Corners:
     """Return in which corners a design holds."""
-    goal, evaluation, count = Goal(problem, problem.objective), runs.evaluation, runs.count
+    goal, evaluation, count = Goal(problem, problem.objective), runs.evaluation, runs.corners
     sampled = 0 if problem.scatter is None else len(problem.scatter.distributions)
     ranges = sampled + len(problem.tolerances)
     values = np.where(evaluation.solved, evaluation.quantities @ goal.weights(problem.objective), np.nan)

@@ -18,6 +18,7 @@ from .tolerances import moved
 
 TRUSTED = 0.25  # error of the first order, relative to the scatter, up to which shares are relied on
 NEAR = 0.1  # of a limit: a target nearer to it, or beyond, is tightened for before the objective
+NOTHING = 1e-3  # of the largest change: what is smaller is none
 LESS = 0.5  # of a tolerance: what is left of one that is tightened
 
 
@@ -79,7 +80,7 @@ def spreads(
 ) -> tuple[Spread, ...]:
     """Return the scatter of the objective's and of each limited quantity, those that the tolerances change."""
     drawn = evaluator.by_tolerances(scaled, problem.drawn, rtol)
-    scenarios, evaluation, count = len(problem.scenarios), runs.evaluation, runs.count
+    scenarios, evaluation, count = len(problem.scenarios), runs.evaluation, runs.corners
     per_scenario = count // scenarios
     limits = [name for name in problem.limits.names if name in problem.names]
     found = []
@@ -153,7 +154,7 @@ def _worst(problem: Problem, runs: CornerRuns) -> tuple[Target, int] | None:
     """Return the limit that is broken worst in a corner, or nearly so, or else the objective, and the corner."""
     found = list[tuple[float, int, Target]]()
     for it in targets(problem):
-        values = it.values(runs.evaluation)[: runs.count]
+        values = it.values(runs.evaluation)[: runs.corners]
         values = np.where(np.isnan(values), np.inf, values)
         found.append((float(np.max(values)), int(np.argmax(values)), it))
     near = [it for it in found if it[2].limited and it[0] > -NEAR]
@@ -180,7 +181,7 @@ def spread_rows(problem: Problem, found: Sequence[Spread]) -> list[list[str]]:
         [
             address,
             problem.tolerance_text(address),
-            *(f"{factor * it.effects[k]:+.3g} ({percent_text(it.shares[k], '.0f')})" for it, factor in each),
+            *(_effect_text(it, k, factor) for it, factor in each),
         ]
         for k, address in enumerate(problem.tolerances)
     ]
@@ -188,6 +189,13 @@ def spread_rows(problem: Problem, found: Sequence[Spread]) -> list[list[str]]:
     rows.append(["in the corners", "", *(range_text(factor * it.low, factor * it.high, "", 4) for it, factor in each)])
     rows.append(["error of the changes there", "", *(_error_text(it) for it in found)])
     return rows
+
+
+def _effect_text(spread: Spread, k: int, factor: float) -> str:
+    """Return the change by a tolerance and its share; what is far below the largest is shown as 0."""
+    effect = float(spread.effects[k])
+    effect = 0.0 if abs(effect) < NOTHING * float(np.max(np.abs(spread.effects))) else effect
+    return f"{factor * effect:+.3g} ({percent_text(spread.shares[k], '.0f')})" if effect else "0 (0 %)"
 
 
 def _error_text(spread: Spread) -> str:

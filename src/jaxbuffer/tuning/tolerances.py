@@ -26,7 +26,7 @@ from ..fields import (
     unit_at,
     value_at,
 )
-from ..value_text import percent_text, with_unit
+from ..value_text import with_unit
 from .cases import Case
 
 EXAMPLE = '"10 %", "0.5 mm" or ["-1 mm", "2 mm"]'
@@ -82,15 +82,14 @@ class Tolerance:
     def in_words(self, unit: str, typed: str = "") -> str:
         """Return it in words: "±10 %", "-1 to +2 mm". ``unit``: of the number; ``typed``: in which it was given."""
 
-        def end(value: float, sign: bool) -> str:
+        def shown(value: float) -> tuple[float, str]:
             if self.relative:
-                return percent_text(value, "+.4g" if sign else ".4g")
-            shown = as_typed(value, unit, typed) if typed and typed != "%" else as_displayed(value, unit)
-            return with_unit(*shown, 4, sign=sign)
+                return 100.0 * value, "%"
+            return as_typed(value, unit, typed) if typed and typed != "%" else as_displayed(value, unit)
 
         if self.low == -self.high:
-            return f"±{end(self.high, False)}"
-        return f"{end(self.low, True)} to {end(self.high, True)}"
+            return f"±{with_unit(*shown(self.high), 4)}"
+        return f"{shown(self.low)[0] + 0.0:+.4g} to {with_unit(*shown(self.high), 4, sign=True)}"
 
 
 def read_tolerance(where: str, given: Any, symbol: str) -> Tolerance:

@@ -9,6 +9,7 @@ from ...fields import as_displayed
 from ...output.tuned_files import tuned_files
 from ...study.tuned_toml import tuned_toml
 from ...tuning import Problem
+from ...tuning.cases import grid_address
 from ...tuning.tune import best_so_far
 from ...tuning.tune import tune as compute
 from ...value_text import with_unit
@@ -24,7 +25,7 @@ RUN_FILES = ("log.jsonl", "state.npz", "state.old.npz")  # of a tuning, which `t
 def tune(request: CommandLine, scheduler: str | None, resume: bool, **search: str | None) -> int:
     """Search for the best design, and save it or, if interrupted, the best one so far."""
     study = request.tuning_study(**search)
-    check_swept_once(request.fields, (f"scenario.{name}" for name in study.table.grid or ()), "[problem.grid]")
+    check_swept_once(request.fields, map(grid_address, study.table.grid or ()), "[problem.grid]")
     problem = study.problem()
     say_cautions(study.design, study.scenarios, {variable.path for variable in problem.variables}, units=study.units)
     names = ("design.toml", "design.mat", "tuned.json", "history.csv", "force.json", "tune.png", "tune.txt")
