@@ -25,11 +25,10 @@ from .choice import Choice
 from .combinations import Combinations
 from .criterion import Criterion
 from .enumeration import Enumeration
-from .means import Means
+from .means import OPTIMUM, TUNED, Means
 from .runs import Runs
 from .store import FOLDER, ChoiceStore
 
-OPTIMUM, TUNED = "choose.optimum", "choose.tuned"  # folders of tunings
 EXAMPLE = "Problem(jb.table2(), [Scenario()], [])"
 
 

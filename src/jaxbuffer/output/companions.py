@@ -39,7 +39,9 @@ def groups() -> dict[str, Group]:
                 *_figures("sample", "indices", "surface"),
             ),
         ),
-        "tuned": Group(("tuned.json", "design.toml"), ("history.csv", "force.json", "tune.txt", "design.mat", *_figures("tune"))),
+        "tuned": Group(
+            ("tuned.json", "design.toml"), ("history.csv", "force.json", "tune.txt", "design.mat", *_figures("tune"))
+        ),
         "front": Group(("pareto.json",), ("design-[0-9]*.toml", "pareto.csv", "pareto.txt", *_figures("pareto"))),
         "choice": Group(("choice.json",), ("choice.csv", "choice.txt", "design.mat", *_figures("choice"))),
     }
