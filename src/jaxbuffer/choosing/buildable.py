@@ -64,7 +64,7 @@ def buildable(
     >>> problem = jb.Problem(jb.table2(), [jb.Scenario()], [])
     >>> choice = jb.buildable(problem, {"buffer.k_A": "E6"}, jb.replace(jb.table2(), {"buffer.k_A": 520.0}))
     >>> choice.best.names, choice.nearest.names
-    (('330 N/m',), ('470 N/m',))
+    (('470 N/m',), ('470 N/m',))
     """
     check_type("problem", problem, Problem, EXAMPLE)
     rules = checked_rules(roundings, problem.design)

@@ -87,7 +87,7 @@ class Choice(Saved):
     >>> parts = {"spring": {"soft": {"k_A": "300 N/m"}, "stiff": {"k_A": "900 N/m"}}}
     >>> choice = jb.choose(jb.Problem(jb.table2(), [jb.Scenario()], []), parts, optimum=False)
     >>> choice.best.names, f"{choice.best.value:.1f} N"
-    (('soft',), '242.7 N')
+    (('soft',), '264.5 N')
     """
 
     criterion: Criterion
