@@ -116,6 +116,38 @@ STUDIES = [
     toml("[tune]\nsearches = true", "tune.searches = True must be a whole number of at least 1"),
     toml("[tune]\nseed = -1", "tune.seed = -1 must be a whole number of at least 0"),
     toml("[tune]\ntolerance = 1", "tune.tolerance = 1 is out of range; allowed: (0, 1)"),
+    # parts and roundings
+    toml("[parts.spring]\nS1 = {k_a = 5}", "parts.spring.S1.k_a: k_a is unknown; did you mean buffer.k_A?"),
+    line(
+        "simulate study.toml",
+        "not valid TOML: Cannot overwrite a value",
+        "line 3: S1 = {k_A = 6}",
+        study="[parts.spring]\nS1 = {k_A = 5}\nS1 = {k_A = 6}",
+    ),
+    toml("[parts.spring]\nfile = 'none.csv'", "none.csv: no such file"),
+    toml("[parts.spring]\nS1 = {k_A = '5 kg'}", "parts.spring.S1.k_A = '5 kg': kg is a mass"),
+    toml("parts = 5", "parts = 5 is not a table"),
+    toml("[parts.tip]\nT = {tip_mass = 1}\n[problem.constraints]\nprice = 3", "problem.constraints.price is unknown"),
+    toml("[roundings]\nbuffer.k_A = 'E13'", "roundings.buffer.k_A = 'E13' is no series; known: E3, E6, E12, E24"),
+    toml("[roundings]\nbuffer.kA = 'E12'", "buffer.kA is unknown; did you mean buffer.k_A?"),
+    toml("[roundings]", "roundings is empty; name a field", 'buffer.k_A = "E24"'),
+    toml("[choose]\nranking = 0", "choose.ranking = 0 must be a whole number from 1 to 1000"),
+    line("choose study.toml", "the study has no [parts] and no [roundings]", study="[buffer]\nk_A = 5"),
+    line(
+        "choose study.toml",
+        "[parts] and [roundings] both say what to choose from; keep one",
+        study="[parts.spring]\nS1 = {k_A = 5}\n[roundings]\nbuffer.k_A = 5",
+    ),
+    line(
+        "choose study.toml",
+        "parts.spring sets buffer.k_A, which is among the variables too; keep one",
+        study="[parts.spring]\nS1 = {k_A = 500}\n[problem.variables]\nbuffer.k_A = [100, 900]",
+    ),
+    line(
+        "tune study.toml",
+        "problem.objective.price is a sum over parts, which jaxbuffer choose alone has; leave it out",
+        study="[parts.spring]\nS1 = {k_A = 500, price = 5}\n[problem.objective]\nprice = 1",
+    ),
     # the problem
     toml("[problem.variables]", "problem.variables is empty", "buffer.k_A = [100, 2000]"),
     toml("[problem.variables]\nbuffer.kA = [1, 2]", "buffer.kA is unknown; did you mean buffer.k_A?"),

@@ -17,17 +17,8 @@ import pytest
 from documents.examples import GUIDES, commands
 from jaxbuffer.cli.entry import run
 
-LONG = (
-    "quickstart",
-    "clusters",
-    "laws",
-    "gradients",
-    "tuning",
-    "robust",
-    "tank_drop",
-    "data_sheet",
-    "choose",
-)  # for `make test-long`
+# for `make test-long`
+LONG = ("quickstart", "clusters", "laws", "gradients", "tuning", "robust", "tank_drop", "data_sheet", "choose")
 
 # `jaxbuffer` for the shell: sends where it is and its words, prints what comes back and ends with the command's code
 SENDER = """

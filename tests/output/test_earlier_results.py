@@ -22,7 +22,7 @@ from jaxbuffer.tuning.problem import Settings
 from jaxbuffer.tuning.store import TuningStore
 from made_up import made_up_capture, made_up_tuning
 
-RUN = ("capture.json", "capture.txt", "capture.nc")
+RUN = ("capture.json", "capture.txt", "capture.nc", "capture.mat")
 HISTORY = ("history.csv", "force.json", "motion.json", "capture.png", "capture.svg", "motion.png", "motion.svg")
 FORCES = {"run": '{"curves": [{"name": "capture"}]}', "tuned": '{"curves": [{"name": "before"}, {"name": "after"}]}'}
 TABLES = {"run": "time [s],force [N]\n", "tuned": "evaluation,stage\n"}

@@ -82,10 +82,11 @@ def _ranges(catalogues: Sequence[PartsCatalogue], design: Part) -> tuple[list[Va
     ranges = []
     for catalogue in catalogues:
         for path in catalogue.paths:
-            values = [part.fields.get(path) for part in catalogue.parts]
-            if len(set(map(repr, values))) == 1:
+            values = [part.fields[path] for part in catalogue.parts if path in part.fields]
+            whole = len(values) == len(catalogue.parts)
+            if whole and len(set(map(repr, values))) == 1:
                 continue
-            if not unit(design, path) or None in values:
+            if not unit(design, path) or not whole:
                 return [], f"{path} differs between the parts and is no number with a range"
             low, high = min(values), max(values)
             ranges.append(Variable(path, low, high, "log" if low > 0.0 else "linear"))

@@ -1,6 +1,7 @@
 """`buildable`: the best values that can be built near those of a continuous design, and what rounding costs."""
 
 import dataclasses
+import shutil
 from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
 from pathlib import Path
@@ -17,12 +18,13 @@ from ..tuning.tune import tune
 from .alternatives import alternatives
 from .catalogue import CataloguePart, PartsCatalogue
 from .choice import Choice
-from .choose import EXAMPLE, OPTIMUM, ranked
+from .choose import EXAMPLE, ranked
 from .combinations import Combinations
 from .criterion import Criterion
-from .means import Means
+from .means import OPTIMUM, Means
 from .runs import Runs
 from .series import check_rule, rounded_catalogues
+from .store import FOLDER
 
 
 def buildable(
@@ -62,7 +64,7 @@ def buildable(
     >>> problem = jb.Problem(jb.table2(), [jb.Scenario()], [])
     >>> choice = jb.buildable(problem, {"buffer.k_A": "E6"}, jb.replace(jb.table2(), {"buffer.k_A": 520.0}))
     >>> choice.best.names, choice.nearest.names
-    (('330 N/m',), ('470 N/m',))
+    (('470 N/m',), ('470 N/m',))
     """
     check_type("problem", problem, Problem, EXAMPLE)
     rules = checked_rules(roundings, problem.design)
@@ -86,6 +88,8 @@ def checked_rules(roundings: Mapping[str, Any], design: Part) -> dict[str, str |
 
 def continuous_design(problem: Problem, means: Means) -> Part:
     """Tune the problem, for a design to round."""
+    if means.path is not None and not means.resume:
+        shutil.rmtree(means.path / FOLDER, ignore_errors=True)  # an earlier choice's, with which none goes on
     return tune(problem, **means.tuning(OPTIMUM)).design
 
 

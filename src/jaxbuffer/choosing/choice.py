@@ -87,7 +87,7 @@ class Choice(Saved):
     >>> parts = {"spring": {"soft": {"k_A": "300 N/m"}, "stiff": {"k_A": "900 N/m"}}}
     >>> choice = jb.choose(jb.Problem(jb.table2(), [jb.Scenario()], []), parts, optimum=False)
     >>> choice.best.names, f"{choice.best.value:.1f} N"
-    (('soft',), '242.7 N')
+    (('soft',), '264.5 N')
     """
 
     criterion: Criterion
@@ -231,8 +231,9 @@ def _ranking(choice: Choice) -> Table:
     title = "Ranking" if choice.feasible else "Nearest to the limits, none within them"
     numbers = (*headings({"objective": symbol}), "above", *headings(totals))
     made = table(title, ("", *(it.role for it in choice.catalogues)), numbers)
-    for heading, justify in (("largest at", "left"), ("tightest", "left"), ("left", "right")):
-        made.add_column(heading, justify=justify)
+    for heading in ("largest at", "tightest"):
+        made.add_column(heading)
+    made.add_column("left", justify="right")
     for place, it in enumerate(choice.ranked, 1):
         change = relative_change(choice.ranked[0].value, it.value) if choice.feasible and place > 1 else None
         tightest = it.margins[0] if it.margins else None
@@ -274,7 +275,7 @@ def _fields(choice: Choice) -> Table:
 
 def set_by(choice: Choice, alternative: Alternative) -> dict[str, str]:
     """Return the name of what has set each field of a combination, by path: a part, or the tuning."""
-    made = {}
+    made = dict[str, str]()
     for catalogue, name in zip(choice.catalogues, alternative.names, strict=True):
         part = next(it for it in catalogue.parts if it.name == name)
         made |= dict.fromkeys(part.fields, name)

@@ -1,10 +1,10 @@
 """What combinations are judged by: the problem's objective and limits, and sums of price and mass."""
 
 import dataclasses
-import math
 from collections.abc import Mapping
 from typing import Any
 
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float
 
@@ -101,4 +101,4 @@ def total_units(combinations: Combinations) -> dict[str, str]:
 def _quantity(name: str, unit: str, typed: str) -> Quantity:
     factor, symbol = as_typed(1.0, unit, typed)
     # Of runs it has no number: a choice adds the parts' own.
-    return Quantity(unit, lambda run: math.nan, DESCRIPTIONS[name], name, shown=(symbol, factor))
+    return Quantity(unit, lambda run: jnp.asarray(jnp.nan), DESCRIPTIONS[name], name, shown=(symbol, factor))

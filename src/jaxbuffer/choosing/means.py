@@ -14,8 +14,10 @@ from ..programs.process import check_ready
 from ..run.stepper import stepper_of
 from ..tuning.evaluation import FINEST_OF_DIFFRAX
 from ..tuning.problem import Problem
-from ..tuning.store import Record
+from ..tuning.store import LOG, Record
+from .store import FOLDER
 
+OPTIMUM, TUNED = "choose.optimum", "choose.tuned"  # folders of tunings
 QUICK = {"starts": 8, "rounds": 2}  # settings of tunings beside a choice where none are given
 
 
@@ -35,6 +37,8 @@ class Means:
     def __post_init__(self) -> None:
         if self.resume and self.folder is None:
             raise InputError("resume needs the folder of the choice to go on with")
+        if self.resume and self.path is not None and not any((self.path / it).exists() for it in (FOLDER, OPTIMUM)):
+            raise InputError(f"{self.path}: there is no choice to resume; leave out --resume to begin one")
         if self.workers is not None:
             check_whole("workers", self.workers, 1)
         check_ready()
@@ -48,7 +52,7 @@ class Means:
         """Return the keywords of a tuning in a folder of its own."""
         folder = None if self.path is None else self.path / name
         shared = {"workers": self.workers, "executor": self.executor, "solver": self.solver, "report": self.report}
-        resume = self.resume and folder is not None and (folder / "log.jsonl").exists()
+        resume = self.resume and folder is not None and (folder / LOG).exists()
         return {**(self.settings or QUICK), **shared, "folder": folder, "resume": resume, "save": False}
 
     def tight(self, problem: Problem) -> float:

@@ -18,7 +18,7 @@ from ..mechanisms.registry import mechanism_of
 from ..programs.cache import Static, stored
 from ..run.request import request
 from ..run.stepper import run_of, stepped, stepper_of
-from ..sweeps.chunk import CHUNK, task_size
+from ..sweeps.chunk import CHUNK, Chunk, task_size
 from ..sweeps.grid import Batch
 from ..tuning.measurement import Measurement
 from ..tuning.problem import Problem
@@ -40,7 +40,7 @@ class Setting(NamedTuple):
 @stored
 def read_chunk(
     mechanism: Mechanism,
-    chunk: Any,
+    chunk: Chunk,
     enabled: Bool[Array, " runs"],
     rtol: Any,
     stabilisation: Any,
@@ -49,13 +49,13 @@ def read_chunk(
 ) -> tuple[Any, Any, Any]:
     """Return code, impacts and the named quantities of each run of a chunk; those not ``enabled`` fill it up."""
 
-    def requested(chunk: Any) -> Any:
+    def requested(chunk: Chunk) -> Any:
         return request(mechanism, *chunk, solver, (rtol, rtol), stabilisation)
 
-    def one(chunk: Any, enabled: Array) -> Any:
+    def one(chunk: Chunk, enabled: Array) -> Any:
         return stepped(requested(chunk), enabled=enabled)
 
-    def numbers(chunk: Any, result: Any) -> tuple[Any, Any, Any]:
+    def numbers(chunk: Chunk, result: Any) -> tuple[Any, Any, Any]:
         run = run_of(requested(chunk), result)
         values = [mechanism.quantities[name].of(run) for name in names.value]
         return run.code, run.impact_count, jax.numpy.stack(values)

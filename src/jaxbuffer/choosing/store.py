@@ -32,7 +32,7 @@ class ChoiceStore:
 
     **Arguments:** ``path``: its folder; ``identity``: of the choice; ``resume``: whether to go on with what is there.
 
-    **Raises:** `InputError` on resuming where there is none, or another choice's.
+    **Raises:** `InputError` on resuming another choice's, or a damaged one.
     """
 
     def __init__(self, path: Path, identity: Identity, resume: bool) -> None:
@@ -40,7 +40,8 @@ class ChoiceStore:
         self._rows: dict[tuple[Key, float], Row] = {}
         self._waiting: list[tuple[list[Key], float, Columns]] = []
         self.damaged, self._next = 0, 0
-        if resume:
+        # A choice of roundings tunes first: one that was ended by then has no runs yet.
+        if resume and path.exists():
             self._resume()
         else:
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -49,11 +50,9 @@ class ChoiceStore:
 
     def _resume(self) -> None:
         head = self.path / HEAD
-        if not head.exists():
-            raise InputError(f"{self.path.parent}: there is no choice to resume; leave out --resume to begin one")
         try:
             before = described_identity(json.loads(head.read_text(encoding="utf-8")))
-        except ValueError:
+        except (OSError, ValueError):
             before = None
         if before is None:
             raise InputError(f"{head} is damaged and cannot be resumed; it is left as it is")

@@ -9,7 +9,7 @@ from .layout import legend_below, with_line_breaks
 from .style import BLUE, COLOURS, GREY, MARKS, ORANGE, RED, label, panels, styled
 
 ROWS = 12  # combinations that are drawn
-WIDE, SMALL = 170.0, 8  # width of a name and size of text [points]
+WIDE, SMALL = 150.0, 8  # width of a name and size of text [points]
 
 
 @styled
@@ -19,10 +19,8 @@ def choice_figure(choice: Choice) -> Figure:
     figure, grid = panels(11.0, 0.55 * max(len(drawn), 4) + 2.0, 1, 2)
     _objective(grid[0, 0], choice, drawn)
     _margins(grid[0, 1], choice, drawn)
-    legends = [axes.get_legend_handles_labels() for axes in grid[0]]
-    handles, names = (sum((one[k] for one in legends), []) for k in (0, 1))
-    if names:
-        legend_below(figure, handles, names)
+    (first, of_first), (second, of_second) = (axes.get_legend_handles_labels() for axes in grid[0])
+    legend_below(figure, [*first, *second], [*of_first, *of_second])
     tally = choice.tally
     share = 100.0 * tally.spared / max(tally.possible, 1)
     found = f"Best of {tally.combinations} combinations" if choice.feasible else "No combination keeps all limits"

@@ -50,7 +50,7 @@ def choice_record(choice: Choice) -> dict[str, Any]:
             it.role: [
                 {
                     "name": part.name,
-                    **{path: _plain(value) for path, value in (part.fields | dict(part.totals)).items()},
+                    **{path: _plain(value) for path, value in {**part.fields, **part.totals}.items()},
                 }
                 for part in it.parts
             ]

@@ -18,20 +18,8 @@ Made = Mapping[str, Any] | None  # how a result came about (`provenance.made`), 
 FIGURES = {"png": (".png",), "svg": (".svg",), "both": (".png", ".svg"), "none": ()}  # --format, the first by default
 Contents = Mapping[str, Callable[[], str | bytes]]  # a file's name and what makes its content
 Writers = dict[str, Callable[[], str | bytes]]
-ENDINGS = (
-    ".csv",
-    ".gif",
-    ".html",
-    ".json",
-    ".mat",
-    ".mp4",
-    ".nc",
-    ".npz",
-    ".png",
-    ".svg",
-    ".toml",
-    ".txt",
-)  # of result files
+# of result files
+ENDINGS = (".csv", ".gif", ".html", ".json", ".mat", ".mp4", ".nc", ".npz", ".png", ".svg", ".toml", ".txt")
 
 
 def json_text(record: Mapping[str, Any]) -> str:

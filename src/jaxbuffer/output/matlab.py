@@ -31,7 +31,7 @@ def run_mat(run: Run) -> bytes:
         {
             "outcome": run.outcome.name,
             **_arrays(data),
-            "units": {str(name): it.units for name, it in data.variables.items() if "units" in it.attrs},
+            "units": {str(name): it.attrs["units"] for name, it in data.variables.items() if "units" in it.attrs},
             "design": structure(run.design),
             "scenario": structure(run.scenario),
         }

@@ -59,6 +59,9 @@ def no_toml(text: str, error: ValueError) -> str:
     if is_open and not number:
         number = next((k for k, line in enumerate(lines, 1) if OPEN.search(line)), 0)
         message += f", opened at line {number}" if number else ""
+    if message.startswith("Cannot overwrite") and not number and lines:  # what is given twice is in the last line
+        number = len(text.rstrip().splitlines())
+        message += f", line {number}"
     line = lines[number - 1].strip() if 0 < number <= len(lines) else ""
     shown = f": {line if len(line) <= LONGEST else line[: LONGEST - 1] + '…'}" if line else ""
     if is_open:
@@ -77,7 +80,6 @@ def no_table(name: str, known: Iterable[str]) -> str:
     if (within := WITHIN.get(first.lower())) and within.partition(".")[0] in names:
         return f"; did you mean [{within}]?"
     part, meaning = SYNONYMS.get(first.lower(), ("", ""))
-    # A name that is merely misspelt is more likely than one from elsewhere.
-    if part not in names or nearest(first, names):
+    if part not in names:
         return suggest(first, names)
     return f"; did you mean [{part}] ({meaning})?"

@@ -6,10 +6,10 @@ from typing import Any
 
 from ...choosing.buildable import continuous_design, rounded
 from ...choosing.choice import Choice
-from ...choosing.choose import OPTIMUM, TUNED, ranked, selection, with_optimum, with_tuned
+from ...choosing.choose import ranked, selection, with_optimum, with_tuned
 from ...choosing.combinations import Combinations
 from ...choosing.criterion import Criterion
-from ...choosing.means import Means
+from ...choosing.means import OPTIMUM, TUNED, Means
 from ...choosing.store import FOLDER
 from ...cluster.extra import executor_at
 from ...errors import InputError
@@ -47,7 +47,6 @@ def choose(
     names = ("design.toml", "design.mat", "choice.json", "choice.csv", "choice.png", "choice.txt")
     files = request.files(*names, resumable=folders, resume=resume)
     settings = {name: getattr(study.tuning, name) for name in declared(Settings)} if study.tuning != Settings() else {}
-    resume = resume and request.output is not None and (request.output / FOLDER).exists()
     try:
         with executor_at(scheduler) as (executor, _):
             means = Means(request.output, resume, executor=executor, solver=study.options.solver, settings=settings)
