@@ -18,7 +18,7 @@ from .prediction import SHIFT, Prediction
 from .quantities import recorded_quantities
 from .recording import Recording
 from .residuals import Block, Minimum, minimum
-from .search import FIRST, LAST, Search
+from .search import FIRST, LAST, MET, Search
 from .signals import Parameters
 
 AGAIN = 4  # times that unknown noise is estimated anew
@@ -165,7 +165,7 @@ class Fit:
         """Search, and return what is found with its uncertainty."""
         best = self._search()
         best = self._with_noise(best)
-        self._check_ends(best)
+        self.check_ends(best.x, 1.0)
         blocks = self.blocks(best.x, 1.0)
         counts = [block.values.shape[1] for block in blocks]
         # What the model does not describe makes estimates less sure than the noise says.
@@ -191,7 +191,7 @@ class Fit:
             self.report(f"{share:.0%} of the records, {self.evaluations} runs")
 
         rows = max(len(it.times) for it in self.predictions)
-        return Search(self.blocks, rows, told)(np.array(start))
+        return Search(self.blocks, rows, told, self.check_ends)(np.array(start))
 
     def _with_noise(self, best: Minimum) -> Minimum:
         """Return the minimum with noise that is not known estimated from the residuals."""
@@ -229,23 +229,23 @@ class Fit:
         self._last = key, found
         return found
 
-    def _check_ends(self, best: Minimum) -> None:
-        """Raise `InputError` for a record that goes on after its fitted run has ended."""
+    def check_ends(self, x: np.ndarray, share: float) -> None:
+        """Raise `InputError` for a record that goes on, up to a share, after a run that meets it has ended."""
         self._last = None
-        self.blocks(best.x, 1.0)
         first = len(self.variables)
-        for prediction in self.predictions:
-            names, times = list(prediction.unknowns), prediction.times
+        for prediction, block in zip(self.predictions, self.blocks(x, share), strict=True):
+            names, times = list(prediction.unknowns), prediction.times[: block.values.shape[1]]
             shift = prediction.shift
             if isinstance(shift, Variable):
-                shift = shift.value(float(best.x[first + names.index(SHIFT)]))
+                shift = shift.value(float(x[first + names.index(SHIFT)]))
             first += len(names)
-            late = prediction.end_time + shift + LATE * float(np.median(np.diff(times)))
-            if times[-1] > late and not prediction.failed:
-                row = int(np.searchsorted(times, late, side="right"))
+            end = prediction.end_time + shift
+            late = int(np.searchsorted(times, end + LATE * float(np.median(np.diff(times))), side="right"))
+            met = late > 0 and float(np.mean(block.values[:, :late] ** 2)) < MET
+            if late < len(times) and met and not prediction.failed:
                 raise InputError(
-                    f"{where(prediction.recording, row)}: the time {times[row]:g} s is after the end of the fitted run"
-                    f" at {prediction.end_time + shift:g} s of the record; leave out the rows from there on"
+                    f"{where(prediction.recording, late)}: the time {times[late]:g} s is after the end of the run that"
+                    f" fits the rows before it, at {end:g} s of the record; leave out the rows from there on"
                 )
 
     def _result(
