@@ -68,7 +68,7 @@ def test_what_is_wrong_in_a_table_is_named_with_its_line_and_column(tmp_path, ol
 @pytest.mark.parametrize(
     ("heading", "channel", "said"),
     [
-        ("stroke [s]", jb.Channel("stroke"), 'line 1: column "stroke [s]" = \'1 s\': s is a time, expected'),
+        ("stroke [s]", jb.Channel("stroke"), "line 1: column \"stroke [s]\" = '1 s': s is a time, expected"),
         ("stroke [mm] [m]", jb.Channel("stroke"), 'line 1: column "stroke [mm] [m]" has two units; keep one'),
         ("stroke [mm]", jb.Channel("strok"), 'column "stroke [mm]": quantity strok is unknown; did you mean stroke?'),
         ("stroke [mm]", jb.Channel("stroke", noise=0.02), 'noise = 0.02 has no unit: write noise = "0.02 mm"'),

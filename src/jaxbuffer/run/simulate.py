@@ -76,8 +76,8 @@ def simulate(
     - ``rtol``, ``atol``: local error allowed in a step, of a component's size and of its natural scale [-] (``atol``
       defaults to ``rtol``).
     - ``history``: whether to keep time histories, of 20 000 steps at most; a number is another limit.
-    - ``times``: (instants,) at which the history is wanted, in place of the steps [s]: `at_times` says how it goes between
-      these. Derivatives are those at fixed times, under the steps' own error control.
+    - ``times``: (instants,) of the history that is wanted, in place of the steps [s] (`at_times` says how it is
+      followed between these). Derivatives are those at fixed times, under the steps' own error control.
     - ``max_steps``: limit whose passing is a failed outcome.
     - ``max_events``: room for events in order; of later ones only the maxima, the end and the number of impacts are
       known.
