@@ -48,7 +48,8 @@ def made_up_capture(scenario=None, peak=250.0, at=0.02, outcome=Outcome.captured
     two, bodies = np.zeros((STEPS, 2)), np.zeros((STEPS, 4, 3))
     history = History(
         **{name: jnp.asarray(value) for name, value in {
-            "time": time, "position": bodies, "velocity": bodies, "multipliers": np.zeros((STEPS, 4)),
+            "time": time, "position": bodies, "velocity": bodies, "acceleration": bodies,
+            "multipliers": np.zeros((STEPS, 4)),
             "gap": 0.01 - two, "approach_speed": two, "slip": two, "contact_force": force,
             "friction_force": 0.3 * force,
         }.items()},
