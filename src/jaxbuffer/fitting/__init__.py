@@ -1,0 +1,1 @@
+"""Fits of a design's numbers to measured tests (docs/fit.md)."""

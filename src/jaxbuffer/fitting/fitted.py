@@ -14,8 +14,8 @@ from ..value_text import unit_text
 
 
 class Estimate(NamedTuple):
-    """A fitted number: its ``value`` with the ends ``low`` and ``high`` of its 95 % interval, in SI units, its ``unit``,
-    and whether it lies "at low bound" or "at high bound", else ""."""
+    """A fitted number: its ``value`` with the ends ``low`` and ``high`` of its 95 % interval, in SI units, its
+    ``unit``, and whether it lies "at low bound" or "at high bound", else ""."""
 
     value: float
     low: float
@@ -50,6 +50,12 @@ class Fitted(Saved):
     - ``inflation``: of the variances, where the residuals exceed the noise; else 1.
     - ``records``: by test, what was measured beside what the fitted design gives.
     - ``rows`` of each test; ``evaluations``: runs with derivatives; ``converged``: whether the search came to an end.
+
+    **Example:** the tables of a fit of two numbers, as `fit` returns it.
+
+    >>> import dataclasses
+    >>> [field.name for field in dataclasses.fields(jb.Fitted)][2:5]
+    ['parameters', 'nuisance', 'residual']
     """
 
     start: Part
@@ -96,8 +102,8 @@ class Fitted(Saved):
         lines.append(met)
         if self.inflation > 1.0:
             lines.append(
-                f"The residuals exceed the noise: the model lacks something, and the intervals are {self.inflation**0.5:.2g}"
-                " times as wide as noise alone makes them."
+                "The residuals exceed the noise: the model lacks something, and the intervals are"
+                f" {self.inflation**0.5:.2g} times as wide as noise alone makes them."
             )
         lines += self.not_told_apart
         return text(*lines)

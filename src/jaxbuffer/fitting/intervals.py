@@ -59,9 +59,7 @@ def _sum(residuals: Residuals, x: np.ndarray) -> tuple[float, np.ndarray, np.nda
     return float(values @ values), slopes.T @ values, slopes.T @ slopes + np.eye(len(x)) / WIDEST**2
 
 
-def _end(
-    residuals: Residuals, x: np.ndarray, covariance: np.ndarray, least: float, k: int, deviations: float
-) -> float:
+def _end(residuals: Residuals, x: np.ndarray, covariance: np.ndarray, least: float, k: int, deviations: float) -> float:
     """Return where the sum of squares, the other unknowns at their best, has risen by the square of some deviations."""
     away = deviations * np.sqrt(covariance[k, k])
     others = np.arange(len(x)) != k

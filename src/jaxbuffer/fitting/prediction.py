@@ -63,7 +63,7 @@ class Prediction:
         return len(self.times) if share >= 1.0 else max(int(np.searchsorted(self.times, until, side="right")), 2)
 
     def __call__(
-        self, numbers: np.ndarray, own: Sequence[float], share: float
+        self, numbers: np.ndarray, own: Sequence[float] | np.ndarray, share: float
     ) -> tuple[Float[np.ndarray, "columns rows"], Float[np.ndarray, "columns rows unknowns"]]:
         """Return what the sensors would record up to a share of the test, and its slopes by the parameters and then by
         the test's own unknowns."""
@@ -108,7 +108,7 @@ class Prediction:
 
         return min(np.linspace(low, high, max(int((high - low) / FINE), 2)), key=misfit)
 
-    def block(self, numbers: np.ndarray, own: Sequence[float], share: float, noise: np.ndarray) -> Block:
+    def block(self, numbers: np.ndarray, own: Sequence[float] | np.ndarray, share: float, noise: np.ndarray) -> Block:
         """Return the residuals over the ``noise`` of each column."""
         values, slopes = self(numbers, own, share)
         residuals = values - self.values[:, : values.shape[1]]

@@ -82,11 +82,11 @@ def read_recording(
     **Example:**
 
     >>> import pathlib, tempfile
-    >>> folder = tempfile.TemporaryDirectory()
-    >>> file = pathlib.Path(folder.name) / "drop.csv"
-    >>> _ = file.write_text("time [ms];gap [mm]" + chr(10) + "0;194,0" + chr(10) + "50;181,7" + chr(10))
     >>> units = jb.recorded_quantities(jb.BarDrop())
-    >>> test = jb.read_recording(file, {"gap [mm]": jb.Channel("gap_end")}, time="time [ms]", units=units)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = pathlib.Path(folder) / "drop.csv"
+    ...     _ = file.write_text("time [ms];gap [mm]" + chr(10) + "0;194,0" + chr(10) + "50;181,7" + chr(10))
+    ...     test = jb.read_recording(file, {"gap [mm]": jb.Channel("gap_plate")}, time="time [ms]", units=units)
     >>> test.times, test.values["gap [mm]"]
     (array([0.  , 0.05]), array([0.194 , 0.1817]))
     """

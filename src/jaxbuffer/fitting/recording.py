@@ -2,7 +2,6 @@
 
 import dataclasses
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -49,6 +48,7 @@ class Recording:
     - ``values``: an array (rows,) for each channel, by the column's name, in SI units.
     - ``channels``: the sensor of each column, by its name.
     - ``scenario``: this test's own; None: that of the fit.
+    - ``lines``: of the rows in their file; () where there is none.
     - ``time_shift``: by how much the record's time is ahead of the simulated one [s]: a number, or two bounds.
 
     **Raises:** `InputError` for arrays that do not fit each other and numbers out of range.
@@ -57,7 +57,7 @@ class Recording:
 
     >>> import numpy as np
     >>> times = np.linspace(0.0, 0.1, 50)
-    >>> test = jb.Recording("drop", times, {"gap": 0.2 - 4.9 * times**2}, {"gap": jb.Channel("gap_end")})
+    >>> test = jb.Recording("drop", times, {"gap": 0.2 - 4.9 * times**2}, {"gap": jb.Channel("gap_plate")})
     >>> len(test.times)
     50
     """
@@ -69,7 +69,6 @@ class Recording:
     scenario: Part | None = None
     time_shift: Bounds = 0.0
     lines: tuple[int, ...] = dataclasses.field(default=(), repr=False)
-    where: Mapping[str, str] = dataclasses.field(default_factory=lambda: MappingProxyType({}), repr=False)
 
     def __post_init__(self) -> None:
         times = np.asarray(in_unit(f"{self.name}: times", self.times, "s"), float)
@@ -85,6 +84,10 @@ class Recording:
             values = np.asarray(self.values[column], float)
             if values.shape != times.shape or not np.all(np.isfinite(values)):
                 raise InputError(f"{self.name}: {column} must be {len(times)} finite numbers, one for each time")
+
+    def row(self, number: int) -> str:
+        """Return a row as a message names it: by its line in the file, if it is from one."""
+        return f"{self.name}, line {self.lines[number]}" if self.lines else f"{self.name}, row {number}"
 
 
 def bounds(where: str, given: Bounds, unit: str, **limits: Any) -> float | Variable:

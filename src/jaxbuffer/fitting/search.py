@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from scipy.stats import qmc
 
+from .intervals import covariance_of
 from .residuals import Block, Minimum, Residuals, minimum
 
 FIRST, GROWTH = 1.0 / 64.0, 1.3  # share of the records to begin with, and by which it grows
@@ -17,6 +18,8 @@ NEAR = 0.2  # of an unknown's range, how far those lie from the point so far
 PULL = 3.0  # weight of staying where a short record says nothing [-]
 LAST = 1e-9  # relative change of the sum of squares at which the last stage ends
 MOST = 60  # evaluations of it
+ROUNDS = 3  # times that a lower minimum is looked for near the last one
+AWAY = 20.0  # standard deviations from it, where one of the searches for a lower one begins
 
 Report = Callable[[float, float], None]
 
@@ -34,11 +37,18 @@ class Search:
     """A search for the least squares of records.
 
     **Arguments:** ``residuals``; ``rows``: of the longest record; ``report``: is told the share of the records and the
-    mean square of the residuals so far.
+    mean square of the residuals so far; ``check``: looks at a point whose residuals exceed the noise, and raises what
+    would be in vain to search on for.
     """
 
-    def __init__(self, residuals: Residuals, rows: int, report: Report = lambda share, chi: None) -> None:
-        self.residuals, self.rows, self.report = residuals, rows, report
+    def __init__(
+        self,
+        residuals: Residuals,
+        rows: int,
+        report: Report = lambda share, chi: None,
+        check: Callable[[np.ndarray, float], None] = lambda x, share: None,
+    ) -> None:
+        self.residuals, self.rows, self.report, self.check = residuals, rows, report, check
         # Of a model that does not meet the noise: what it comes to.
         self.level = 1.0
 
@@ -47,7 +57,25 @@ class Search:
         for share in shares(self.rows):
             x, chi = self._stage(x, share)
             self.report(share, chi)
-        return minimum(self.residuals, x, 1.0, tolerance=LAST, most=MOST)
+        return self._settled(minimum(self.residuals, x, 1.0, tolerance=LAST, most=MOST))
+
+    def _settled(self, best: Minimum) -> Minimum:
+        """Return the lowest minimum near one of whole records.
+
+        An impact is over within a few rows: one that falls between others of them than it should makes a minimum of its
+        own, hardly higher than the right one.
+        """
+        random = np.random.default_rng(0)
+        for _ in range(ROUNDS):
+            away = AWAY * np.linalg.cholesky(covariance_of(best.slopes)) @ random.normal(size=len(best.x))
+            starts = ((best.x, WIDTHS), (np.clip(best.x + away / math.sqrt(len(away)), 0.0, 1.0), WIDTHS[1:]))
+            found = [self._descent(start, 1.0, widths) for start, widths in starts]
+            others = [minimum(self.residuals, x, 1.0, tolerance=LAST, most=MOST) for x, _ in found]
+            other = min(others, key=lambda it: it.chi)
+            if other.chi >= best.chi - 1.0 / len(best.slopes):
+                break
+            best = other
+        return best
 
     def _stage(self, x: np.ndarray, share: float) -> tuple[np.ndarray, float]:
         """Return the minimum of the records up to a share, from that of a smaller one."""
@@ -56,6 +84,7 @@ class Search:
         best = self._descent(x, share, WIDTHS[begin:])
         if best[1] <= 1.0:
             return best
+        self.check(best[0], share)
         for k, offset in enumerate(qmc.Sobol(len(x), seed=0).random(STARTS)):
             size = NEAR * (k + 1) / STARTS
             start = np.clip(x + size * (2.0 * offset - 1.0), 0.0, 1.0)

@@ -71,10 +71,8 @@ def stepped_run(of: Parameters, numbers: np.ndarray, end: float) -> SteppedRun:
         steps, status = _steps(of.mechanism, parts, *given, Static((of.paths, room)))
         count = int(steps.count)
         if count <= room:
-            cut = lambda array: np.asarray(array)[:count]  # noqa: E731
-            return SteppedRun(
-                np.asarray(numbers, float), cut(steps.time), cut(steps.active), cut(steps.rows), int(status)
-            )
+            time, closed, rows = (np.asarray(it)[:count] for it in (steps.time, steps.active, steps.rows))
+            return SteppedRun(np.asarray(numbers, float), time, closed, rows, int(status))
         room *= 4
 
 
@@ -85,22 +83,23 @@ def signals(of: Parameters, run: SteppedRun, names: Sequence[str], times: np.nda
     first = np.clip(np.searchsorted(known, times, side="right") - 1, 0, len(known) - 1)
     after = np.minimum(first + 1, len(known) - 1)
     parts = jax.tree.map(lambda x: np.asarray(x, float), (of.design, of.scenario))
-    chosen, values, slopes, rates = Static((of.paths, tuple(names))), [], [], []
+    chosen, blocks = Static((of.paths, tuple(names))), []
+    # Blocks of one size, the last row repeated, so that one program serves records of any length.
     for rows in np.minimum(np.arange(-(-len(times) // BLOCK) * BLOCK), len(times) - 1).reshape(-1, BLOCK):
         f, a = first[rows], after[rows]
         given = (known[f], known[a], times[rows], run.closed[f], run.rows[f], run.rows[a])
-        found = _block(of.mechanism, parts, run.numbers, given, chosen)
-        for kept, it in zip((values, slopes, rates), found, strict=True):
-            kept.append(np.asarray(it))
-    count = len(times)
-    joined = [np.concatenate(parts, axis=1)[:, :count] for parts in (values, slopes, rates)]
-    return Signals(joined[0], joined[1], joined[2] * inside)
+        blocks.append(_block(of.mechanism, parts, run.numbers, given, chosen))
+    values, slopes, rates = (
+        np.concatenate([np.asarray(it) for it in each], axis=1)[:, : len(times)] for each in zip(*blocks, strict=True)
+    )
+    return Signals(values, slopes, rates * inside)
 
 
 def _moved(
     mechanism: Mechanism, parts: Any, numbers: Any, paths: Sequence[str], end: Any, rtol: Any, room: int
 ) -> Request:
-    design, scenario = with_values(*parts, {path: numbers[k] for k, path in enumerate(paths)})
+    design, scenario = parts
+    design, scenario = with_values(design, scenario, {path: numbers[k] for k, path in enumerate(paths)})
     return request(mechanism, design, scenario, end, None, (rtol, rtol), options=options_of(keep=room))
 
 
@@ -149,4 +148,4 @@ def _block(mechanism: Mechanism, parts: Any, numbers: Array, given: Any, chosen:
         *(jnp.concatenate([jnp.moveaxis(it[:, 1:], 1, 0), no_state]) for it in (before, after)),
     )
     values, moves = jax.vmap(along, out_axes=(None, -1))(*directions)
-    return values, moves[..., :-1] / sizes, moves[..., -1]
+    return values, moves[..., :-1] / sizes[None, None], moves[..., -1]

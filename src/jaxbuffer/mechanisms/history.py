@@ -10,8 +10,14 @@ from ..fields import Portable
 from .energy import Energy
 
 UNITS = {
-    **{"time": "s", "position": "m, m, rad", "velocity": "m/s, m/s, rad/s",
-       "acceleration": "m/s², m/s², rad/s²", "multipliers": "N, N m", "gap": "m"},
+    **{
+        "time": "s",
+        "position": "m, m, rad",
+        "velocity": "m/s, m/s, rad/s",
+        "acceleration": "m/s², m/s², rad/s²",
+        "multipliers": "N, N m",
+        "gap": "m",
+    },
     **{"approach_speed": "m/s", "slip": "m/s", "contact_force": "N", "friction_force": "N"},
 }
 
@@ -19,12 +25,13 @@ UNITS = {
 class History(Portable):
     """Histories along the first axis ("steps").
 
-    ``time`` [s]; ``position`` (steps, bodies, [x, y, angle]) [m, m, rad], ``velocity`` and ``acceleration``, all
-    against the ground; ``multipliers`` of the joints' rows [N, N m]; for each contact of the mechanism that has impacts ``gap`` [m], ``approach_speed`` and
-    ``slip`` [m/s], ``contact_force`` F_n and ``friction_force`` F_t [N]; ``others``: the mechanism's own by name, each
-    an attribute too (units: `Mechanism.history_units`); ``energy`` [J]. ``state`` of the time stepping and the contacts
-    that are ``closed`` from then on (1, else 0): what instants between the steps are found from (`run.instants`); None
-    if they were not kept. Inside `jit` the arrays have their full capacity, the last state repeated.
+    ``time`` [s]; ``position`` (steps, bodies, [x, y, angle]) [m, m, rad], ``velocity`` and ``acceleration`` against the
+    ground; ``multipliers`` of the joints' rows [N, N m]; for each contact of the mechanism that has impacts ``gap``
+    [m], ``approach_speed`` and ``slip`` [m/s], ``contact_force`` F_n and ``friction_force`` F_t [N]; ``others``: the
+    mechanism's own by name, each an attribute too (units: `Mechanism.history_units`); ``energy`` [J]. ``state`` of the
+    time stepping and the contacts that are ``closed`` from then on (1, else 0): what instants between the steps are
+    found from (`run.instants`); None if they were not kept. Inside `jit` the arrays have their full capacity, the last
+    state repeated.
 
     Derivatives are those at fixed times, so ``time`` has none, though the steps lie elsewhere for other parameters.
     """

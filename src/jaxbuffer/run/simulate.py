@@ -16,6 +16,7 @@ from ..mechanisms.registry import mechanism_of
 from ..mechanisms.run import DesignOf, R, Run
 from ..programs.cache import Static, after
 from .history import trimmed
+from .instants import at_times
 from .request import DEFAULT_TOLERANCE, ONE_RUN, check_pair, options_of, request
 from .stepper import CHECKED, HISTORY_STEPS, UNCHECKED, run_of, stepped, stepper_of
 
@@ -30,6 +31,7 @@ def simulate(
     rtol: Scalar = ...,
     atol: Scalar | None = ...,
     history: bool | int = ...,
+    times: Any = ...,
     max_steps: int = ...,
     max_events: int = ...,
     stabilisation: Scalar = ...,
@@ -44,6 +46,7 @@ def simulate(
     rtol: Scalar = ...,
     atol: Scalar | None = ...,
     history: bool | int = ...,
+    times: Any = ...,
     max_steps: int = ...,
     max_events: int = ...,
     stabilisation: Scalar = ...,
@@ -57,6 +60,7 @@ def simulate(
     rtol: Scalar = DEFAULT_TOLERANCE,
     atol: Scalar | None = None,
     history: bool | int = False,
+    times: Any = None,
     max_steps: int = 200_000,
     max_events: int = 512,
     stabilisation: Scalar = 20.0,
@@ -72,6 +76,8 @@ def simulate(
     - ``rtol``, ``atol``: local error allowed in a step, of a component's size and of its natural scale [-] (``atol``
       defaults to ``rtol``).
     - ``history``: whether to keep time histories, of 20 000 steps at most; a number is another limit.
+    - ``times``: (instants,) of the history that is wanted, in place of the steps [s] (`at_times` says how it is
+      followed between these). Derivatives are those at fixed times, under the steps' own error control.
     - ``max_steps``: limit whose passing is a failed outcome.
     - ``max_events``: room for events in order; of later ones only the maxima, the end and the number of impacts are
       known.
@@ -104,6 +110,7 @@ def simulate(
         check_whole("history", history, 1)
     else:
         check_flag("history", history)
+    history = True if times is not None and history is False else history
     check_whole("max_steps", max_steps, 1)
     check_whole("max_events", max_events, 1)
     options = options_of(max_steps, max_events, HISTORY_STEPS if history is True else int(history))
@@ -122,6 +129,8 @@ def simulate(
     if run.history is not None and not isinstance(run.code, jax.core.Tracer):
         rows = stepper_of(mechanism).rows(run)
         run = eqx.tree_at(lambda r: r.history, run, trimmed(run.history, rows))
+    if times is not None:
+        run = eqx.tree_at(lambda r: r.history, run, at_times(run, times))
     return run
 
 

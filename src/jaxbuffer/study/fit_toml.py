@@ -97,10 +97,8 @@ def _channel(where: str, given: Any) -> Channel:
 
 def _tests_schema(names: StudyNames) -> Schema:
     quantity: Schema = {"type": "string", "description": COLUMN["quantity"]}
-    column = object_schema(
-        {"quantity": quantity} | {key: ONE_OR_TWO | {"description": COLUMN[key]} for key in COLUMN if key != "quantity"},
-        required=["quantity"],
-    )
+    others = {key: ONE_OR_TWO | {"description": words} for key, words in COLUMN.items() if key != "quantity"}
+    column = object_schema({"quantity": quantity} | others, required=["quantity"])
     test = object_schema(
         {
             "file": {"type": "string", "description": TEST["file"]},

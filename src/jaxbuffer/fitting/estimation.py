@@ -1,0 +1,198 @@
+"""One fit under way: the search, the noise, how sure the numbers are, and what comes of them."""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from ..errors import InputError
+from ..fields import Part, get, unit
+from ..tuning.problem import Variable
+from .fitted import Comparison, Estimate, Fitted
+from .intervals import Uncertainty, not_told_apart, uncertainty
+from .prediction import SHIFT, Prediction
+from .residuals import Block, Minimum, minimum
+from .search import FIRST, LAST, MET, Search
+
+AGAIN = 4  # times that unknown noise is estimated anew
+SAME = 0.01  # relative change of a noise at which it is known
+EXCESS = 4.0  # deviations of the mean square that noise alone may add
+MEDIAN = 1.4826  # of a normal distribution: its deviation over the median of sizes
+LATE = 2.0  # intervals between rows by which a record may be longer than its run
+
+Report = Callable[[str], None]
+
+
+class Estimation:
+    """One fit under way: its scaled unknowns are those of the design, then each test's own."""
+
+    def __init__(
+        self,
+        design: Part,
+        scenario: Part,
+        variables: Sequence[Variable],
+        predictions: Sequence[Prediction],
+        report: Report,
+    ) -> None:
+        self.design, self.scenario, self.variables, self.predictions = design, scenario, variables, predictions
+        self.report = report
+        self.noise = [_noise(it) for it in predictions]
+        own = [unknown for it in predictions for unknown in it.unknowns.values()]
+        self.unknowns = [*variables, *own]
+        self.evaluations = 0
+        self._last: tuple[Any, list[Block]] | None = None
+
+    def fitted(self) -> Fitted:
+        """Search, and return what is found with its uncertainty."""
+        best = self._search()
+        best = self._with_noise(best)
+        self.check_ends(best.x, 1.0)
+        blocks = self.blocks(best.x, 1.0)
+        # What the model does not describe makes estimates less sure than the noise says.
+        free = sum(block.values.size for block in blocks) - len(best.x)
+        chi = sum(float(np.sum(block.values**2)) for block in blocks) / max(free, 1)
+        inflation = chi if chi > 1.0 + EXCESS * np.sqrt(2.0 / max(free, 1)) else 1.0
+        self.report("how sure each number is")
+        known = uncertainty(self.blocks, best, inflation)
+        return self._result(best, known, blocks, inflation)
+
+    def _search(self) -> Minimum:
+        start = [variable.scaled(float(get(self.design, variable.path))) for variable in self.variables]
+        numbers = np.array([float(get(self.design, variable.path)) for variable in self.variables])
+        for prediction, noise in zip(self.predictions, self.noise, strict=True):
+            for name, unknown in prediction.unknowns.items():
+                start.append(0.5)
+                if name == SHIFT:
+                    shift = prediction.start_shift(numbers, noise, FIRST)
+                    start[-1] = unknown.scaled(shift)
+                    prediction.begin = max(prediction.begin, shift)
+
+        def told(share: float, chi: float) -> None:
+            self.report(f"{share:.0%} of the records, {self.evaluations} runs")
+
+        rows = max(len(it.times) for it in self.predictions)
+        return Search(self.blocks, rows, told, self.check_ends)(np.array(start))
+
+    def _with_noise(self, best: Minimum) -> Minimum:
+        """Return the minimum with noise that is not known estimated from the residuals."""
+        for _ in range(AGAIN):
+            changed = 0.0
+            for prediction, noise, block in zip(self.predictions, self.noise, self.blocks(best.x, 1.0), strict=True):
+                found = np.sqrt(np.mean(block.values**2, axis=1)) * noise
+                for k, sensor in enumerate(prediction.sensors.values()):
+                    if sensor.noise is None:
+                        changed = max(changed, abs(found[k] / noise[k] - 1.0))
+                        noise[k] = found[k]
+            if changed < SAME:
+                break
+            self._last = None
+            best = minimum(self.blocks, best.x, 1.0, tolerance=LAST)
+        return best
+
+    def blocks(self, x: np.ndarray, share: float) -> list[Block]:
+        """Return the residuals of the tests, with slopes by all scaled unknowns."""
+        key = (x.tobytes(), share)
+        if self._last is not None and self._last[0] == key:
+            return self._last[1]
+        values = np.array([it.value(float(s)) for it, s in zip(self.unknowns, x, strict=True)])
+        stretch = np.array([it.slope(float(v)) for it, v in zip(self.unknowns, values, strict=True)])
+        count, first, found = len(self.variables), len(self.variables), []
+        for prediction, noise in zip(self.predictions, self.noise, strict=True):
+            mine = slice(first, first + len(prediction.unknowns))
+            block = prediction.block(values[:count], values[mine], share, noise)
+            slopes = np.zeros((*block.values.shape, len(x)))
+            slopes[..., :count], slopes[..., mine] = block.slopes[..., :count], block.slopes[..., count:]
+            residuals = np.where(np.isfinite(block.values), block.values, np.inf)
+            found.append(Block(residuals, np.nan_to_num(slopes * stretch, nan=0.0, posinf=0.0, neginf=0.0)))
+            first = mine.stop
+            self.evaluations += 1
+        self._last = key, found
+        return found
+
+    def check_ends(self, x: np.ndarray, share: float) -> None:
+        """Raise `InputError` for a record that goes on, up to a share, after a run that meets it has ended."""
+        self._last = None
+        first = len(self.variables)
+        for prediction, block in zip(self.predictions, self.blocks(x, share), strict=True):
+            names, times = list(prediction.unknowns), prediction.times[: block.values.shape[1]]
+            shift = prediction.shift
+            if isinstance(shift, Variable):
+                shift = shift.value(float(x[first + names.index(SHIFT)]))
+            first += len(names)
+            end = prediction.end_time + shift
+            late = int(np.searchsorted(times, end + LATE * float(np.median(np.diff(times))), side="right"))
+            met = late > 0 and float(np.mean(block.values[:, :late] ** 2)) < MET
+            if late < len(times) and met and not prediction.failed:
+                raise InputError(
+                    f"{prediction.recording.row(late)}: the time {times[late]:g} s is after the end of the run that"
+                    f" fits the rows before it, at {end:g} s of the record; leave out the rows from there on"
+                )
+
+    def _result(self, best: Minimum, known: Uncertainty, blocks: list[Block], inflation: float) -> Fitted:
+        estimates = [
+            Estimate(
+                value=it.value(float(x)),
+                low=it.value(float(low)),
+                high=it.value(float(high)),
+                unit=unit(self.design, it.path) if k < len(self.variables) else _own_unit(it.path),
+                at_bound=it.at_bound(it.value(float(x))),
+            )
+            for k, (it, x, low, high) in enumerate(zip(self.unknowns, best.x, known.low, known.high, strict=True))
+        ]
+        count = len(self.variables)
+        parameters = {it.path: one for it, one in zip(self.variables, estimates[:count], strict=True)}
+        rest = iter(estimates[count:])
+        nuisance = {it.recording.name: {name: next(rest) for name in it.unknowns} for it in self.predictions}
+        names = [*parameters, *(f"{test}: {name}" for test, own in nuisance.items() for name in own)]
+        residual, noise, records = {}, {}, {}
+        for prediction, sigma, block in zip(self.predictions, self.noise, blocks, strict=True):
+            test, figures = prediction.recording.name, np.sqrt(np.mean(block.values**2, axis=1))
+            residual[test] = dict(zip(prediction.sensors, map(float, figures), strict=True))
+            noise[test] = dict(zip(prediction.sensors, map(float, sigma), strict=True))
+            records[test] = _compared(prediction, block, sigma)
+        return Fitted(
+            start=self.design,
+            scenario=self.scenario,
+            parameters=parameters,
+            nuisance=nuisance,
+            residual=residual,
+            noise=noise,
+            names=tuple(names),
+            correlation=known.correlation,
+            not_told_apart=tuple(not_told_apart(names, known)),
+            inflation=float(inflation),
+            rows={test: len(record.times) for test, record in records.items()},
+            records=records,
+            evaluations=self.evaluations,
+            converged=bool(best.converged and np.all(np.isfinite(known.deviations))),
+        )
+
+
+def _compared(prediction: Prediction, block: Block, noise: np.ndarray) -> Comparison:
+    """Return a test beside its fit."""
+    quantities = tuple(it.quantity for it in prediction.sensors.values())
+    return Comparison(
+        columns=tuple(prediction.sensors),
+        quantities=quantities,
+        units=tuple(prediction.units[it] for it in quantities),
+        times=prediction.times,
+        measured=prediction.values,
+        fitted=prediction.values + block.values * noise[:, None],
+    )
+
+
+def _own_unit(path: str) -> str:
+    return "-" if path.endswith("gain") else "s"
+
+
+def _noise(prediction: Prediction) -> np.ndarray:
+    """Return the deviation of each column's noise; where it is not known, that of its second differences."""
+    noise = []
+    for sensor, values in zip(prediction.sensors.values(), prediction.values, strict=True):
+        if sensor.noise is not None:
+            noise.append(sensor.noise)
+            continue
+        # Impacts are few: the median does not see them. A record without noise has the rounding of its digits.
+        rough = MEDIAN * float(np.median(np.abs(np.diff(values, 2)))) / np.sqrt(6.0) if len(values) > 2 else 0.0
+        noise.append(max(rough, 1e-6 * float(np.max(np.abs(values))), 1e-300))
+    return np.array(noise)
