@@ -30,7 +30,7 @@ from jaxbuffer.study.config import load
 SIMULATED = ("capture.json", "force.json", "history.csv", "motion.json", "capture.txt", "capture.nc", "capture.mat")
 SIMULATED += ("capture.png", "motion.png")
 DIFFERENTIATED = ("sensitivity.json", "sensitivity.csv", "sensitivity.txt", "sensitivity.png")
-TUNED = ("design.toml", "design.mat", "tuned.json", "history.csv", "force.json", "tune.png", "tune.txt")
+TUNED = ("design.toml", "tuned.json", "history.csv", "force.json", "tune.png", "tune.txt", "design.mat")
 PNG = b"\x89PNG"
 
 
