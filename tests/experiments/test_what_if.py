@@ -71,6 +71,22 @@ def test_factors_of_what_is_built_have_sliders_of_their_own():
     )
 
 
+def test_numbers_with_tolerances_have_sliders_of_their_own():
+    """At a corner of unequal sides, as a run of what is built there says."""
+    found = what_if(problem(tolerances={"impact.stiffness": ("-10 %", "20 %"), "scenario.height": "2 mm"}), runs=32)
+    assert [(it.name, it.unit, it.low, it.high, it.value) for it in found.sliders[2:]] == [
+        ("impact.stiffness, as built less as drawn", "%", -10.0, 20.0, 0.0),
+        ("scenario.height, as built less as drawn", "mm", -2.0, 2.0, 0.0),
+    ]
+    assert len(found.cases) == 2 and found.nominal[2:] == pytest.approx([1.0 / 3.0, 0.5])
+    q, share = found.quantities.index("penetration"), np.array([0.5, 0.5, 1.0, 0.0])
+    stiffness, radius, *_ = place(found, share)
+    built = jb.replace(jb.BarDrop(), {"impact.stiffness": 1.2 * stiffness, "bar.ball_radius": radius})
+    run = jb.simulate(built, jb.BarDropScenario(height=0.098), found.problem.duration)
+    expected, model = float(run.quantity("penetration")), found.models[0][q]
+    assert model.at(share, found.shares) == pytest.approx(expected, rel=3.0 * model.error + 1e-5)
+
+
 def test_of_many_scenarios_those_that_decide_are_taken():
     many = [jb.BarDropScenario(height=h) for h in np.linspace(0.05, 0.2, 16)]
     found = what_if(problem(scenarios=many), runs=32)

@@ -10,10 +10,11 @@ import scipy
 from jaxtyping import Bool, Float
 
 from ..errors import check_type, check_whole
-from ..fields import get
+from ..fields import as_displayed, get, unit_at
 from ..tuning.cases import Case, Distribution
 from ..tuning.evaluation import Evaluation, Evaluator
 from ..tuning.problem import Problem
+from ..tuning.tolerances import moved
 from ..value_text import percent_text
 from .what_if_model import Model, fit
 
@@ -42,8 +43,8 @@ class WhatIf:
     """Models of a design's quantities around it. Print it for how good they are.
 
     - ``problem``: whose design it is.
-    - ``sliders``: the d numbers that the models depend on, first the problem's variables, then factors of what is built
-      on what is drawn.
+    - ``sliders``: the d numbers that the models depend on: the problem's variables, then factors of what is built on
+      what is drawn, then by how much a number that has a tolerance differs from the drawn one.
     - ``cases``: load cases; ``left_out``: how many others decide no quantity at the design.
     - ``quantities``: names.
     - ``shares`` (n, d) [-]: where in the sliders' ranges the runs lie that models are fitted to; ``nominal`` (d,):
@@ -162,7 +163,7 @@ class _Search:
 
     def __init__(self, problem: Problem, evaluator: Evaluator, runs: int, report: Callable[[int, int], None]) -> None:
         self.problem, self.evaluator, self.runs, self.report = problem, evaluator, runs, report
-        self.factors, self.most = _factors(problem), most_runs(problem, runs)
+        self.factors, self.tolerances, self.most = _factors(problem), problem.tolerances, most_runs(problem, runs)
         self.quantities = _quantities(problem)
         self.every = _without_factors(problem)
         self.apart = runs // 2
@@ -191,7 +192,7 @@ class _Search:
 
     def _around(self, width: float) -> WhatIf:
         low, high = self._ends(width)
-        start = np.array([*self.problem.start(), *np.ones(len(self.factors))])
+        start = np.array([*self.problem.start(), *np.ones(len(self.factors)), *np.zeros(len(self.tolerances))])
         spread = np.maximum(high - low, 1e-300)
         nominal = np.clip((start - low) / spread, 0.0, 1.0)
         with np.errstate(all="ignore"):
@@ -228,9 +229,10 @@ class _Search:
         return fit(shares[of], known.values[of, case, quantity], apart[tested], truth, np.flatnonzero(of), self.runs)
 
     def _ends(self, width: float) -> tuple[np.ndarray, np.ndarray]:
-        """Return the ends of the ranges: scaled variables, then factors."""
+        """Return the ends of the ranges: scaled variables, then factors, then changes within tolerances."""
         start = self.problem.start()
-        ranges = np.array([given.range for given in self.factors.values()]).reshape(-1, 2)
+        ends = [given.range for given in self.factors.values()] + [(it.low, it.high) for it in self.tolerances.values()]
+        ranges = np.array(ends).reshape(-1, 2)
         low = np.concatenate([np.clip(start - width, 0.0, 1.0), ranges[:, 0]])
         return low, np.concatenate([np.clip(start + width, 0.0, 1.0), ranges[:, 1]])
 
@@ -243,19 +245,23 @@ class _Search:
                 problem.shown(v.path, it) for it in (v.value(first), v.value(last), own)
             )
             sliders.append(Slider(v.path, symbol, least, most, value, v.scale))
-        for path, first, last in zip(self.factors, low[count:], high[count:], strict=True):
+        for path, first, last in zip(self.factors, low[count:], high[count:], strict=False):
             sliders.append(Slider(f"{path}, as built over as drawn", "-", first, last, 1.0, "linear"))
+        for address, it in self.tolerances.items():
+            own_unit = unit_at(problem.design, problem.drawn[0].scenario, address)
+            ends = [(100.0 * end, "%") if it.relative else as_displayed(end, own_unit) for end in (it.low, it.high)]
+            (least, symbol), (most, _) = ends
+            sliders.append(Slider(f"{address}, as built less as drawn", symbol, least, most, 0.0, "linear"))
         return tuple(sliders)
 
     def _evaluate(self, rows: np.ndarray) -> "_Runs":
-        """Run the cases at rows of scaled variables and factors."""
+        """Run the cases at rows of scaled variables, factors and changes."""
         count, found = len(self.problem.variables), list[Evaluation]()
         for first in range(0, len(rows), ROWS):
             block = rows[first : first + ROWS]
-            if self.factors:
+            if self.factors or self.tolerances:
                 for row in block:
-                    built = dict(zip(self.factors, row[count:].tolist(), strict=True))
-                    found += self.evaluator([row[:count]], cases=[_with_factors(it, built) for it in self.cases])
+                    found += self.evaluator([row[:count]], cases=[self._built(it, row[count:]) for it in self.cases])
             else:
                 found += self.evaluator([*block], cases=self.cases)
             self.report(self.evaluator.captures, self.most)
@@ -264,6 +270,14 @@ class _Search:
         waited = np.array([self.problem.known(it.code)[:, names] for it in found])
         values = np.array([self._values(it) for it in found])
         return _Runs(values, succeeded, succeeded[:, :, None] & waited & np.isfinite(values))
+
+    def _built(self, case: Case, row: Float[np.ndarray, " numbers"]) -> Case:
+        """Return the case with factors and with changes of the numbers that have tolerances."""
+        split = len(self.factors)
+        ends = zip(self.tolerances.values(), row[split:].tolist(), strict=True)
+        signs = [change / (it.high if change > 0.0 else -it.low) if change else 0.0 for it, change in ends]
+        factors = dict(zip(self.factors, row[:split].tolist(), strict=True))
+        return moved(_with_factors(case, factors), self.tolerances, signs)
 
     def _values(self, found: Evaluation) -> Float[np.ndarray, "cases quantities"]:
         return found.quantities[:, [self.problem.names.index(name) for name in self.quantities]]
@@ -288,8 +302,8 @@ def _factors(problem: Problem) -> Mapping[str, Distribution]:
 
 
 def _without_factors(problem: Problem) -> tuple[Case, ...]:
-    """Return the cases, each once, without the factors that have a slider of their own."""
-    cases = (_with_factors(case, dict.fromkeys(_factors(problem))) for case in problem.cases)
+    """Return the cases, each once, without what has a slider of its own: factors, and corners of tolerances."""
+    cases = (_with_factors(case, dict.fromkeys(_factors(problem))) for case in problem.drawn)
     return tuple(dict.fromkeys(cases))
 
 
