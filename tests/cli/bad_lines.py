@@ -56,7 +56,7 @@ LINES = [
     line("simulate --output study.toml", "study.toml is a file; --output needs a folder"),
     line("simulate --output study.toml/below", "study.toml is a file; --output needs a folder"),
     line("report nowhere", "nowhere: no such folder"),
-    line("report .", "holds no results of simulate, sensitivity, sweep, tune, sample, pareto or choose"),
+    line("report .", "holds no results of simulate, sensitivity, sweep, tune, sample, pareto, choose or fit"),
     # fields
     line("simulate --buffer.k_A", "buffer.k_A needs a value: --buffer.k_A VALUE"),
     line("simulate --buffer.kA 1", "buffer.kA is unknown; did you mean buffer.k_A?"),

@@ -31,9 +31,9 @@ DESIGN = "design.toml"
 TABLES = ("sweep.nc", "sample.nc")  # the runs of a sweep and of a sample
 RECORDS = {
     **{"tuned": "tuned.json", "sensitivity": "sensitivity.json", "sample": "sample.json"},
-    **{"front": "pareto.json", "choice": "choice.json"},
+    **{"front": "pareto.json", "choice": "choice.json", "fit": "fit.json"},
 }
-COMMANDS = ("simulate", "sensitivity", "sweep", "tune", "sample", "pareto", "choose")
+COMMANDS = ("simulate", "sensitivity", "sweep", "tune", "sample", "pareto", "choose", "fit")
 MAKE = f"jaxbuffer simulate STUDY.toml --output FOLDER makes some; so do {', '.join(COMMANDS[1:-1])} and {COMMANDS[-1]}"
 BEGUN = {  # what a command keeps while it runs, and the files of its results
     "tuning": ("log.jsonl", ("tuned.json",)),
@@ -59,7 +59,7 @@ class Results:
     - ``run``: of `jaxbuffer simulate`, as `Run.to_xarray` made it, history included.
     - ``sweep``: of `jaxbuffer sweep`, as `Sweep.to_xarray` made it.
     - ``records``: the JSON files by what they are of: "run", "tuned", "sensitivity", "sweep", "sample", "front",
-      "choice"; "motion" and "force" over time of a run, or "force" of a tuning; "what_if": models around a tuned
+      "choice", "fit"; "motion" and "force" over time of a run, or "force" of a tuning; "what_if": models around a tuned
       design. They are asked with or without units:
       ``found.records["run"]["peak_force"]``.
     - ``design``: the tuned one, or else that of the run, the sensitivities, the sweep, the sample or the front.
@@ -128,6 +128,9 @@ class Results:
             lines["sensitivity"] = f"{len(pairs)} derivatives"
         if (choice := self.records.get("choice")) is not None:
             lines["choice"] = str(choice.get("message", ""))
+        if (fit := self.records.get("fit")) is not None:
+            how = "converged" if fit["converged"] else "NOT converged"
+            lines["fit"] = f"{len(fit['parameters'])} numbers from {', '.join(fit['rows'])}, {how}"
         for name, what in (("sample", "runs"), ("front", "points")):
             if (record := self.records.get(name)) is not None:
                 count = record[what] if isinstance(record[what], int) else len(record[what])
@@ -142,8 +145,8 @@ def load(folder: str | Path) -> Results:
 
     **Arguments:**
 
-    - ``folder``: a folder of `jaxbuffer simulate`, `sensitivity`, `sweep`, `tune`, `sample`, `pareto` or `choose`, or
-      of several of them.
+    - ``folder``: a folder of `jaxbuffer simulate`, `sensitivity`, `sweep`, `tune`, `sample`, `pareto`, `choose` or
+      `fit`, or of several of them.
 
     **Returns:** `Results`. A warning says where a sweep, a sample, a tuning or a front was begun beside the results of
     another one, which are what is returned.
@@ -172,7 +175,7 @@ def load(folder: str | Path) -> Results:
     for data in (run, sweep):
         if design is None and data is not None and "design" in data.attrs:
             design = _design(folder, data.attrs["kind"], data.attrs["design"])
-    for name in ("tuned", "choice", "run", "sensitivity", "sample", "front"):
+    for name in ("tuned", "choice", "fit", "run", "sensitivity", "sample", "front"):
         if design is None and "design" in records.get(name, Record()):
             design = _design(folder, records[name]["kind"], json.dumps(records[name]["design"]))
     return Results(folder, run, sweep, records, design)
