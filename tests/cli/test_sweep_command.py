@@ -299,7 +299,8 @@ def test_report_without_results(capsys, tmp_path):
     assert run(["report", str(tmp_path / "none")]) == 2
     assert "none: no such folder" in capsys.readouterr().err
     assert run(["report", str(tmp_path)]) == 2
-    assert "holds no results of simulate, sensitivity, sweep, tune, sample, pareto, choose or fit" in capsys.readouterr().err
+    made_by = "simulate, sensitivity, sweep, tune, sample, pareto, choose or fit"
+    assert f"holds no results of {made_by}" in capsys.readouterr().err
     (tmp_path / "sweep.npz").write_bytes(b"not one")
     assert run(["report", str(tmp_path)]) == 2
     assert "sweep.npz was written by an earlier version, or is damaged; sweep again" in capsys.readouterr().err
