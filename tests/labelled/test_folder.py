@@ -35,7 +35,9 @@ def test_a_folder_as_one_object(folder):
 def test_nothing_there(tmp_path):
     with pytest.raises(jb.InputError, match="no such folder"):
         jb.load(tmp_path / "none")
-    with pytest.raises(jb.InputError, match="results of simulate, sensitivity, sweep, tune, sample, pareto or choose"):
+    with pytest.raises(
+        jb.InputError, match="results of simulate, sensitivity, sweep, tune, sample, pareto, choose or fit"
+    ):
         jb.load(tmp_path)
 
 

@@ -11,7 +11,10 @@ DESIGN = "[buffer]\nk_A = 500.0\n"
 @pytest.mark.parametrize(
     ("files", "said"),
     [
-        ((), "simulate STUDY.toml --output FOLDER makes some; so do sensitivity, sweep, tune, sample and pareto"),
+        (
+            (),
+            "simulate STUDY.toml --output FOLDER makes some; so do sensitivity, sweep, tune, sample, pareto, choose and fit",
+        ),
         (
             ("log.jsonl", "state.npz"),
             "there holds an unfinished tuning: the command that began it, with --resume, goes",

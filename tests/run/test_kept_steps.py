@@ -38,12 +38,13 @@ def test_of_bodies_that_bend_the_frames_are_shown():
     posture = SimpleNamespace(kin=SimpleNamespace(q=q, v=v, frames=(None, None)))
     shown = SimpleNamespace(multipliers=jnp.zeros(3), gap=jnp.array([0.1]), approach_speed=jnp.array([0.2]),
                             slip=jnp.array([0.3]), normal=jnp.array([4.0]), friction=jnp.array([5.0]),
-                            others={"own": 6.0})  # fmt: skip
+                            others={"own": 6.0}, acceleration=20.0 + jnp.arange(8.0))  # fmt: skip
     system = SimpleNamespace(evaluate=lambda state: posture, snapshot_at=lambda at, active: shown,
                              energy_at=lambda at, active: "energy")  # fmt: skip
     found = module.history_at(system, jnp.asarray(0.5), jnp.ones(1), jnp.zeros(16))
     np.testing.assert_array_equal(found.position, [[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]])
     np.testing.assert_array_equal(found.velocity, [[10.0, 11.0, 12.0], [13.0, 14.0, 15.0]])
+    np.testing.assert_array_equal(found.acceleration, [[20.0, 21.0, 22.0], [23.0, 24.0, 25.0]])
     assert [float(x[0]) for x in (found.gap, found.approach_speed, found.slip)] == [0.1, 0.2, 0.3]
     assert (float(found.contact_force[0]), float(found.friction_force[0]), float(found.own)) == (4.0, 5.0, 6.0)
     assert float(found.time) == 0.5

@@ -2,7 +2,9 @@
 
 import dataclasses
 import itertools
+import json
 
+import numpy as np
 import pytest
 
 import jaxbuffer as jb

@@ -55,23 +55,10 @@ class Output:
         A file that cannot be made or written leaves the others and the printing alone. **Raises:** the first such
         error, an `OSError` for a figure that cannot be drawn.
         """
+        alone = record if self.as_json else None
+        tell = _Telling((lambda: str(result)) if alone is None else alone, None if alone is None else note)
         failure: Exception | None = None
         written: list[Path] = []
-        told: list[Path] | None = None
-
-        def tell(files: Sequence[Path]) -> None:
-            nonlocal told
-            first = told is None
-            lines = [f"wrote {path}" for path in files[len(told or ()) :]]
-            if self.as_json and record is not None:
-                if first:
-                    show(record().rstrip("\n"))
-                for line in lines:
-                    note(line)
-            elif first or lines:
-                show("\n".join([*([str(result)] if first else []), *lines]))
-            told = list(files)
-
         try:
             if self.folder is not None:
                 files = with_figures(contents(), self.figures)
@@ -79,5 +66,36 @@ class Output:
         finally:
             # Also after a failure: what was computed is shown in any case.
             tell(written)
-        if failure is not None:
-            raise failure
+        for error in (tell.failure, failure):
+            if error is not None:
+                raise error
+
+
+class _Telling:
+    """Shows a result once, and after it each file that was written; what fails at that is kept as ``failure``, for
+    files are written all the same.
+
+    **Arguments:** ``text`` of the result; ``beside``: what tells files where the text stands alone on stdout.
+    """
+
+    def __init__(self, text: Callable[[], str], beside: Callable[[str], None] | None) -> None:
+        self._text, self._beside = text, beside
+        self._told: list[Path] | None = None
+        self.failure: Exception | None = None
+
+    def __call__(self, written: Sequence[Path]) -> None:
+        shown = [self._text().rstrip("\n")] if self._told is None else []
+        lines = [f"wrote {path}" for path in written[len(self._told or ()) :]]
+        self._told = list(written)
+        if self.failure is not None:
+            return
+        try:
+            if self._beside is None:
+                shown, lines = [*shown, *lines], []
+            if shown:
+                show("\n".join(shown))
+            for line in lines:
+                assert self._beside is not None
+                self._beside(line)
+        except Exception as error:
+            self.failure = error
