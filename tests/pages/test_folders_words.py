@@ -13,7 +13,8 @@ DESIGN = "[buffer]\nk_A = 500.0\n"
     [
         (
             (),
-            "simulate STUDY.toml --output FOLDER makes some; so do sensitivity, sweep, tune, sample, pareto, choose and fit",
+            "simulate STUDY.toml --output FOLDER makes some;"
+            " so do sensitivity, sweep, tune, sample, pareto, choose and fit",
         ),
         (
             ("log.jsonl", "state.npz"),
