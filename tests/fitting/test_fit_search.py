@@ -5,7 +5,7 @@ import pytest
 
 from jaxbuffer.fitting.intervals import not_told_apart, uncertainty
 from jaxbuffer.fitting.residuals import Block, minimum, smoothed
-from jaxbuffer.fitting.search import Search
+from jaxbuffer.fitting.search import StagedSearch
 
 ROWS, NOISE = 400, 0.05
 TIMES = np.linspace(0.0, 1.0, ROWS)
@@ -43,7 +43,7 @@ def test_the_search_finds_an_oscillation_that_a_plain_descent_misses():
     residuals, start = residuals_of(record(0)), (np.array([30.0, 3.0]) - LOW) / (HIGH - LOW)
     plain = minimum(residuals, start, 1.0, tolerance=1e-9, most=60)
     assert plain.chi > 5.0, "the case is too easy to show anything"
-    found = Search(residuals, ROWS)(start)
+    found = StagedSearch(residuals, ROWS)(start)
     assert found.converged and found.chi < 1.3
     assert numbers(found.x) == pytest.approx(TRUTH, rel=0.02)
 

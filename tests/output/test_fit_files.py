@@ -6,21 +6,21 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
-from jaxbuffer.fitting.fitted import Comparison, Estimate, Fitted
+from jaxbuffer.fitting.fitted import Fitted, FittedNumber, RecordBesideFit
 
 
 def made(tests=("a.csv",), converged=True):
     """A fit of two numbers, by hand."""
     times = np.linspace(0.0, 0.1, 11)
     stroke = np.array([0.01 * np.sin(30.0 * times)])
-    record = Comparison(("stroke [mm]",), ("stroke",), ("m",), times, stroke, stroke + 1e-5)
-    shift = Estimate(0.008, 0.0079, 0.0081, "s")
+    record = RecordBesideFit(("stroke [mm]",), ("stroke",), ("m",), times, stroke, stroke + 1e-5)
+    shift = FittedNumber(0.008, 0.0079, 0.0081, "s")
     return Fitted(
         start=jb.table2(),
         scenario=jb.Scenario(),
         parameters={
-            "buffer.k_A": Estimate(655.5, 655.4, 655.6, "N/m"),
-            "buffer.c_A": Estimate(60.0, 55.0, 60.0, "N s/m", "at high bound"),
+            "buffer.k_A": FittedNumber(655.5, 655.4, 655.6, "N/m"),
+            "buffer.c_A": FittedNumber(60.0, 55.0, 60.0, "N s/m", "at high bound"),
         },
         nuisance={test: {"time_shift": shift} for test in tests},
         residual={test: {"stroke [mm]": 0.5} for test in tests},

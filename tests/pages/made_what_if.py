@@ -3,7 +3,7 @@
 import numpy as np
 
 import jaxbuffer as jb
-from jaxbuffer.experiments.what_if import Slider, WhatIf
+from jaxbuffer.experiments.what_if import MovableNumber, WhatIf
 from jaxbuffer.experiments.what_if_model import fit
 from jaxbuffer.study.config import loads
 
@@ -52,8 +52,8 @@ def made_what_if(names=("peak_force", "stroke", "hinge_angle", "relative_energy"
             row.append(fit(shares[of], known, kept, truth, np.flatnonzero(of), RUNS))
         models.append(tuple(row))
     sliders = (
-        Slider("buffer.free_length", "mm", 100.0, 150.0, 118.25, "log"),
-        Slider("buffer.k_A", "N/m", 200.0, 450.0, 300.0, "log"),
+        MovableNumber("buffer.free_length", "mm", 100.0, 150.0, 118.25, "log"),
+        MovableNumber("buffer.k_A", "N/m", 200.0, 450.0, 300.0, "log"),
     )
     return WhatIf(
         problem=problem,

@@ -87,9 +87,9 @@ def test_numbers_have_the_digits_that_their_error_leaves():
 
 def test_room_within_the_error_is_none(results):
     table = data(results.records["what_if"], results)["rows"]
-    from jaxbuffer.pages.what_if import Row
+    from jaxbuffer.pages.what_if import SliderRow
 
-    row = Row(1, "most", 25.0, 0.01, "", "")
+    row = SliderRow(1, "most", 25.0, 0.01, "", "")
     assert room(row, 24.8) == "within the error" and room(row, 20.0) == "5 (20 %)" and room(row, 30.0) == "-5 (-20 %)"
     assert room(row._replace(side="least"), 30.0) == "5 (20 %)" and table
 

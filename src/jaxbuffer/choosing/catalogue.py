@@ -24,7 +24,7 @@ from ..fields import (
     unit,
     unknown,
 )
-from .catalogue_csv import Cell, read_csv
+from .catalogue_csv import CatalogueCell, read_csv
 
 PRICE, MASS = "price", "mass"  # of a part, which no field of the design is
 TOTALS = (PRICE, MASS)
@@ -119,7 +119,13 @@ def _catalogue(role: str, given: Any, design: Part, folder: Path, where: str) ->
         rows = read_csv(folder / given)
     elif isinstance(given, Mapping):
         rows = [
-            (name, {field: Cell(f"{where}.{name}.{field}", value) for field, value in _fields(where, name, it).items()})
+            (
+                name,
+                {
+                    field: CatalogueCell(f"{where}.{name}.{field}", value)
+                    for field, value in _fields(where, name, it).items()
+                },
+            )
             for name, it in given.items()
         ]
     else:
@@ -139,10 +145,10 @@ def _fields(where: str, name: str, given: Any) -> Mapping[str, Any]:
     return flat
 
 
-def _read(role: str, rows: list[tuple[str, dict[str, Cell]]], design: Part, where: str) -> PartsCatalogue:
+def _read(role: str, rows: list[tuple[str, dict[str, CatalogueCell]]], design: Part, where: str) -> PartsCatalogue:
     """Return the catalogue of named rows."""
     parts, units, prices = list[CataloguePart](), dict[str, str](), list[str]()
-    cells: dict[str, list[Cell]] = {}
+    cells: dict[str, list[CatalogueCell]] = {}
     for name, row in rows:
         fields: dict[str, Any] = {}
         totals: dict[str, float] = {}
@@ -174,7 +180,7 @@ def _read(role: str, rows: list[tuple[str, dict[str, Cell]]], design: Part, wher
     return PartsCatalogue(role, tuple(parts), units, price_unit)
 
 
-def _check_one_unit(path: str, cells: Sequence[Cell]) -> None:
+def _check_one_unit(path: str, cells: Sequence[CatalogueCell]) -> None:
     """Raise `InputError` where some of a column's numbers have a unit and others none."""
     numbers = [cell for cell in cells if not isinstance(cell.value, (bool, list))]
     bare = [cell for cell in numbers if type(as_number(cell.value)) is float and float(cell.value) != 0.0]
@@ -223,7 +229,7 @@ def _meaning(design: Part, path: str) -> str:
     return f"{path} of the part" if path in TOTALS else meaning(design, path)
 
 
-def _value(cell: Cell, path: str, design: Part) -> Any:
+def _value(cell: CatalogueCell, path: str, design: Part) -> Any:
     """Return a part's value of a field, checked against the field's range or choices."""
     symbol = unit(design, path)
     if symbol:
@@ -237,7 +243,7 @@ def _value(cell: Cell, path: str, design: Part) -> Any:
         raise error.between(f"{cell.where}: ") from None
 
 
-def _number(cell: Cell, symbol: str, limits: Mapping[str, Any]) -> float:
+def _number(cell: CatalogueCell, symbol: str, limits: Mapping[str, Any]) -> float:
     try:
         number = as_number(in_unit(cell.where, cell.value, symbol, **limits))
     except InputError as error:
@@ -248,7 +254,7 @@ def _number(cell: Cell, symbol: str, limits: Mapping[str, Any]) -> float:
     return float(number)
 
 
-def _amount(cell: Cell) -> tuple[float, str]:
+def _amount(cell: CatalogueCell) -> tuple[float, str]:
     """Return a price and its unit: any word."""
     match = AMOUNT.fullmatch(cell.value) if isinstance(cell.value, str) else None
     number, symbol = (float(match[1]), match[2] or "") if match else (as_number(cell.value), "")

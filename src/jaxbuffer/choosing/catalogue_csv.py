@@ -15,7 +15,7 @@ NAMES = ("name", "part")  # headings of the column of names
 DELIMITERS = ",;\t"
 
 
-class Cell(NamedTuple):
+class CatalogueCell(NamedTuple):
     """A value as typed, and ``where`` it stands, as messages name it."""
 
     where: str
@@ -31,7 +31,7 @@ class Cell(NamedTuple):
             raise InputError(f"{self.where} = {shown(self.value)} is no list of points [[0.1, 2.0], …]") from None
 
 
-def read_csv(path: Path) -> list[tuple[str, dict[str, Cell]]]:
+def read_csv(path: Path) -> list[tuple[str, dict[str, CatalogueCell]]]:
     """Return each part's name and cells by heading, of a file with commas, semicolons or tabs.
 
     A unit in a heading, "k_A [kN/m]", is that of the column's plain numbers. Lines that begin with # are left out.
@@ -55,7 +55,7 @@ def read_csv(path: Path) -> list[tuple[str, dict[str, Cell]]]:
         raise InputError(f"{path} has no part; write a line of headings, such as name, k_A [N/m], and a line a part")
     (line, header), *body = rows
     names = _headings(path, line, header)
-    parts: dict[str, tuple[int, dict[str, Cell]]] = {}
+    parts: dict[str, tuple[int, dict[str, CatalogueCell]]] = {}
     for line, row in body:
         if len(row) != len(header):
             raise InputError(f"{path}, line {line}: {len(row)} cells, where the headings are {len(header)}")
@@ -80,14 +80,14 @@ def _headings(path: Path, line: int, header: list[str]) -> list[tuple[str, str]]
     return split
 
 
-def _row(where: str, headings: list[tuple[str, str]], row: list[str]) -> tuple[str, dict[str, Cell]]:
+def _row(where: str, headings: list[tuple[str, str]], row: list[str]) -> tuple[str, dict[str, CatalogueCell]]:
     """Return a part's name and its cells; an empty cell is left out, so that a curve may stand in another column."""
-    cells, name = dict[str, Cell](), ""
+    cells, name = dict[str, CatalogueCell](), ""
     for (heading, symbol), text in zip(headings, row, strict=True):
         if heading in NAMES and not name:
             name = text
         elif text:
-            cells[heading] = Cell(f"{where}, {heading}", _typed(f"{where}, {heading}", text, symbol))
+            cells[heading] = CatalogueCell(f"{where}, {heading}", _typed(f"{where}, {heading}", text, symbol))
     if not name:
         raise InputError(f"{where}: the part has no name")
     return name, cells

@@ -22,12 +22,12 @@ from ..value_text import percent_text, relative_change, with_unit
 from .bound import ContinuousOptimum
 from .catalogue import PartsCatalogue
 from .criterion import Criterion
-from .enumeration import Tally
+from .enumeration import RunTally
 
 SHOWN = 12  # broken limits in the table
 
 
-class Margin(NamedTuple):
+class LimitMargin(NamedTuple):
     """How far the worst load case keeps from a limit.
 
     ``value``: there, in the quantity's unit; ``share``: of the limit, relative [-], below 0 beyond it, None where it is
@@ -62,7 +62,7 @@ class Alternative:
     evaluation: Evaluation
     feasible: bool
     broken: tuple[str, ...]
-    margins: tuple[Margin, ...]
+    margins: tuple[LimitMargin, ...]
     deciding: int
     tuned: Tuned | None = None
 
@@ -93,7 +93,7 @@ class Choice(Saved):
     criterion: Criterion
     catalogues: tuple[PartsCatalogue, ...]
     ranked: tuple[Alternative, ...]
-    tally: Tally
+    tally: RunTally
     optimum: ContinuousOptimum | None = None
     continuous: Alternative | None = None
     nearest: Alternative | None = None
@@ -160,14 +160,14 @@ class Choice(Saved):
         return html(*_parts(self))
 
 
-def margins(problem: Problem, evaluation: Evaluation) -> tuple[Margin, ...]:
+def margins(problem: Problem, evaluation: Evaluation) -> tuple[LimitMargin, ...]:
     """Return how far a design keeps from each limit in its worst load case, the tightest first."""
     goal, known = Goal(problem, problem.objective), problem.known(evaluation.code) & evaluation.solved[:, None]
     made = []
     for column, limit in goal.indexed_limits:
         values = np.where(known[:, column], evaluation.quantities[:, column], np.nan)
         worst = int(np.argmax(np.nan_to_num(limit.rows(values), nan=np.inf)))
-        made.append(Margin(limit, float(values[worst]), limit.margin(float(values[worst])), worst))
+        made.append(LimitMargin(limit, float(values[worst]), limit.margin(float(values[worst])), worst))
     return tuple(sorted(made, key=lambda it: -np.inf if it.share is None else it.share))
 
 

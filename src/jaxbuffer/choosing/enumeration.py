@@ -33,7 +33,7 @@ class Judged(NamedTuple):
         return ~np.isnan(self.excess)
 
 
-class Tally(NamedTuple):
+class RunTally(NamedTuple):
     """How many combinations and runs an enumeration has had.
 
     ``combinations``; ``priced_out``: above a limit on price or mass, and never run; ``unfit``: their parts or a
@@ -120,12 +120,12 @@ class Enumeration:
         return np.where(np.all(self.judged.known, axis=1), value, np.nan)
 
     @property
-    def tally(self) -> Tally:
+    def tally(self) -> RunTally:
         """Return how many combinations were decided in which way."""
         unfit = np.isin(np.arange(len(self.allowed)), list(self.runs.misfits))
         failed = np.any(self.judged.failed, axis=1) & ~unfit
         broken = (self._farthest > 0.0) & ~unfit & ~failed
-        return Tally(
+        return RunTally(
             combinations=len(self.allowed),
             priced_out=int(np.sum(~self.allowed)),
             unfit=int(np.sum(unfit)),

@@ -26,7 +26,7 @@ MOST_CASES = 12
 ROWS = 8  # between two reports of progress
 
 
-class Slider(NamedTuple):
+class MovableNumber(NamedTuple):
     """A number that may be moved: its ``name``, ``unit``, ``low`` and ``high`` end and the design's ``value`` in that
     unit, and the ``scale`` on which its range is divided, "log" or "linear"."""
 
@@ -63,7 +63,7 @@ class WhatIf:
     """
 
     problem: Problem
-    sliders: tuple[Slider, ...]
+    sliders: tuple[MovableNumber, ...]
     cases: tuple[Case, ...]
     left_out: int
     quantities: tuple[str, ...]
@@ -236,7 +236,7 @@ class _Search:
         low = np.concatenate([np.clip(start - width, 0.0, 1.0), ranges[:, 0]])
         return low, np.concatenate([np.clip(start + width, 0.0, 1.0), ranges[:, 1]])
 
-    def _sliders(self, low: np.ndarray, high: np.ndarray) -> tuple[Slider, ...]:
+    def _sliders(self, low: np.ndarray, high: np.ndarray) -> tuple[MovableNumber, ...]:
         problem, count = self.problem, len(self.problem.variables)
         sliders = []
         for v, first, last in zip(problem.variables, low, high, strict=False):
@@ -244,14 +244,14 @@ class _Search:
             (least, symbol), (most, _), (value, _) = (
                 problem.shown(v.path, it) for it in (v.value(first), v.value(last), own)
             )
-            sliders.append(Slider(v.path, symbol, least, most, value, v.scale))
+            sliders.append(MovableNumber(v.path, symbol, least, most, value, v.scale))
         for path, first, last in zip(self.factors, low[count:], high[count:], strict=False):
-            sliders.append(Slider(f"{path}, as built over as drawn", "-", first, last, 1.0, "linear"))
+            sliders.append(MovableNumber(f"{path}, as built over as drawn", "-", first, last, 1.0, "linear"))
         for address, it in self.tolerances.items():
             own_unit = unit_at(problem.design, problem.drawn[0].scenario, address)
             ends = [(100.0 * end, "%") if it.relative else as_displayed(end, own_unit) for end in (it.low, it.high)]
             (least, symbol), (most, _) = ends
-            sliders.append(Slider(f"{address}, as built less as drawn", symbol, least, most, 0.0, "linear"))
+            sliders.append(MovableNumber(f"{address}, as built less as drawn", symbol, least, most, 0.0, "linear"))
         return tuple(sliders)
 
     def _evaluate(self, rows: np.ndarray) -> "_Runs":

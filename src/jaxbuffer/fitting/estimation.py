@@ -8,11 +8,11 @@ import numpy as np
 from ..errors import InputError
 from ..fields import Part, get, unit
 from ..tuning.problem import Variable
-from .fitted import Comparison, Estimate, Fitted
+from .fitted import Fitted, FittedNumber, RecordBesideFit
 from .intervals import Uncertainty, not_told_apart, uncertainty
 from .prediction import SHIFT, Prediction
-from .residuals import Block, Minimum, minimum
-from .search import FIRST, LAST, MET, Search
+from .residuals import Block, LeastSquares, minimum
+from .search import FIRST, LAST, MET, StagedSearch
 
 AGAIN = 4  # times that unknown noise is estimated anew
 SAME = 0.01  # relative change of a noise at which it is known
@@ -56,7 +56,7 @@ class Estimation:
         known = uncertainty(self.blocks, best, inflation)
         return self._result(best, known, blocks, inflation)
 
-    def _search(self) -> Minimum:
+    def _search(self) -> LeastSquares:
         start = [variable.scaled(float(get(self.design, variable.path))) for variable in self.variables]
         numbers = np.array([float(get(self.design, variable.path)) for variable in self.variables])
         for prediction, noise in zip(self.predictions, self.noise, strict=True):
@@ -71,9 +71,9 @@ class Estimation:
             self.report(f"{share:.0%} of the records, {self.evaluations} runs")
 
         rows = max(len(it.times) for it in self.predictions)
-        return Search(self.blocks, rows, told, self.check_ends)(np.array(start))
+        return StagedSearch(self.blocks, rows, told, self.check_ends)(np.array(start))
 
-    def _with_noise(self, best: Minimum) -> Minimum:
+    def _with_noise(self, best: LeastSquares) -> LeastSquares:
         """Return the minimum with noise that is not known estimated from the residuals."""
         for _ in range(AGAIN):
             changed = 0.0
@@ -128,9 +128,9 @@ class Estimation:
                     f" fits the rows before it, at {end:g} s of the record; leave out the rows from there on"
                 )
 
-    def _result(self, best: Minimum, known: Uncertainty, blocks: list[Block], inflation: float) -> Fitted:
+    def _result(self, best: LeastSquares, known: Uncertainty, blocks: list[Block], inflation: float) -> Fitted:
         estimates = [
-            Estimate(
+            FittedNumber(
                 value=it.value(float(x)),
                 low=it.value(float(low)),
                 high=it.value(float(high)),
@@ -168,10 +168,10 @@ class Estimation:
         )
 
 
-def _compared(prediction: Prediction, block: Block, noise: np.ndarray) -> Comparison:
+def _compared(prediction: Prediction, block: Block, noise: np.ndarray) -> RecordBesideFit:
     """Return a test beside its fit."""
     quantities = tuple(it.quantity for it in prediction.sensors.values())
-    return Comparison(
+    return RecordBesideFit(
         columns=tuple(prediction.sensors),
         quantities=quantities,
         units=tuple(prediction.units[it] for it in quantities),

@@ -13,7 +13,7 @@ from ..tables import table, text
 from ..value_text import unit_text
 
 
-class Estimate(NamedTuple):
+class FittedNumber(NamedTuple):
     """A fitted number: its ``value`` with the ends ``low`` and ``high`` of its 95 % interval, in SI units, its
     ``unit``, and whether it lies "at low bound" or "at high bound", else ""."""
 
@@ -24,7 +24,7 @@ class Estimate(NamedTuple):
     at_bound: str = ""
 
 
-class Comparison(NamedTuple):
+class RecordBesideFit(NamedTuple):
     """A test beside its fit: ``columns``, the ``quantities`` that they recorded and their ``units``; ``times`` [s] of
     the record; ``measured`` and ``fitted`` (columns, rows)."""
 
@@ -41,7 +41,7 @@ class Fitted(Saved):
     """A fitted design. Print it for its tables.
 
     - ``design``: with the fitted numbers; ``start``: that the search began with; ``scenario``: of tests without one.
-    - ``parameters``: an `Estimate` for each path.
+    - ``parameters``: a `FittedNumber` for each path.
     - ``nuisance``: by test, what is unknown of its sensors: "time_shift" [s], "COLUMN: gain" [-], "COLUMN: filter" [s].
     - ``residual``: by test and column, the root mean square of measured less fitted, in deviations of the noise [-].
     - ``noise``: by test and column, that deviation in SI units, given or estimated.
@@ -60,8 +60,8 @@ class Fitted(Saved):
 
     start: Part
     scenario: Part
-    parameters: Mapping[str, Estimate]
-    nuisance: Mapping[str, Mapping[str, Estimate]]
+    parameters: Mapping[str, FittedNumber]
+    nuisance: Mapping[str, Mapping[str, FittedNumber]]
     residual: Mapping[str, Mapping[str, float]]
     noise: Mapping[str, Mapping[str, float]]
     names: tuple[str, ...]
@@ -69,7 +69,7 @@ class Fitted(Saved):
     not_told_apart: tuple[str, ...]
     inflation: float
     rows: Mapping[str, int]
-    records: Mapping[str, Comparison]
+    records: Mapping[str, RecordBesideFit]
     evaluations: int
     converged: bool
 
@@ -109,7 +109,7 @@ class Fitted(Saved):
         return text(*lines)
 
 
-def _cells(it: Estimate) -> tuple[str, ...]:
+def _cells(it: FittedNumber) -> tuple[str, ...]:
     spread = max(it.high - it.low, 1e-300)
     digits = max(4, int(np.ceil(np.log10(max(abs(it.value), 1e-300) / spread))) + 3)
     value, symbol = as_displayed(it.value, it.unit)

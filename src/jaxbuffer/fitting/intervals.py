@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from .residuals import Minimum, Residuals, smoothed
+from .residuals import LeastSquares, Residuals, smoothed
 
 SURE = 1.959963984540054  # deviations of a normal distribution on either side of 95 %
 WIDEST = 1.0  # deviation of an unknown on which the data say nothing, as a share of its range
@@ -38,7 +38,7 @@ def covariance_of(slopes: Float[np.ndarray, "residuals unknowns"]) -> Float[np.n
     return np.linalg.inv(slopes.T @ slopes + np.eye(slopes.shape[1]) / WIDEST**2)
 
 
-def uncertainty(residuals: Residuals, best: Minimum, inflation: float = 1.0) -> Uncertainty:
+def uncertainty(residuals: Residuals, best: LeastSquares, inflation: float = 1.0) -> Uncertainty:
     """Return how sure a minimum is, by profiles: an interval ends where the least squares rise by 3.84.
 
     **Arguments:** ``inflation``: of the variance, where residuals exceed the noise [-].

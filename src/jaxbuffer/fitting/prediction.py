@@ -16,7 +16,7 @@ SHIFT = "time_shift"
 FINE = 1e-4  # s, between the shifts that are tried first
 
 
-class Sensor(NamedTuple):
+class SensorModel(NamedTuple):
     """A channel as numbers: ``quantity``; ``noise`` in its unit, None if unknown; ``gain`` [-] and ``lag`` [s], each a
     number or unknown."""
 
@@ -41,7 +41,7 @@ class Prediction:
         self.sensors = {}
         for column, channel in recording.channels.items():
             where = f"{name}: {column}: "
-            self.sensors[column] = Sensor(
+            self.sensors[column] = SensorModel(
                 channel.quantity,
                 noise_of(f"{where}noise", channel, units[channel.quantity]),
                 bounds(f"{where}gain", channel.gain, "-", **GAIN),

@@ -19,7 +19,7 @@ DIGIT = re.compile(r"(?<=[A-Za-zµ])(\d)")  # of a power, as in m/s2
 HEADER = 1  # its line
 
 
-class Table(NamedTuple):
+class CsvTable(NamedTuple):
     """A table as text: ``file``; ``headings``; ``rows`` of cells with the ``lines`` that they stand in; whether numbers
     have a decimal ``comma``."""
 
@@ -117,7 +117,7 @@ def read_recording(
     return Recording(path.name, times, values, channels, scenario, time_shift, lines=tuple(table.lines))
 
 
-def _table(path: Path) -> Table:
+def _table(path: Path) -> CsvTable:
     try:
         text = path.read_text(encoding="utf-8-sig")
     except FileNotFoundError:
@@ -142,10 +142,10 @@ def _table(path: Path) -> Table:
             raise InputError(
                 f"{path}, line {line} has {len(row)} cells, and line {numbered[0][0]} names {len(headings)} columns"
             )
-    return Table(str(path), headings, rows, lines, delimiter != ",")
+    return CsvTable(str(path), headings, rows, lines, delimiter != ",")
 
 
-def _unit(table: Table, name: str) -> str:
+def _unit(table: CsvTable, name: str) -> str:
     """Return the unit in a heading, "" for none. **Raises:** `InputError` for several."""
     units: Sequence[Any] = UNIT.findall(name)
     if len(units) > 1:
@@ -153,7 +153,7 @@ def _unit(table: Table, name: str) -> str:
     return DIGIT.sub(r"^\1", units[0].strip()) if units else ""
 
 
-def _factor(table: Table, name: str, unit: str) -> float:
+def _factor(table: CsvTable, name: str, unit: str) -> float:
     """Return how many of a quantity's unit one of the heading's is."""
     given = _unit(table, name)
     if not given or is_plain(given) or given == unit:

@@ -23,7 +23,7 @@ Residuals = Callable[[np.ndarray, float], list[Block]]
 """From the scaled unknowns and a share of each record, counted from its beginning, to a block for each record."""
 
 
-class Minimum(NamedTuple):
+class LeastSquares(NamedTuple):
     """A point of least squares: scaled unknowns ``x``, mean square ``chi`` of the residuals [-], their ``slopes``
     (residuals, unknowns), and whether the search ``converged``."""
 
@@ -56,7 +56,7 @@ def minimum(
     pull: float = 0.0,
     tolerance: float = 1e-4,
     most: int = 12,
-) -> Minimum:
+) -> LeastSquares:
     """Return the least squares of records up to a share of their rows, near ``x``.
 
     **Arguments:** ``residuals``; ``x``: scaled unknowns, between 0 and 1; ``share`` [-] of each record; ``width``: of
@@ -88,4 +88,4 @@ def minimum(
         gtol=1e-12,
         max_nfev=most,
     )
-    return Minimum(found.x, 2.0 * found.cost / len(found.fun), found.jac, found.status > 0)
+    return LeastSquares(found.x, 2.0 * found.cost / len(found.fun), found.jac, found.status > 0)

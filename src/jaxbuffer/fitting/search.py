@@ -7,7 +7,7 @@ import numpy as np
 from scipy.stats import qmc
 
 from .intervals import covariance_of
-from .residuals import Block, Minimum, Residuals, minimum
+from .residuals import Block, LeastSquares, Residuals, minimum
 
 FIRST, GROWTH = 1.0 / 64.0, 1.3  # share of the records to begin with, and by which it grows
 FEWEST = 24  # rows to begin with
@@ -33,7 +33,7 @@ def shares(rows: int) -> Iterator[float]:
     yield 1.0
 
 
-class Search:
+class StagedSearch:
     """A search for the least squares of records.
 
     **Arguments:** ``residuals``; ``rows``: of the longest record; ``report``: is told the share of the records and the
@@ -52,14 +52,14 @@ class Search:
         # Of a model that does not meet the noise: what it comes to.
         self.level = 1.0
 
-    def __call__(self, x: np.ndarray) -> Minimum:
+    def __call__(self, x: np.ndarray) -> LeastSquares:
         """Return the least squares of whole records, from scaled unknowns to begin at."""
         for share in shares(self.rows):
             x, chi = self._stage(x, share)
             self.report(share, chi)
         return self._settled(minimum(self.residuals, x, 1.0, tolerance=LAST, most=MOST))
 
-    def _settled(self, best: Minimum) -> Minimum:
+    def _settled(self, best: LeastSquares) -> LeastSquares:
         """Return the lowest minimum near one of whole records.
 
         An impact is over within a few rows: one that falls between others of them than it should makes a minimum of its

@@ -5,7 +5,7 @@ from types import MappingProxyType
 from typing import Any
 
 from ..fields import get
-from ..fitting.fitted import Estimate, Fitted
+from ..fitting.fitted import Fitted, FittedNumber
 from ..labelled.record import json_number, part_record
 from ..mechanisms.registry import mechanism_of
 from ..study.config import design_toml
@@ -52,7 +52,7 @@ def fit_record(fitted: Fitted) -> dict[str, Any]:
     }
 
 
-def _estimate(it: Estimate) -> dict[str, Any]:
+def _estimate(it: FittedNumber) -> dict[str, Any]:
     numbers = {"value": json_number(it.value), "low": json_number(it.low), "high": json_number(it.high)}
     return {**numbers, "unit": it.unit, "at_bound": it.at_bound}
 

@@ -29,7 +29,7 @@ DOUBTFUL = 0.5  # an error from which on a model says nothing of the truth
 SURE = 0.002  # an error up to which four digits are shown, and above it three
 
 
-class Row(NamedTuple):
+class SliderRow(NamedTuple):
     """A line of the table over all scenarios: a quantity's place among them, "most" or "least" of it, its limit or
     None, in the unit that is shown; the largest ``error`` of its good models, None without any, in words
     (``measured``), and that of all models in words (``of_all``), for where no number is shown."""
@@ -144,7 +144,7 @@ def _text(record: Record, results: Results) -> list[str]:
     return lines
 
 
-def _rows(record: Record, shown: Sequence[Display]) -> Iterator[Row]:
+def _rows(record: Record, shown: Sequence[Display]) -> Iterator[SliderRow]:
     for k, (name, it) in enumerate(zip(record["quantities"], shown, strict=True)):
         models = [case["models"][k] for case in record["cases"] if case["models"][k] is not None]
         good = [model for model in models if model["error"] <= record["good"]]
@@ -152,9 +152,9 @@ def _rows(record: Record, shown: Sequence[Display]) -> Iterator[Row]:
         told = tuple(_measured(some) for some in (good, models))
         high, low = record["at_most"].get(name), record["at_least"].get(name)
         if high is not None or low is None:
-            yield Row(k, "most", None if high is None else it.factor * high, error, *told)
+            yield SliderRow(k, "most", None if high is None else it.factor * high, error, *told)
         if low is not None:
-            yield Row(k, "least", it.factor * low, error, *told)
+            yield SliderRow(k, "least", it.factor * low, error, *told)
 
 
 def _measured(models: Sequence[Record]) -> str:
@@ -166,7 +166,7 @@ def _measured(models: Sequence[Record]) -> str:
     return f"{'below' if share == FINEST else 'at most'} {percent_text(share, '.2g')} in {worst['tested']} runs"
 
 
-def _at_nominal(row: Row, shown: Display, at: Sequence[Sequence[float | None]], record: Record) -> dict[str, str]:
+def _at_nominal(row: SliderRow, shown: Display, at: Sequence[Sequence[float | None]], record: Record) -> dict[str, str]:
     """Return the texts of a row at the tuned design, for print and where no script runs; the script says the same."""
     models = [case["models"][row.quantity] for case in record["cases"]]
     errors = [None if model is None else model["error"] for model in models]
@@ -203,7 +203,7 @@ def deciding(side: str, values: Sequence[float | None], errors: Sequence[float |
     return best
 
 
-def room(row: Row, value: float) -> str:
+def room(row: SliderRow, value: float) -> str:
     """Return the room to a limit, if it is more than the model's error."""
     error, limit = row.error or 0.0, row.limit or 0.0
     left = limit - value if row.side == "most" else value - limit

@@ -254,7 +254,7 @@ class _Built(NamedTuple):
     """The parts of a program that this process has compiled, and their codes: none where they cannot be kept."""
 
     parts: list[Compiled]
-    codes: list[load.Code]
+    codes: list[load.MachineCode]
 
 
 @_uncollected()
@@ -273,7 +273,7 @@ def _built(functions: Sequence[Callable[..., list[Any]]], arguments: Sequence[An
             arguments = [*arguments, *jax.tree.leaves(made[-1].out_info)]
         parts = [it.result() for it in compiling]
     try:
-        return _Built(parts, [load.Code.of(*pair) for pair in zip(made, parts, strict=True)] if keep else [])
+        return _Built(parts, [load.MachineCode.of(*pair) for pair in zip(made, parts, strict=True)] if keep else [])
     except Exception as error:  # callbacks, say: the program is in memory
         _log.info("a program cannot be kept: %s", error)
         return _Built(parts, [])
@@ -303,7 +303,7 @@ def _run(parts: Sequence[Compiled], arguments: Sequence[Any]) -> list[Any]:
     return parts[1](*arguments, *between) if len(parts) > 1 else between
 
 
-def _write(file: Path, program: _Program, codes: list[load.Code], exported: list[bytes], shipped: str) -> None:
+def _write(file: Path, program: _Program, codes: list[load.MachineCode], exported: list[bytes], shipped: str) -> None:
     try:
         description = {
             "shipped": shipped,

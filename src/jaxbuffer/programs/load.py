@@ -18,7 +18,7 @@ KEEPS = "jax_persistent_cache_min_compile_time_secs"  # JAX's own cache keeps wh
 NEVER = 1e9
 
 
-class Code(NamedTuple):
+class MachineCode(NamedTuple):
     """A compiled function of arrays: the ``content`` as JAX pickles it, compressed; how many arrays are its ``inputs``
     and ``outputs``; whether it calls ``lapack``."""
 
@@ -28,14 +28,14 @@ class Code(NamedTuple):
     lapack: bool
 
     @staticmethod
-    def of(lowered: Lowered, compiled: Compiled) -> "Code":
+    def of(lowered: Lowered, compiled: Compiled) -> "MachineCode":
         """Return the code of a function that this process has compiled."""
         content, inputs, outputs = serialize_executable.serialize(compiled)
         module: Any = lowered.compiler_ir()
         text = io.BytesIO()
         module.operation.write_bytecode(text)
         lapack = b"lapack_" in text.getvalue()
-        return Code(zlib.compress(content, 1), inputs.num_leaves, outputs.num_leaves, lapack)
+        return MachineCode(zlib.compress(content, 1), inputs.num_leaves, outputs.num_leaves, lapack)
 
     def ready(self) -> Compiled:
         """Return the function, ready to run."""
@@ -47,10 +47,10 @@ class Code(NamedTuple):
         return serialize_executable.deserialize_and_load(zlib.decompress(self.content), inputs, outputs)
 
 
-def all_ready(codes: Sequence[Code]) -> list[Compiled]:
+def all_ready(codes: Sequence[MachineCode]) -> list[Compiled]:
     """Return the parts of a program, each made ready on a core of its own."""
     with ThreadPoolExecutor(len(codes)) as beside:
-        return list(beside.map(Code.ready, codes))
+        return list(beside.map(MachineCode.ready, codes))
 
 
 def lowered(function: Callable[..., Any], *arguments: Any) -> Lowered:

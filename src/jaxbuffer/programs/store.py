@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from .. import files
-from .load import Code
+from .load import MachineCode
 
 try:
     import fcntl
@@ -113,7 +113,7 @@ class Stored(NamedTuple):
     and as exported, of which only a wheel and the files that it is made from have any."""
 
     description: Any
-    compiled: list[Code]
+    compiled: list[MachineCode]
     exported: list[bytes]
 
 
@@ -185,7 +185,7 @@ def _body(content: bytes) -> bytes | None:
 
 
 def _stored(record: Any) -> Stored:
-    compiled = [Code(base64.b64decode(content), *others) for content, *others in record["compiled"]]
+    compiled = [MachineCode(base64.b64decode(content), *others) for content, *others in record["compiled"]]
     return Stored(record["description"], compiled, [base64.b64decode(part) for part in record["exported"]])
 
 

@@ -21,7 +21,7 @@ PEAKS = 24
 LEAST_LACK = 1e-6  # of the margin of a run that has not reached an end [-]
 
 
-class Ending(Protocol):
+class RunEnd(Protocol):
     """How a run of a design has ended: a `Run`, or these three alone."""
 
     @property
@@ -73,7 +73,7 @@ class Measurement(NamedTuple):
         return self._replace(**slopes)
 
     @staticmethod
-    def of_numbers(problem: Problem, run: Ending, impacts: int, numbers: Mapping[str, float]) -> "Measurement":
+    def of_numbers(problem: Problem, run: RunEnd, impacts: int, numbers: Mapping[str, float]) -> "Measurement":
         """Return that of a run of which these quantities are known by name, and no derivative.
 
         Of its peaks the largest alone is known, which the first impact's is taken for.
@@ -171,7 +171,7 @@ class Margin(NamedTuple):
 
 
 def _fill_awaited(
-    mechanism: Mechanism, run: Ending, names: Sequence[str], values: np.ndarray, slopes: np.ndarray, duration: float
+    mechanism: Mechanism, run: RunEnd, names: Sequence[str], values: np.ndarray, slopes: np.ndarray, duration: float
 ) -> None:
     """Give the times that the run waited for in vain the duration [s], which they exceed, and no slope."""
     for k, name in enumerate(names):
@@ -180,7 +180,7 @@ def _fill_awaited(
             values[k], slopes[k] = duration, 0.0
 
 
-def margin_of_end(end: RequiredEnd, run: Ending, own: Margin, numbers: Mapping[str, Margin], duration: float) -> Margin:
+def margin_of_end(end: RequiredEnd, run: RunEnd, own: Margin, numbers: Mapping[str, Margin], duration: float) -> Margin:
     """Return a number that is positive exactly where a run has an end that waits for a share to fall, with its slope.
 
     It is continuous where a run reaches the end just at its ``duration`` [s]: the logarithm of the share that is left
