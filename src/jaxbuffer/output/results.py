@@ -72,7 +72,7 @@ def save(
     >>> run = jb.simulate(jb.BarDrop(), jb.BarDropScenario(height=0.194), 0.22)
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     [path.name for path in jb.save(run, folder)], jb.load(folder).run.outcome
-    (['drop.json', 'drop.txt', 'drop.nc'], 'finished')
+    (['drop.json', 'drop.txt', 'drop.nc', 'drop.mat'], 'finished')
     """
     folder = user_path(folder)
     check_choice("format", format, ("png", "svg", "both"))

@@ -31,15 +31,15 @@ def _located(system: ContactSystem, log: Log) -> Maxima:
     contacts = system.impact_contacts
 
     def observe(slot: Array) -> tuple[Array, Array]:
-        at, active = system.evaluate(state_of_maximum(system, log, slot)), log.active[slot]
+        state, active = state_of_maximum(system, log, slot), log.active[slot]
         # After a touchdown with a jump, or a release, the rate is another than in the step that ends there.
         rate = log.rates[slot, 0]
         if system.jumps:
-            rate = system.rate_at(log.time[slot], at, active)
+            rate = system.derivative(log.time[slot], state, active)
         elif system.observes_rate:
-            after = system.rate_at(log.time[slot], at, active)
+            after = system.derivative(log.time[slot], state, active)
             rate = jnp.where(log.kind[slot] == Kind.RELEASE, after, rate)
-        return system.observables_at(at, rate, active), rate
+        return system.observables(state, rate, active), rate
 
     # Any entry may hold a maximum: of two at one instant only one is logged under its own name, and a quantity may be
     # largest at the end.
