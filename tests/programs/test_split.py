@@ -74,7 +74,7 @@ def test_the_time_loop_is_in_the_first_program_alone(asked):
             *(PROBE_CONE, (design, scenario, duration, rtol), jnp.array([500.0]), Static(("buffer.k_A",))),
             *(None, None),
         ),
-        solve_chunk: (PROBE_CONE, runs, jnp.array([True, False]), rtol, gain, None),
+        solve_chunk: (PROBE_CONE, runs, jnp.array([True, False]), rtol, gain, None, Static(tuple(PROBE_CONE.swept))),
     }[asked]
     arrays, rest = eqx.partition(arguments, eqx.is_array)
     whole = lambda arrays: eqx.combine(arrays, rest)  # noqa: E731

@@ -34,9 +34,6 @@ class Toy(eqx.Module):
     def derivative(self, time, state, active):
         return jnp.array([-SPEED, 0.0, 1.0, -RATE])
 
-    def rate_at(self, time, at, active):
-        return self.derivative(time, at.state, active)
-
     def evaluate(self, state):
         return SimpleNamespace(state=state)
 

@@ -5,20 +5,16 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
 
-import jax
 import numpy as np
-from jaxtyping import Array, Bool
 
 from ..cluster.pool import Pool
 from ..errors import InputError
-from ..hybrid import Solver, name_of, solver_named
+from ..hybrid import Solver, solver_named
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.outcome import RunOutcome
 from ..mechanisms.registry import mechanism_of
-from ..programs.cache import Static, stored
-from ..run.request import request
-from ..run.stepper import run_of, stepped, stepper_of
-from ..sweeps.chunk import CHUNK, Chunk, task_size
+from ..programs.cache import Static
+from ..sweeps.chunk import CHUNK, SweepSettings, solve_chunk, task_size
 from ..sweeps.grid import Batch
 from ..tuning.measurement import Measurement
 from ..tuning.problem import Problem
@@ -29,62 +25,16 @@ STABILISATION = 20.0  # 1/s, as of `simulate`
 PERIOD = 1.0  # s between the moments at which finished runs are stored
 
 
-class Setting(NamedTuple):
-    """What all runs share: ``names`` of the quantities to read off, ``rtol`` [-], ``solver``, by its name."""
-
-    names: tuple[str, ...]
-    rtol: float
-    solver: str | None
-
-
-@stored
-def read_chunk(
-    mechanism: Mechanism,
-    chunk: Chunk,
-    enabled: Bool[Array, " runs"],
-    rtol: Any,
-    stabilisation: Any,
-    solver: Solver | None,
-    names: Static,
-) -> tuple[Any, Any, Any]:
-    """Return code, impacts and the named quantities of each run of a chunk; those not ``enabled`` fill it up."""
-
-    def requested(chunk: Chunk) -> Any:
-        return request(mechanism, *chunk, solver, (rtol, rtol), stabilisation)
-
-    def one(chunk: Chunk, enabled: Array) -> Any:
-        return stepped(requested(chunk), enabled=enabled)
-
-    def numbers(chunk: Chunk, result: Any) -> tuple[Any, Any, Any]:
-        run = run_of(requested(chunk), result)
-        values = [mechanism.quantities[name].of(run) for name in names.value]
-        return run.code, run.impact_count, jax.numpy.stack(values)
-
-    return jax.vmap(numbers)(chunk, stepper_of(mechanism).many(one)(chunk, enabled))
-
-
-@functools.lru_cache(maxsize=4)  # the same object for equal names, so that one program serves all calls
-def _solver(name: str | None) -> Solver | None:
-    return None if name is None else solver_named(name)
-
-
-def _solved(setting: Setting, batch: Batch) -> tuple[np.ndarray, Columns]:
-    """Run some combinations and return their places with their numbers."""
+def _solved(names: tuple[str, ...], settings: SweepSettings, batch: Batch) -> tuple[np.ndarray, Columns]:
+    """Run some combinations and return their places with these quantities."""
     mechanism, made = mechanism_of(batch.design), []
+    options = settings.rtol, settings.stabilisation, settings.solver, Static(names)
     for first in range(0, batch.places.size, CHUNK):
         chunk, enabled = batch.chunk(first, CHUNK)
-        arrays = read_chunk(
-            mechanism,
-            chunk,
-            enabled,
-            np.asarray(setting.rtol),
-            np.asarray(STABILISATION),
-            _solver(setting.solver),
-            Static(setting.names),
-        )
-        made.append([np.asarray(it)[enabled] for it in arrays])
-    code, impacts, values = (np.concatenate(it) for it in zip(*made, strict=True))
-    return batch.places, Columns(code.astype(np.int64), impacts.astype(np.int64), values.astype(float))
+        code, *values, _, impacts, _ = solve_chunk(mechanism, chunk, enabled, *options)
+        made.append([np.asarray(it)[enabled] for it in (code, impacts, np.stack(values, axis=1))])
+    code, impacts, numbers = (np.concatenate(it) for it in zip(*made, strict=True))
+    return batch.places, Columns(code.astype(np.int64), impacts.astype(np.int64), numbers.astype(float))
 
 
 class Runs:
@@ -107,7 +57,7 @@ class Runs:
         self.computed, self.misfits = 0, dict[int, str]()
         margin = problem.mechanism.tuning.margin
         self.names = tuple(dict.fromkeys([*problem.measured, *([] if margin is None else [margin])]))
-        self._solver = None if solver is None else name_of(solver_named(solver))
+        self._solver = None if solver is None else solver_named(solver)
 
     def each(
         self, wanted: Sequence[tuple[int, int]], rtol: float | None = None, done: Callable[[int], None] | None = None
@@ -140,7 +90,8 @@ class Runs:
         self, keys: list[tuple[int, int]], pairs: list[Any], rtol: float
     ) -> Iterator[tuple[list[int], list[Row]]]:
         """Compute runs and yield the places and rows of some of them, whichever are done first."""
-        one, due = functools.partial(_solved, Setting(self.names, rtol, self._solver)), time.monotonic() + PERIOD
+        settings = SweepSettings(np.asarray(rtol), np.asarray(STABILISATION), self._solver)
+        one, due = functools.partial(_solved, self.names, settings), time.monotonic() + PERIOD
         try:
             for places, columns in self.pool.completed(one, self._calls(pairs)) if pairs else ():
                 rows = list(zip(columns.code.tolist(), columns.impacts.tolist(), columns.values, strict=True))

@@ -358,9 +358,7 @@ class Assembled(ContactSystem):
         return Exerted(forces, self.system.motion(at.kin, tuple(loads)))
 
     def derivative(self, time: Scalar, state: State, active: Closed) -> State:
-        return self.rate_at(time, self.evaluate(state), active)
-
-    def rate_at(self, time: Scalar, at: EvaluatedState, active: Closed) -> State:
+        at = self.evaluate(state)
         return self._rate(at, active, self.exerted(at, active))
 
     def _rate(self, at: EvaluatedState, active: Closed, exerted: Exerted) -> State:

@@ -115,10 +115,6 @@ class ContactSystem(HybridSystem):
         """Return the `terminals` of an evaluated state."""
         raise NotImplementedError
 
-    def rate_at(self, time: Scalar, at: Any, active: Active) -> State:
-        """Return `derivative` of a state that is evaluated already."""
-        raise NotImplementedError
-
     def observables_at(self, at: Any, rate: State, active: Active) -> Float[Array, " observables"]:
         """Return the `observables` of an evaluated state."""
         raise NotImplementedError

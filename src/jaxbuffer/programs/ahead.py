@@ -60,7 +60,7 @@ def taken(file: Path) -> Loaded | None:
     """Return what was loaded of a file, once, and None where it was not; wait for it if it is under way."""
     if file not in _used:
         _used.append(file)
-    if _loading is not None and _loading is not threading.current_thread():
+    if _loading is not None:
         _loading.join()
     return _loaded.pop(file, None)
 

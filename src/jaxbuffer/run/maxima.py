@@ -17,7 +17,7 @@ from .survey import state_at, state_of_maximum
 def maxima(system: ContactSystem, log: Log, start: tuple[Any, Array]) -> Maxima:
     """Return the largest values over the start (posture, closed contacts), all located events and the end."""
     at, active = start
-    first = system.observables_at(at, system.rate_at(jnp.zeros(()), at, active), active)
+    first = system.observables_at(at, system.derivative(jnp.zeros(()), at.state, active), active)
     located = _located(system, log)
     pairs = zip(located.others.items(), first[system.impact_contacts :], strict=True)
     return located._replace(others={name: jnp.maximum(value, begin) for (name, value), begin in pairs})

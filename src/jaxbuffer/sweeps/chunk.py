@@ -13,7 +13,7 @@ from jaxtyping import Array, Bool
 from ..hybrid import Solver, name_of, solver_named
 from ..mechanisms.mechanism import Mechanism, Request
 from ..mechanisms.registry import mechanism_of
-from ..programs.cache import after
+from ..programs.cache import Static, after
 from ..run.request import request, tenth
 from ..run.stepper import run_of, stepped, stepper_of
 from ..run.trust import SAFETY, VERDICTS, relative_changes, verdicts
@@ -55,7 +55,13 @@ def _request(mechanism: Mechanism, chunk: Chunk, rtol: Any, stabilisation: Any, 
 
 
 def _stepped(
-    mechanism: Mechanism, chunk: Chunk, enabled: Enabled, rtol: Any, stabilisation: Any, solver: Solver | None
+    mechanism: Mechanism,
+    chunk: Chunk,
+    enabled: Enabled,
+    rtol: Any,
+    stabilisation: Any,
+    solver: Solver | None,
+    names: Static,
 ) -> Any:
     """Step each run in time and return its raw result."""
 
@@ -73,14 +79,15 @@ def solve_chunk(
     rtol: Any,
     stabilisation: Any,
     solver: Solver | None,
+    names: Static,
     result: Any,
 ) -> tuple:
-    """Return the columns of a sweep (`column_names`) but the last, each an array with an entry for each run of the
-    chunk."""
+    """Return code, the quantities of these names, number of the contact with the largest force, impacts and attempts,
+    each an array with an entry for each run of the chunk."""
 
     def numbers(chunk: Chunk, result: Any) -> tuple:
         run = run_of(_request(mechanism, chunk, rtol, stabilisation, solver), result)
-        own = (mechanism.quantities[name].of(run) for name in mechanism.swept)
+        own = (mechanism.quantities[name].of(run) for name in names.value)
         return (run.code, *own, run.peak_contact, run.impact_count, run.attempts)
 
     return jax.vmap(numbers)(chunk, result)
@@ -94,7 +101,8 @@ def columns_of_chunk(chunk: Chunk, enabled: Any, settings: SweepSettings) -> lis
     mechanism = mechanism_of(chunk[0])
 
     def at(rtol: Any) -> dict[str, np.ndarray]:
-        values = map(np.asarray, solve_chunk(mechanism, chunk, enabled, rtol, settings.stabilisation, settings.solver))
+        options = settings.stabilisation, settings.solver, Static(tuple(mechanism.swept))
+        values = map(np.asarray, solve_chunk(mechanism, chunk, enabled, rtol, *options))
         return dict(zip(column_names(mechanism), values, strict=False))
 
     columns = at(settings.rtol)

@@ -90,12 +90,11 @@ class _Telling:
         if self.failure is not None:
             return
         try:
-            if self._beside is None:
-                shown, lines = [*shown, *lines], []
-            if shown:
-                show("\n".join(shown))
-            for line in lines:
-                assert self._beside is not None
-                self._beside(line)
+            below = lines if self._beside is None else []
+            if shown or below:
+                show("\n".join([*shown, *below]))
+            if self._beside is not None:
+                for line in lines:
+                    self._beside(line)
         except Exception as error:
             self.failure = error
