@@ -28,7 +28,8 @@ from jaxbuffer import (
     tune,
 )
 from jaxbuffer.mechanisms.probe_cone.buffer import Buffer
-from jaxbuffer.mechanisms.probe_cone.parts import Cone, Contact, Passive
+from jaxbuffer.mechanisms.probe_cone.contact import Contact
+from jaxbuffer.mechanisms.probe_cone.parts import Cone, Passive
 from jaxbuffer.tuning import Distribution, Scatter, grid
 
 K = Variable("buffer.k_A", 100.0, 2000.0)

@@ -16,8 +16,8 @@ import jaxbuffer
 from jaxbuffer.cli.entry import run
 from jaxbuffer.fields import get, meaning, metadata, paths, replace
 from jaxbuffer.mechanisms import all_mechanisms, mechanism_named, registry
-from jaxbuffer.study.config import load, loads
 from jaxbuffer.study.example import example_toml
+from jaxbuffer.study.load import load, loads
 from jaxbuffer.study.schema import study_schema
 
 SCATTER = """[problem.sample]

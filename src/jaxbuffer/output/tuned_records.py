@@ -10,8 +10,8 @@ from ..fields import get, unit
 from ..labelled.record import heading, headings, json_number, part_record
 from ..tuning.cases import Case
 from ..tuning.evaluation import Evaluation
+from ..tuning.front import Front, point_status
 from ..tuning.message import headline
-from ..tuning.pareto import Front, point_status
 from ..tuning.spread import CAPTION, spread_headings, spread_lines, spread_rows
 from ..tuning.tuned import SHOWN, Tuned, tuned_warnings
 from ..value_text import with_unit

@@ -9,7 +9,7 @@ from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Results
 from ..output.words import value_in_words
 from ..value_text import table_text, unit_text
-from .limits import limits_of, required_success, source_of_limits
+from .limit_check import limits_of, required_success, source_of_limits
 from .page import Cell, PageSection, Table
 from .records import display, field_name, figure, same, scenario_of, units_of, words
 

@@ -12,7 +12,8 @@ from ..output.folder import Results, load_finished
 from .abstract import INFEASIBLE, abstract, badges
 from .designs import design, requirements
 from .experiments import front, sample, sweep
-from .limits import fails_in_corners_alone, limits, repeats_tuning
+from .limit_check import repeats_tuning
+from .limits import fails_in_corners_alone, limits
 from .origin import origin, verification
 from .page import Page, PageSection, write_page
 from .runs import diagnosis, run, scenarios, search

@@ -11,7 +11,7 @@ from ..files import user_path
 from ..fitting.quantities import recorded_quantities
 from ..fitting.reading import read_recording
 from ..fitting.recording import Channel, Recording
-from ..tuning.problem import Variable
+from ..tuning.variable import Variable
 from .tables import PartTable, PathTable, StudyNames, keys_schema, read_keys, replaced, subtable
 from .values import BOUNDS, TEXT, Schema, ValueKind, as_table, object_schema
 

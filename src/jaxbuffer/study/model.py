@@ -20,8 +20,8 @@ from ..sweeps.axis import SPAN
 from ..sweeps.grid import grid
 from ..tuning.cases import KINDS, Distribution, Scatter
 from ..tuning.objective import Limits, Objective, SecondObjective
-from ..tuning.problem import Variable
 from ..tuning.tolerances import Tolerance, read_tolerances
+from ..tuning.variable import Variable
 from .own_quantities import OWN, NamedQuantity
 from .parts_toml import ROUNDING
 from .tables import Keys, KeyTable, PartTable, PathTable, StudyNames, keys_schema, read_keys, subtable

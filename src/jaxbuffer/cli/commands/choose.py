@@ -15,8 +15,9 @@ from ...cluster.extra import executor_at
 from ...errors import InputError
 from ...fields import declared
 from ...output.choice_files import choice_files
-from ...study.config import Config, apply_options
-from ...tuning.problem import Settings
+from ...study.config import Config
+from ...study.overrides import apply_options
+from ...tuning.settings import Settings
 from ..exits import INTERRUPTED, LIMITS_BROKEN, OK, fail
 from ..streams import note
 from .progress import sweeping, tuning

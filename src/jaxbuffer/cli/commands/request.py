@@ -10,7 +10,9 @@ from ...errors import InputError, check_choice
 from ...mechanisms.cautions import cautions
 from ...output.provenance import made
 from ...programs import process
-from ...study.config import Config, apply_options, apply_overrides, load
+from ...study.config import Config
+from ...study.load import load
+from ...study.overrides import apply_options, apply_overrides
 from ..streams import note
 from .output import Output
 

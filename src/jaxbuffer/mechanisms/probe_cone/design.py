@@ -16,7 +16,8 @@ from ...fields import NON_NEGATIVE, POSITIVE, Number, Part, all_of, choice, numb
 from ..run import DesignOf
 from .buffer import Buffer
 from .capture import Capture
-from .parts import Active, Cone, Contact, Hinge, Latch, Passive, Probe
+from .contact import Contact
+from .parts import Active, Cone, Hinge, Latch, Passive, Probe
 from .shock import Shock
 
 
