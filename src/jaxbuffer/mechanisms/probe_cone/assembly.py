@@ -27,7 +27,7 @@ from ..assembled import Assembled
 from ..system import slowest_touchdown
 from .bending import Bending, modal_scales
 from .bodies import B, Masses, P, S, T, assemble_system, probe_masses
-from .buffer import Buffer as BufferPart
+from .buffer import ProbeBuffer
 from .design import Design, Scenario
 from .observables import NO_STOP, RECORDED, shown_of
 from .start import start_motion
@@ -139,7 +139,7 @@ def elements_of(design: Design, scenario: Scenario, probe: Masses) -> tuple[Elem
     return tuple(elements)
 
 
-def axial_force(buffer: BufferPart, probe: Masses) -> AxialSpringDamper:
+def axial_force(buffer: ProbeBuffer, probe: Masses) -> AxialSpringDamper:
     """Return the buffer's axial force: the paper's linear spring and damper, or a real buffer's (M23, M171 to M173)."""
     linear: dict[str, Any] = {
         "first": B,

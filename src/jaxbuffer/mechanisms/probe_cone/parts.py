@@ -135,7 +135,7 @@ class Hinge(Part):
         return self.bush_radius - (self.play if self.has("play") else 0.0)
 
 
-class Latch(Part):
+class Latches(Part):
     """Latches that close where the tip crosses the capture plane, and hold the vehicles together (M175 to M177).
 
     Without them a run ends there.
