@@ -1,6 +1,7 @@
 """The design problem as data: design variables, load cases, objective and constraints."""
 
 import dataclasses
+import functools
 import hashlib
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
@@ -232,7 +233,7 @@ class Problem:
         """Return the quantities that objectives and constraints may use: `PEAK_FORCE` first, the own ones last."""
         return (*self._tuned, *self.quantities)
 
-    @property
+    @functools.cached_property  # asked for hundreds of times in a search
     def _tuned(self) -> tuple[str, ...]:
         names = [name for name in self.mechanism.tuned if self.mechanism.has(name, self.design)]
         # First, because an `Evaluation` has the peak force apart from the rest.
