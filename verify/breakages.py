@@ -356,9 +356,9 @@ def _stop_jump() -> None:
 
 
 def _no_end() -> None:
-    from jaxbuffer.mechanisms.probe_cone.buffer import Buffer
+    from jaxbuffer.mechanisms.probe_cone.buffer import ProbeBuffer
 
-    Buffer.longest_stroke = property(lambda self: 1.01 * self.free_length)  # type: ignore[assignment, method-assign]
+    ProbeBuffer.longest_stroke = property(lambda self: 1.01 * self.free_length)  # type: ignore[assignment, method-assign]
 
 
 def _light() -> None:
