@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from jaxtyping import Float
 
 from ..fields import get, unit
 from ..labelled.record import heading, headings, json_number, part_record
@@ -12,6 +13,7 @@ from ..tuning.cases import Case
 from ..tuning.evaluation import Evaluation
 from ..tuning.message import headline
 from ..tuning.pareto import Front, point_status
+from ..tuning.problem import Problem
 from ..tuning.spread import CAPTION, spread_headings, spread_lines, spread_rows
 from ..tuning.tuned import SHOWN, Tuned, tuned_warnings
 from ..value_text import with_unit
@@ -63,7 +65,7 @@ def tuned_record(tuned: Tuned) -> dict[str, Any]:
         "scenarios": [
             {
                 **part_record(case.scenario),
-                **_built(case),
+                **built_record(case),
                 **lower_bound,
                 "before": before,
                 "after": after,
@@ -76,7 +78,7 @@ def tuned_record(tuned: Tuned) -> dict[str, Any]:
     }
 
 
-def _built(case: Case) -> dict[str, Any]:
+def built_record(case: Case) -> dict[str, Any]:
     """Return how a load case has the mechanism built."""
     others = {"shifts": dict(case.shifts), "values": dict(case.values)}
     return {"factors": dict(case.factors), **{name: it for name, it in others.items() if it}}
@@ -84,19 +86,10 @@ def _built(case: Case) -> dict[str, Any]:
 
 def _scattered(tuned: Tuned) -> dict[str, Any]:
     """Return what scatters, the result in the corners of that, and whose scatter matters."""
-    problem, scatter, corners = tuned.problem, tuned.problem.scatter, tuned.corners
+    problem, corners = tuned.problem, tuned.corners
     if corners is None:
         return {}
-    record = dict[str, Any]()
-    if scatter is not None:
-        ranges = {name: [given.kind, *given.range] for name, given in scatter.distributions.items()}
-        record["sample"] = {"count": scatter.count, "seed": scatter.seed, "ranges": ranges}
-    if problem.tolerances:
-        record["tolerances"] = {
-            address: {**dataclasses.asdict(it), "in_words": problem.tolerance_text(address)}
-            for address, it in problem.tolerances.items()
-        }
-        record["spread"] = _spread(tuned)
+    record = scatter_record(problem) | ({"spread": _spread(tuned)} if problem.tolerances else {})
     each = zip(corners.cases, corners.values, corners.broken, strict=True)
     return record | {
         "corners": {
@@ -110,11 +103,25 @@ def _scattered(tuned: Tuned) -> dict[str, Any]:
             "largest_objective": json_number(corners.largest),
             "objective_in_the_middle": json_number(corners.middle),
             "each": [
-                {**part_record(case.scenario), **_built(case), "objective": json_number(value), "broken": broken}
+                {**part_record(case.scenario), **built_record(case), "objective": json_number(value), "broken": broken}
                 for case, value, broken in each
             ],
         },
     }
+
+
+def scatter_record(problem: Problem) -> dict[str, Any]:
+    """Return what scatters: samples and tolerances, of those that a problem has."""
+    record, scatter = dict[str, Any](), problem.scatter
+    if scatter is not None:
+        ranges = {name: [given.kind, *given.range] for name, given in scatter.distributions.items()}
+        record["sample"] = {"count": scatter.count, "seed": scatter.seed, "ranges": ranges}
+    if problem.tolerances:
+        record["tolerances"] = {
+            address: {**dataclasses.asdict(it), "in_words": problem.tolerance_text(address)}
+            for address, it in problem.tolerances.items()
+        }
+    return record
 
 
 def _spread(tuned: Tuned) -> dict[str, Any]:
@@ -152,7 +159,13 @@ def _lower_bounds(tuned: Tuned) -> list[dict[str, float | None]]:
 
 
 def _cases(tuned: Tuned, point: Evaluation) -> list[dict[str, Any]]:
-    problem = tuned.problem
+    return case_records(tuned.problem, point, tuned.reported(point))
+
+
+def case_records(
+    problem: Problem, point: Evaluation, values: Float[np.ndarray, "cases quantities"]
+) -> list[dict[str, Any]]:
+    """Return a record for each load case: outcome, impacts, the problem's quantities (``values``) and the margin."""
     units, margin = {name: problem.catalogue[name].unit for name in problem.names}, problem.mechanism.tuning.margin
     if problem.end is not None and problem.end.quantity:  # then the margin is that of this end
         margin = None
@@ -165,7 +178,7 @@ def _cases(tuned: Tuned, point: Evaluation) -> list[dict[str, Any]]:
             **({} if margin is None else {heading(margin, problem.catalogue[margin].unit): json_number(room)}),
         }
         for code, impacts, first, row, room in zip(
-            point.code, point.impacts, point.first, tuned.reported(point), point.margin, strict=True
+            point.code, point.impacts, point.first, values, point.margin, strict=True
         )
     ]
 

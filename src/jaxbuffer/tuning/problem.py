@@ -251,7 +251,12 @@ class Problem:
     @property
     def corners(self) -> tuple[Case, ...]:
         """Return those of the cases that are corners of the tolerances; none where there are no tolerances."""
-        return tuple(case for k, case in enumerate(self.cases) if k % (1 + len(self.corner_rows)))
+        return tuple(self.cases[k] for k in self.corner_places)
+
+    @property
+    def corner_places(self) -> tuple[int, ...]:
+        """Return the places of the corners among the cases: all behind a load case as drawn are its own."""
+        return tuple(k for k in range(len(self.cases)) if k % (1 + len(self.corner_rows)))
 
     @property
     def corner_rows(self) -> Float[np.ndarray, "corners tolerances"]:
