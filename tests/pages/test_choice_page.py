@@ -61,6 +61,7 @@ def test_the_ranking_has_the_bound_below_it(folder):
     assert second[:3] == ["2", "S2", "heavy"] and second[4] == "12 %" and second[5] == "14"  # 0.9 / 0.8
     assert bound[0] == "continuous optimum" and bound[3] == "180" and bound[4] == f"{100 * (180 / force - 1):.2g} %"
     (parts,) = (it for it in section.tables if "chosen from" in it.caption)
+    assert parts.rows[0][2] == "buffer.k_A = 0.2 kN/m, price = 9 EUR"
     assert parts.folded and [row[1] for row in parts.rows] == ["S2", "S5", "light", "heavy"]
 
 

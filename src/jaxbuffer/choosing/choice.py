@@ -132,9 +132,7 @@ class Choice(Saved):
     @property
     def message(self) -> str:
         """Return what came out, in a sentence."""
-        cases, corners = len(self.problem.drawn), len(self.problem.corners)
-        count = f"{self.tally.combinations} combinations over {cases} scenario{'s' if cases > 1 else ''}"
-        count += f" and {corners} corners of their tolerances" if corners else ""
+        count = f"{self.tally.combinations} combinations over {self.problem.over}"
         if self.best is None:
             return f"no combination keeps the limits on price and mass, or goes together: {count}"
         named = self.in_words(self.best)

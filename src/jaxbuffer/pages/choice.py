@@ -4,13 +4,14 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..choosing.catalogue import TOTALS
+from ..fields import as_typed, unit
 from ..labelled.record import Record, heading, parts
 from ..mechanisms.limit import IMPACTS, Limit
 from ..output.folder import Results
 from ..value_text import percent_text, relative_change, table_text, with_unit
 from .limits import AT_LIMIT, BROKEN, CLOSE, HEADINGS, KEPT, LimitCheck, limit_rows, required_success
 from .page import Cell, PageSection, Table
-from .records import display, ended, figure, sentence, words
+from .records import display, ended, figure, sentence, units_of, words
 
 NONE_KEEPS = "no combination keeps every limit"
 LISTED = 40  # scenarios; a longer table is folded
@@ -32,8 +33,8 @@ def choice(results: Results) -> PageSection | None:
         warnings.insert(0, f"It {_held(corners)} only.")
     check = choice_check(results)
     tables = [] if check is None else [_limits(record, best, check)]
-    tables += [_ranking(results, record), _scenarios(results, check), _catalogues(record)]
-    caption = "The best combinations: objective beside the continuous optimum, and what is left of each limit"
+    tables += [_ranking(results, record), _scenarios(results, check), _catalogues(results, record)]
+    caption = "The best combinations: their objective, and what is left of each limit"
     return PageSection(
         "Choice", [*text, _deciding(best), *lines], figure(results, "choice", caption), tables, warnings=warnings
     )
@@ -163,13 +164,13 @@ def _in_figures(results: Results, record: Record) -> tuple[str, float]:
 def _limits(record: Record, best: Record, check: LimitCheck) -> Table:
     """Return the best combination against every limit, on price and mass too."""
     rows, totals = limit_rows(check), {name: it for name, _, it in _sums(best)}
-    for limit, unit in _limits_on_sums(record):
+    for limit, symbol in _limits_on_sums(record):
         value = totals[limit.name]
         share = limit.margin(value)
         verdict = BROKEN if not limit.keeps(value) else AT_LIMIT if share is not None and share < CLOSE else KEPT
         text = [
             f"{limit.name} of all parts",
-            unit,
+            symbol,
             table_text(value),
             "–",
             limit.bound_text(),
@@ -229,15 +230,21 @@ def _scenarios(results: Results, check: LimitCheck | None) -> Table:
     return Table("The best combination, scenario by scenario", headings, rows, folded=True)
 
 
-def _catalogues(record: Record) -> Table:
+def _catalogues(results: Results, record: Record) -> Table:
     """Return every part that was chosen from, and what it sets."""
-    rows: list[Row] = []
+    units = {name: symbol for name, symbol, _ in _sums(record["ranking"][0])}
+    units |= {path: unit(results.mechanism.design(), path) for path in record["ranking"][0]["set_by"]}
+    typed, rows = units_of(results), list[Row]()
     for role, catalogue in record["parts"].items():
         for part in catalogue:
-            fields = ", ".join(f"{path} = {_value(value)}" for path, value in part.items() if path != "name")
-            rows.append([role, part["name"], fields])
-    return Table(f"What was chosen from: {len(rows)} parts", ("for", "part", "sets, in SI units"), rows, folded=True)
+            fields = {path: value for path, value in part.items() if path != "name"}
+            texts = (f"{path} = {_value(it, units.get(path, ''), typed.get(path, ''))}" for path, it in fields.items())
+            rows.append([role, part["name"], ", ".join(texts)])
+    return Table(f"What was chosen from: {len(rows)} parts", ("for", "part", "sets"), rows, folded=True)
 
 
-def _value(value: Any) -> str:
-    return f"curve of {len(value)} points" if isinstance(value, list) else table_text(value)
+def _value(value: Any, symbol: str, typed: str) -> str:
+    """Return a part's number in the unit that it was typed with."""
+    if isinstance(value, list):
+        return f"curve of {len(value)} points"
+    return with_unit(*as_typed(value, symbol, typed), 4) if isinstance(value, (int, float)) else table_text(value)
