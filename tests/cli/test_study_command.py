@@ -178,7 +178,7 @@ def test_check_says_what_is_fitted_to_what(computed, capsys):
     assert run(["check", "study.toml"]) == 0
     shown = capsys.readouterr().out
     for line in (
-        "fit                    buffer.k_A in [0.1, 3] kN/m, log, from 700 N/m",
+        "fit                    buffer.k_A in [100, 3000] N/m, log, from 700 N/m",
         "test.csv: 12 rows from 0 to 0.11 s",
         "  stroke [mm] is stroke, noise 0.02 mm",
         "  time_shift in [0, 0.03] s, unknown",

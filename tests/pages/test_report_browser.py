@@ -10,15 +10,9 @@ from jaxbuffer.output.folder import load
 from jaxbuffer.pages.compare import comparison
 from jaxbuffer.pages.page import Page, PageSection
 from jaxbuffer.pages.review import review
-from pages.chromium import Browser, executable
 from pages.report_folders import every_kind
 
-PATH = executable()
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.long,
-    pytest.mark.skipif(PATH is None, reason="no chromium is installed; $CHROMIUM may name one"),
-]
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 WIDTHS = (1280, 420)
 LEAST_CONTRAST, LARGE_CONTRAST = 4.5, 3.0  # WCAG 2.2, 1.4.3 (AA), of text and of large text
 
@@ -81,12 +75,6 @@ USABLE = """
   return [...document.querySelectorAll(asked)].filter(it => it.checkVisibility()).map(it => all.indexOf(it));
 })()
 """
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with Browser(PATH) as browser:
-        yield browser
 
 
 @pytest.fixture(scope="module")
