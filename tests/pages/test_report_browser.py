@@ -6,10 +6,13 @@ import json
 import numpy as np
 import pytest
 
+import jaxbuffer as jb
 from jaxbuffer.output.folder import load
 from jaxbuffer.pages.compare import comparison
 from jaxbuffer.pages.page import Page, PageSection
 from jaxbuffer.pages.review import review
+from made_up_choice import made_up_choice
+from made_up_fit import made_up_fit
 from pages.report_folders import every_kind
 
 pytestmark = [pytest.mark.slow, pytest.mark.long]
@@ -82,6 +85,9 @@ def pages(tmp_path_factory):
     """A review of every kind of result, and a comparison."""
     place = tmp_path_factory.mktemp("pages")
     folders = every_kind(tmp_path_factory.mktemp("results"))
+    for name, result in (("choice", made_up_choice(broken_corners=3)), ("fit", made_up_fit(converged=False))):
+        folders[name] = place / name
+        jb.save(result, folders[name])
     made = {
         "review": review([load(folder) for folder in folders.values()]),
         "comparison": comparison([load(folders[name]) for name in ("run", "other")]),
