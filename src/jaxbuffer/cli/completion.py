@@ -84,9 +84,9 @@ def value(words: Sequence[str], incomplete: str) -> list[Offer]:
     ]
 
 
-def files_or_value(ctx: typer.Context, parameter: Any, incomplete: str) -> list[Offer]:
+def files_or_value(ctx: typer.Context, incomplete: str) -> Offers:
     """Offer the value of a dotted option where CONFIG.toml might stand; without one the shell offers files."""
-    return value(ctx.meta.get(WORDS, ()), incomplete)
+    return [(it.value, it.help) for it in value(ctx.meta.get(WORDS, ()), incomplete)]
 
 
 def over(ctx: typer.Context, incomplete: str) -> Offers:

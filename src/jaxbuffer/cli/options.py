@@ -35,7 +35,7 @@ SHARED = {
         typer.Argument(
             metavar="CONFIG.toml",
             help="The study; default: Table 2.",
-            shell_complete=completion.files_or_value,
+            autocompletion=completion.files_or_value,
         ),
     ],
     "solver": Annotated[
