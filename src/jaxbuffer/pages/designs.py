@@ -19,16 +19,16 @@ Rows = list[list[str]]
 
 
 def requirements(first: Results, every: Sequence[Results]) -> PageSection | None:
-    """Return a section on what the page's tuning, or else its run, must do; limits come from the first folder that has
-    some."""
+    """Return a section on what the page's tuning, or else its choice or its run, must do.
+
+    Limits come from the first folder that has some.
+    """
     mechanism, tuned = first.mechanism, first.tuned
     run = first.records.get("run")
-    choice = first.records.get("choice")
-    chosen_among = tuned is None and choice is not None
-    rows = _limits(first, choice if chosen_among else source_of_limits([first, *every]))
-    if chosen_among:
-        rows = [*asked_of_choice(first), *rows]
-        cases = choice_cases(first)
+    choice = first.records.get("choice") if tuned is None else None
+    rows = _limits(first, choice or source_of_limits([first, *every]))
+    if choice is not None:
+        rows, cases = [*asked_of_choice(first), *rows], choice_cases(first)
         rows += _scenarios(mechanism, cases, units_of(first), bool(choice.get("tolerances"))) if cases else []
         rows += _tolerances(choice)
     elif tuned is not None:
