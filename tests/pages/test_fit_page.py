@@ -32,7 +32,7 @@ def test_the_numbers_with_their_intervals_and_units(page):
     (stroke,) = (row for row in rows if row[0] == "stroke [mm]")
     assert stroke == ["stroke [mm]", "stroke", "0.500", "0.02", "mm"]  # 2e-5 m of noise
     assert section.warnings == [
-        "buffer.c_A lies at high bound: the range given for it ends there, and with it the interval."
+        "buffer.c_A lies at its high bound: the range given for it ends there, and with it the interval."
     ]
     assert "2 numbers fitted to a.csv, 11 rows" in text[0] and "The data tell all these numbers apart." in text
     assert {badge.text: badge.mark for badge in page.verdicts} == {
@@ -51,6 +51,7 @@ def test_a_search_that_has_not_converged_is_said_first(tmp_path):
     page = page_of(made_up_fit(converged=False), tmp_path)
     assert page.title.endswith(": the fit has not converged")
     assert page.verdicts[0].text == "the fit has not converged" and page.verdicts[0].mark == "bad"
+    assert all(badge.mark != "good" for badge in page.verdicts)
     section, _, _ = section_text(page, "Fit")
     assert section.warnings[0].startswith("The fit has not converged.") and "no result" in page.abstract[0]
     assert "655.4" not in page.abstract[0]

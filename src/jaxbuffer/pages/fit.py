@@ -24,7 +24,7 @@ def fit(results: Results) -> PageSection | None:
     warnings += [excess_line(record["variance_factor"])] if record["variance_factor"] > 1.0 else []
     warnings += [sentence(line) for line in record["not_told_apart"]]
     warnings += [
-        f"{path} lies {it['at_bound']}: the range given for it ends there, and with it the interval."
+        f"{path} lies {it['at_bound'].replace('at ', 'at its ')}: the range given for it ends there, and with it the interval."
         for path, it in record["parameters"].items()
         if it["at_bound"]
     ]
@@ -49,7 +49,8 @@ def fit_badges(results: Results) -> list[Cell]:
     worst = _worst(record)
     if worst is not None:
         text = f"residuals at most {worst:.3g} of the noise"
-        cells.append(Cell(text, "good" if worst < ABOVE_NOISE else "unsure"))
+        near = "good" if record["converged"] else ""  # a search that has not ended proves nothing
+        cells.append(Cell(text, near if worst < ABOVE_NOISE else "unsure"))
     if record["not_told_apart"]:
         cells.append(Cell("the data do not tell all numbers", "unsure"))
     return cells
