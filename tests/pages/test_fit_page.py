@@ -32,7 +32,7 @@ def test_the_numbers_with_their_intervals_and_units(page):
     (stroke,) = (row for row in rows if row[0] == "stroke [mm]")
     assert stroke == ["stroke [mm]", "stroke", "0.500", "0.02", "mm"]  # 2e-5 m of noise
     assert section.warnings == [
-        "buffer.c_A lies at its high bound: the range given for it ends there, and with it the interval."
+        "buffer.c_A lies at its high bound: its given range ends there, and with it the interval."
     ]
     assert "2 numbers fitted to a.csv, 11 rows" in text[0] and "The data tell all these numbers apart." in text
     assert {badge.text: badge.mark for badge in page.verdicts} == {

@@ -178,7 +178,7 @@ def _of_many(results: Results) -> list[Cell]:
 
 def abstract(every: Sequence[Results]) -> list[str]:
     """Return a few sentences on each result, the folder's name before them where several have results of its kind."""
-    kinds = (_tuning, _choice, _fit, _run, _sensitivity, _sweep, _sample, _front)
+    kinds = (_tuning, choice_abstract, fit_abstract, _run, _sensitivity, _sweep, _sample, _front)
     by_kind = [[(results, text) for results in every if (text := kind(results, every))] for kind in kinds]
     return [f"{results.folder}: {text}" if len(some) > 1 else text for some in by_kind for results, text in some]
 
@@ -236,14 +236,6 @@ def _variables(mechanism: Mechanism, tuned: Record) -> str:
         texts.append(f"{it['path']} from {table_text(first)} to {table_text(last)}{unit_text(symbol)}")
     left = len(moved) - len(texts)
     return f"It changes {', '.join(texts) or 'no number'}{f' and {left} more' if left else ''}."
-
-
-def _choice(results: Results, every: Sequence[Results]) -> str:
-    return choice_abstract(results)
-
-
-def _fit(results: Results, every: Sequence[Results]) -> str:
-    return fit_abstract(results)
 
 
 def _run(results: Results, every: Sequence[Results]) -> str:

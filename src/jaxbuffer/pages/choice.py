@@ -1,6 +1,6 @@
 """What a page says of a choice: the best combination of parts, what decides it, and the ranking."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ..choosing.catalogue import TOTALS
@@ -58,8 +58,8 @@ def choice_badges(results: Results) -> list[Cell]:
     return [*cells, Cell(f"{words(record['objective'])}: {_objective(results, record, best['objective'])}")]
 
 
-def choice_abstract(results: Results) -> str:
-    """Return the choice in a few sentences."""
+def choice_abstract(results: Results, every: Sequence[Results] = ()) -> str:
+    """Return the choice in a few sentences; they are the same whatever ``every`` holds."""
     record = results.records.get("choice")
     if record is None:
         return ""
@@ -177,7 +177,8 @@ def _limits(record: Record, best: Record, check: LimitCheck) -> Table:
             percent_text(share, ".3g"),
         ]
         rows.append([*text, verdict])
-    return Table("The best combination, worst over all scenarios, against the limits of its study", HEADINGS, rows)
+    over = "largest over all samples, no bound" if "sample" in record else "worst over all scenarios"
+    return Table(f"The best combination, {over}, against the limits of its study", HEADINGS, rows)
 
 
 def _ranking(results: Results, record: Record) -> Table:

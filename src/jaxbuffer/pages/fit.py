@@ -1,6 +1,7 @@
 """What a page says of a fit: numbers with intervals, residuals, and what the data cannot tell apart."""
 
 import itertools
+from collections.abc import Sequence
 
 from ..fields import as_displayed
 from ..fitting.fitted import FittedNumber, excess_line, number_cells
@@ -24,7 +25,7 @@ def fit(results: Results) -> PageSection | None:
     warnings += [excess_line(record["variance_factor"])] if record["variance_factor"] > 1.0 else []
     warnings += [sentence(line) for line in record["not_told_apart"]]
     warnings += [
-        f"{path} lies {it['at_bound'].replace('at ', 'at its ')}: the range given for it ends there, and with it the interval."
+        f"{path} lies {it['at_bound'].replace('at ', 'at its ')}: its given range ends there, and with it the interval."
         for path, it in record["parameters"].items()
         if it["at_bound"]
     ]
@@ -56,8 +57,8 @@ def fit_badges(results: Results) -> list[Cell]:
     return cells
 
 
-def fit_abstract(results: Results) -> str:
-    """Return the fitted numbers with their intervals in a sentence."""
+def fit_abstract(results: Results, every: Sequence[Results] = ()) -> str:
+    """Return the fitted numbers with their intervals in a sentence; it is the same whatever ``every`` holds."""
     record = results.records.get("fit")
     if record is None:
         return ""
