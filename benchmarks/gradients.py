@@ -26,8 +26,8 @@ def main(counts: str = "1,10,100,1000", output: Path = Path("benchmarks/results/
     from jaxbuffer.tuning import Case, Distribution, Scatter
     from jaxbuffer.tuning.evaluation import Evaluator
     from jaxbuffer.tuning.goal import Goal
-    from jaxbuffer.tuning.problem import Settings
     from jaxbuffer.tuning.search import Search
+    from jaxbuffer.tuning.settings import Settings
 
     variables = [Variable(path, *bounds) for path, bounds in PROBE_CONE.defaults.variables.items()]
     spread = {"approach_speed": Distribution("uniform", 0.1, 0.3), "misalignment": Distribution("normal", 0.0, 0.02)}

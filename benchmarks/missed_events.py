@@ -19,7 +19,7 @@ from scipy.special import ellipj
 import jaxbuffer as jb
 from jaxbuffer.contact import BallPair, RegularisedCoulomb, Segment
 from jaxbuffer.contact.laws import Hertz
-from jaxbuffer.hybrid import Kind, Options, Tolerance, solve
+from jaxbuffer.hybrid import Kind, Options, StepTolerance, solve
 from jaxbuffer.mechanisms.assembled import Assembled, BallContact
 from jaxbuffer.multibody import GROUND, AppliedForce, AxialSpringDamper, Body, Prismatic, Revolute, System
 
@@ -156,7 +156,7 @@ def program(name: str, touches: bool) -> Callable[..., Any]:
 
     @jax.jit
     def run(p: Numbers, mark: jax.Array, rtol: jax.Array) -> Any:
-        options = Options(tolerance=Tolerance(rtol, rtol), max_events=16)
+        options = Options(tolerance=StepTolerance(rtol, rtol), max_events=16)
         result = solve(lambda p, mark: assembled(name, p, mark, touches), (p, mark), p["duration"], options)
         log = result.log
         wanted = (log.kind == (Kind.TOUCHDOWN if touches else Kind.END)) & (log.which >= 0)

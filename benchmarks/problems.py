@@ -33,7 +33,7 @@ def ran(name: str, seed: int, **settings: int) -> dict[str, Any]:
     import dataclasses
 
     from jaxbuffer import tune
-    from jaxbuffer.study.config import load
+    from jaxbuffer.study.load import load
 
     problem = dataclasses.replace(load(FOLDER / f"{name}.toml").problem(), then=None)
     tuned = tune(problem, seed=seed, **settings)

@@ -13,7 +13,9 @@ from jaxbuffer.output.formats import csv_text, json_text
 from jaxbuffer.output.style import png
 from jaxbuffer.output.tune_figure import tune_figure
 from jaxbuffer.output.tuned_records import tuned_comment, tuned_record
-from jaxbuffer.study.config import Config, design_toml, load
+from jaxbuffer.study.config import Config
+from jaxbuffer.study.design_toml import design_toml
+from jaxbuffer.study.load import load
 from jaxbuffer.sweeps.store import STORE
 from jaxbuffer.tuning.store import in_words
 from jaxbuffer.tuning.tuned import tuning_history

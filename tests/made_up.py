@@ -23,7 +23,7 @@ from jaxbuffer.tuning.evaluation import Evaluation
 from jaxbuffer.tuning.goal import Goal
 from jaxbuffer.tuning.measurement import PEAKS
 from jaxbuffer.tuning.own_quantities import compose
-from jaxbuffer.tuning.problem import Settings
+from jaxbuffer.tuning.settings import Settings
 from jaxbuffer.tuning.tuned import Tuned
 
 PARAMETERS, QUANTITIES = PROBE_CONE.defaults.parameters, PROBE_CONE.defaults.differentiated

@@ -5,7 +5,7 @@ import pytest
 from jaxbuffer.errors import InputError
 from jaxbuffer.fields import meaning, paths
 from jaxbuffer.mechanisms.probe_cone import Scenario, table2
-from jaxbuffer.study.config import loads
+from jaxbuffer.study.load import loads
 from jaxbuffer.suggestions import suggest
 from jaxbuffer.tuning.objective import quantity_in_words
 

@@ -356,9 +356,9 @@ def _stop_jump() -> None:
 
 
 def _no_end() -> None:
-    from jaxbuffer.mechanisms.probe_cone.buffer import Buffer
+    from jaxbuffer.mechanisms.probe_cone.buffer import ProbeBuffer
 
-    Buffer.longest_stroke = property(lambda self: 1.01 * self.free_length)  # type: ignore[assignment, method-assign]
+    ProbeBuffer.longest_stroke = property(lambda self: 1.01 * self.free_length)  # type: ignore[assignment, method-assign]
 
 
 def _light() -> None:
@@ -472,7 +472,7 @@ def _light_ball() -> None:
 
 
 def _stiff_rod() -> None:
-    from jaxbuffer.mechanisms.probe_cone import assembly, bending
+    from jaxbuffer.mechanisms.probe_cone import bending, bodies
 
     made = bending.bending_probe
 
@@ -482,7 +482,7 @@ def _stiff_rod() -> None:
         bar = made(probe)
         return None if bar is None else eqx.tree_at(lambda b: b.modes.stiffness, bar, 1.001 * bar.modes.stiffness)
 
-    assembly.bending_probe = bending.bending_probe = broken
+    bodies.bending_probe = bending.bending_probe = broken
 
 
 def _pin_damping() -> None:

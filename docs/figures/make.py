@@ -15,12 +15,13 @@ import numpy as np  # noqa: E402
 from matplotlib.figure import Figure  # noqa: E402
 
 from jaxbuffer.mechanisms.drawing import Spot  # noqa: E402
-from jaxbuffer.mechanisms.probe_cone.assembly import B, P, S, T, probe_masses, start_motion  # noqa: E402
+from jaxbuffer.mechanisms.probe_cone.bodies import B, P, S, T, probe_masses  # noqa: E402
 from jaxbuffer.mechanisms.probe_cone.drawing import (  # noqa: E402
     TIP,
     drawing,
     mouth,
 )
+from jaxbuffer.mechanisms.probe_cone.start import start_motion  # noqa: E402
 from jaxbuffer.output.sketch import sketch  # noqa: E402
 from jaxbuffer.output.style import STYLE, svg  # noqa: E402
 

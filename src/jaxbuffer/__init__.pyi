@@ -98,21 +98,17 @@ from .sweeps.result import Sweep as Sweep
 from .sweeps.sweep import sweep as sweep
 from .tuning.cases import Case as Case
 from .tuning.custom_quantity import CustomQuantity as CustomQuantity
+from .tuning.front import Front as Front
 from .tuning.objective import (
     Limits as Limits,
     Objective as Objective,
     SecondObjective as SecondObjective,
 )
-from .tuning.pareto import (
-    Front as Front,
-    pareto as pareto,
-)
-from .tuning.problem import (
-    Problem as Problem,
-    Variable as Variable,
-)
+from .tuning.pareto import pareto as pareto
+from .tuning.problem import Problem as Problem
 from .tuning.tolerances import Tolerance as Tolerance
 from .tuning.tune import tune as tune
 from .tuning.tuned import Tuned as Tuned
+from .tuning.variable import Variable as Variable
 
 __version__: str

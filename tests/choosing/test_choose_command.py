@@ -6,7 +6,7 @@ import pytest
 
 import jaxbuffer as jb
 from jaxbuffer.cli.entry import run
-from jaxbuffer.study.config import load
+from jaxbuffer.study.load import load
 
 STUDY = """\
 [parts.spring]

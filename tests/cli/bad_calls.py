@@ -27,8 +27,9 @@ from jaxbuffer import (
     table2,
     tune,
 )
-from jaxbuffer.mechanisms.probe_cone.buffer import Buffer
-from jaxbuffer.mechanisms.probe_cone.parts import Cone, Contact, Passive
+from jaxbuffer.mechanisms.probe_cone.buffer import ProbeBuffer
+from jaxbuffer.mechanisms.probe_cone.contact import Contact
+from jaxbuffer.mechanisms.probe_cone.parts import Cone, Passive
 from jaxbuffer.tuning import Distribution, Scatter, grid
 
 K = Variable("buffer.k_A", 100.0, 2000.0)
@@ -91,11 +92,11 @@ PYTHON = [
     call(lambda: replace(table2(), {"buffer": 1.0}), "buffer is a section; name one of its fields"),
     call(lambda: get(table2(), "buffer.kA"), "buffer.kA is unknown; did you mean buffer.k_A?"),
     call(lambda: get(table2(), None), "None is not a dotted path"),
-    call(lambda: Design(buffer={"k_A": 5}), "buffer = {'k_A': 5} is not a Buffer"),
+    call(lambda: Design(buffer={"k_A": 5}), "buffer = {'k_A': 5} is not a ProbeBuffer"),
     call(lambda: Design(active=Passive()), "active = Passive(", "is not an Active"),
     call(lambda: Design(cone=None), "cone = None is not a Cone"),
     call(lambda: Contact(law=["hertz"]), "contact.law = ['hertz'] is unknown; choose one of lankarani-nikravesh"),
-    call(lambda: Buffer(damping=None), "buffer.damping = None is unknown; choose one of physical, published"),
+    call(lambda: ProbeBuffer(damping=None), "buffer.damping = None is unknown; choose one of physical, published"),
     call(
         lambda: Design(cone=Cone(length=[1.0, 2.0], offset=0.1, half_angle=[1.0] * 3)), "unequal shapes (2,) and (3,)"
     ),

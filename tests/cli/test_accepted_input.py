@@ -13,7 +13,7 @@ from jaxbuffer.mechanisms.probe_cone.label import scenario_label
 from jaxbuffer.mechanisms.probe_cone.quantities import QUANTITIES
 from jaxbuffer.sensitivities.gradients import Gradients
 from jaxbuffer.sensitivities.result import sensitivity_rows
-from jaxbuffer.study.config import load
+from jaxbuffer.study.load import load
 from made_up import made_up_capture
 
 FORTY = "\n".join(f"[[scenarios]]\napproach_speed = {0.1 + k / 400}\nmisalignment = 0.01" for k in range(40))

@@ -25,7 +25,7 @@ from jaxbuffer.mechanisms.probe_cone.quantities import QUANTITIES as CATALOGUE
 from jaxbuffer.mechanisms.quantity import OF_IMPACT
 from jaxbuffer.mechanisms.registry import registered
 from jaxbuffer.sensitivities.certificate import Verdict
-from jaxbuffer.study.config import load
+from jaxbuffer.study.load import load
 
 SIMULATED = ("capture.json", "force.json", "history.csv", "motion.json", "capture.txt", "capture.nc", "capture.mat")
 SIMULATED += ("capture.png", "motion.png")

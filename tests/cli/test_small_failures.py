@@ -10,7 +10,7 @@ import pytest
 import jaxbuffer as jb
 from jaxbuffer.cli.entry import run
 from jaxbuffer.sensitivities.certificate import peak_report
-from jaxbuffer.study.config import loads
+from jaxbuffer.study.load import loads
 from jaxbuffer.tuning.pareto import limits_between
 from made_up import made_up_capture
 

@@ -17,8 +17,8 @@ from jaxbuffer.cli.entry import run
 from jaxbuffer.fields import get, meaning, metadata, paths, replace
 from jaxbuffer.fitting.quantities import recorded_quantities
 from jaxbuffer.mechanisms import all_mechanisms, mechanism_named, registry
-from jaxbuffer.study.config import load, loads
 from jaxbuffer.study.example import example_toml
+from jaxbuffer.study.load import load, loads
 from jaxbuffer.study.schema import study_schema
 
 SCATTER = """[problem.sample]

@@ -15,7 +15,7 @@ from jaxbuffer.cli.entry import run
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 from jaxbuffer.output.style import png
 from jaxbuffer.output.sweep_figures import sweep_figure
-from jaxbuffer.study.config import load
+from jaxbuffer.study.load import load
 from jaxbuffer.study.problem_toml import limits
 from jaxbuffer.sweeps.grid import grid
 from jaxbuffer.sweeps.result import Sweep

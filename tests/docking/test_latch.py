@@ -6,7 +6,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from docking.states import LATCH, REAL_BUFFER, mechanism, moving, own
-from jaxbuffer.mechanisms.probe_cone.assembly import P, T
+from jaxbuffer.mechanisms.probe_cone.bodies import P, T
 
 CLOSING, LATCHED, THRUST_OVER = "latch", "latch closed", "thrust over"  # contacts
 TIMES = {"just closing": 0.002, "half closed": 0.01, "nearly closed": 0.019, "closed": 0.3}

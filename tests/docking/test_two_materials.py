@@ -9,7 +9,8 @@ from jaxbuffer.contact.laws import laws_with
 from jaxbuffer.fields import get
 from jaxbuffer.mechanisms.probe_cone.assembly import tip_on_flanks
 from jaxbuffer.mechanisms.probe_cone.law_validity import pressure, validity
-from jaxbuffer.study.config import design_toml, load
+from jaxbuffer.study.design_toml import design_toml
+from jaxbuffer.study.load import load
 
 STEEL_ON_TITANIUM = {
     "contact.young_modulus": 207e9,

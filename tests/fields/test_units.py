@@ -12,7 +12,7 @@ from jaxbuffer.cli.entry import run
 from jaxbuffer.fields import paths, unit
 from jaxbuffer.fields.units import KINDS, SYMBOLS, as_unit, in_unit
 from jaxbuffer.mechanisms import all_mechanisms
-from jaxbuffer.study.config import loads
+from jaxbuffer.study.load import loads
 
 # SI brochure, 9th edition (2019); inch, pound and pound-force by the international agreement of 1959 and g_n.
 SAME = [

@@ -4,7 +4,7 @@ import jax
 import jax.numpy as jnp
 
 import jaxbuffer as jb
-from jaxbuffer.hybrid import Tolerance
+from jaxbuffer.hybrid import StepTolerance
 from jaxbuffer.hybrid.rungekutta.time_transform import TimeTransform
 from jaxbuffer.mechanisms.probe_cone.assembly import assemble
 
@@ -37,7 +37,7 @@ def single(solver, mechanism, active, columns, rate, transform):
 
     stiff = mechanism.linearisation(jnp.zeros(()), columns[:, 0], active)
     which = solver.method_for(stiff, transform.length)
-    allowance = Tolerance(1e-13, 1e-13).allowance(columns.T, mechanism.scales()).T
+    allowance = StepTolerance(1e-13, 1e-13).allowance(columns.T, mechanism.scales()).T
     return solver.step(which, field, stiff, jnp.zeros(()), columns, rate, transform, allowance)
 
 

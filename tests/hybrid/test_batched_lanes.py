@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from hybrid.test_diffeqsolve import STIFFNESS, Ball, expected
-from jaxbuffer.hybrid import ExplicitRungeKutta, Options, Status, Tolerance, solve
+from jaxbuffer.hybrid import ExplicitRungeKutta, Options, Status, StepTolerance, solve
 
-LOCATED = Options(solver=ExplicitRungeKutta(), tolerance=Tolerance(1e-10, 1e-10), max_events=8)
+LOCATED = Options(solver=ExplicitRungeKutta(), tolerance=StepTolerance(1e-10, 1e-10), max_events=8)
 # The third and the last two rise a few percent through the end and fall again, within one step of free flight: its
 # rounding decides whether one of the guard's signs is seen, so that the end must be found without it.
 HEIGHTS = jnp.array([0.05, jnp.nan, 0.04, 0.055, 0.0365, 0.038])

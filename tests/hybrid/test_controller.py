@@ -4,7 +4,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxbuffer.hybrid import Controller, Tolerance
+from jaxbuffer.hybrid import Controller, StepTolerance
 from jaxbuffer.hybrid.rungekutta.controller import StepSizes
 
 ORDER = jnp.asarray(10.0)
@@ -80,12 +80,12 @@ def test_norms_of_rows():
     error, scales = jnp.array([[0.8, 0.6], [2.0, 0.0]]), jnp.array([1.0, 2.0])
     # allowed: 0.1 + 0.1·3 = 0.4 and 0.2; 0.1 + 0.1·9 = 1.0 and 0.2
     expected = [np.sqrt((2.0**2 + 3.0**2) / 2.0), np.sqrt(2.0**2 / 2.0)]
-    np.testing.assert_allclose(Tolerance(0.1, 0.1).norms(error, rows, end, scales), expected, rtol=1e-14)
+    np.testing.assert_allclose(StepTolerance(0.1, 0.1).norms(error, rows, end, scales), expected, rtol=1e-14)
 
 
 def test_the_first_step_of_an_impact():
     """Of what suits rtol 1e-6: error ~ length⁵, and with tangents length^2.6; between nothing and 2.5 or 1 times."""
-    assert float(Tolerance(32e-6).first_step(0)) == pytest.approx(2.0, rel=1e-12)
-    assert float(Tolerance(1e-2).first_step(0)) == 2.5
-    assert float(Tolerance(1e-6).first_step(3)) == pytest.approx(0.6, rel=1e-12)
-    assert float(Tolerance(1e-2).first_step(3)) == 1.0
+    assert float(StepTolerance(32e-6).first_step(0)) == pytest.approx(2.0, rel=1e-12)
+    assert float(StepTolerance(1e-2).first_step(0)) == 2.5
+    assert float(StepTolerance(1e-6).first_step(3)) == pytest.approx(0.6, rel=1e-12)
+    assert float(StepTolerance(1e-2).first_step(3)) == 1.0

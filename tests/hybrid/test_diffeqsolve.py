@@ -18,7 +18,7 @@ from jaxbuffer.hybrid import (
     Options,
     Solver,
     Status,
-    Tolerance,
+    StepTolerance,
     solve,
     solver_named,
 )
@@ -28,10 +28,10 @@ from jaxbuffer.hybrid.system import HybridSystem, Linearisation
 GRAVITY, MASS, HEIGHT, STIFFNESS, THROWN = 9.81, 0.2, 0.05, 2e4, 0.7  # m/s², kg, m, N/m, m/s downwards
 END = 0.06  # m, rising through this height ends the run
 TIGHT = Options(
-    solver=Diffrax(diffrax.Tsit5(), max_steps=4096), tolerance=Tolerance(1e-10, 1e-10), max_events=8, keep=2048
+    solver=Diffrax(diffrax.Tsit5(), max_steps=4096), tolerance=StepTolerance(1e-10, 1e-10), max_events=8, keep=2048
 )
 
-LOOSE = dataclasses.replace(TIGHT, tolerance=Tolerance(1e-8, 1e-8))
+LOOSE = dataclasses.replace(TIGHT, tolerance=StepTolerance(1e-8, 1e-8))
 
 
 class Ball(HybridSystem):
@@ -132,7 +132,7 @@ def test_tangents_are_under_the_same_error_control():
     of the end wrong by 6e-3 at rtol 1e-10 and the force by 2e-3."""
     exact = slopes(expected)
     scale = np.max(np.abs(exact), axis=1)
-    located = Options(solver=ExplicitRungeKutta(), tolerance=Tolerance(1e-10, 1e-10), max_events=8)
+    located = Options(solver=ExplicitRungeKutta(), tolerance=StepTolerance(1e-10, 1e-10), max_events=8)
     for options in (TIGHT, located):
         found = slopes(lambda *given, options=options: events(*given, options=options))
         assert np.max(np.abs(found - exact) / scale[:, None]) < 1e-6
@@ -149,7 +149,7 @@ def test_a_history_begins_at_the_start_and_ends_at_the_end():
 
 
 def test_how_runs_end():
-    few = Options(solver=Diffrax(diffrax.Tsit5(), max_steps=3), tolerance=Tolerance(1e-10, 1e-10), max_events=8)
+    few = Options(solver=Diffrax(diffrax.Tsit5(), max_steps=3), tolerance=StepTolerance(1e-10, 1e-10), max_events=8)
     assert int(run(options=few).status) == Status.TOO_MANY_STEPS
     assert int(run(stiffness=jnp.asarray(np.nan)).status) == Status.NOT_FINITE
     assert int(run(height=jnp.asarray(np.nan)).status) == Status.NOT_FINITE

@@ -11,7 +11,7 @@ import pytest
 
 from hybrid.phases import arrays, stepper
 from jaxbuffer.contact import BallPair, LankaraniNikravesh, RegularisedCoulomb, Segment
-from jaxbuffer.hybrid import Automatic, DiagonallyImplicit, ExplicitRungeKutta, Options, Tolerance, solve
+from jaxbuffer.hybrid import Automatic, DiagonallyImplicit, ExplicitRungeKutta, Options, StepTolerance, solve
 from jaxbuffer.mechanisms.assembled import Assembled, BallContact
 from jaxbuffer.multibody import GROUND, AppliedForce, Body, FlexibleBody, Revolute, System, assemble
 from jaxbuffer.multibody.flexible import Bar, free_bar
@@ -81,7 +81,9 @@ def itself(mechanism):
 
 @eqx.filter_jit
 def run(mechanism, duration, solver):
-    options = Options(solver=solver, tolerance=Tolerance(1e-6, 1e-6), event_time=1e-9, max_events=32, max_steps=200_000)
+    options = Options(
+        solver=solver, tolerance=StepTolerance(1e-6, 1e-6), event_time=1e-9, max_events=32, max_steps=200_000
+    )
     return solve(itself, (mechanism,), duration, options)
 
 

@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxbuffer.hybrid import Diffrax, ExplicitRungeKutta, HybridSystem, Linearisation, Options, Tolerance, solve
+from jaxbuffer.hybrid import Diffrax, ExplicitRungeKutta, HybridSystem, Linearisation, Options, StepTolerance, solve
 
 GRAVITY, SPEED, DURATION = 9.81, 4.0, 0.7  # m/s², m/s, s
 RANGE = SPEED**2 / (2.0 * GRAVITY)  # m, from the start to the highest point
@@ -71,7 +71,7 @@ def largest(system, result):
 @pytest.fixture(scope="module", params=[ExplicitRungeKutta(), Diffrax()], ids=["loop", "diffrax"])
 def thrown(request):
     """A throw over a datum, compiled."""
-    options = Options(request.param, Tolerance(1e-9, 1e-9), max_events=16)
+    options = Options(request.param, StepTolerance(1e-9, 1e-9), max_events=16)
     return jax.jit(lambda datum: solve(Thrown, (datum,), DURATION, options))
 
 
@@ -113,7 +113,7 @@ def test_a_maximum_where_friction_reverses():
 
     Its speed is v - (BRAKE + RUB)(t + t²/2), so that 1 + t = √(1 + 2 v/(BRAKE + RUB)) there.
     """
-    options = Options(ExplicitRungeKutta(), Tolerance(1e-6, 1e-6), max_events=16)
+    options = Options(ExplicitRungeKutta(), StepTolerance(1e-6, 1e-6), max_events=16)
     run = jax.jit(lambda speed: solve(Reversing, (speed,), 0.2, options))
     for speed in np.linspace(1.0, 3.0, 9):
         expected = (BRAKE + RUB) * np.sqrt(1.0 + 2.0 * speed / (BRAKE + RUB))

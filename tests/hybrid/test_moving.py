@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 
 from jaxbuffer import InputError
 from jaxbuffer.contact.laws import Hertz, KelvinVoigt
-from jaxbuffer.hybrid import ExplicitRungeKutta, Kind, Options, Tolerance, solve
+from jaxbuffer.hybrid import ExplicitRungeKutta, Kind, Options, StepTolerance, solve
 from jaxbuffer.mechanisms.assembled import Assembled
 from jaxbuffer.mechanisms.probe_cone.closed_form import HERTZ_DURATION, hertz_peak
 from jaxbuffer.multibody import GROUND, Body, FixedAngle, System
@@ -17,7 +17,7 @@ from verification.riding import on_floor
 MASS, RADIUS, HEIGHT, DURATION = 0.04, 0.015, 1e-4, 5e-3  # kg, m, m above the floor, s
 HERE = jnp.asarray(0.1), jnp.asarray(6e9)  # speed [m/s], stiffness [N/m^1.5]
 BACK = 2e-4  # m above the floor: where the run ends
-OPTIONS = Options(ExplicitRungeKutta(), Tolerance(1e-11, 1e-11), event_time=1e-14, max_events=16, keep=400)
+OPTIONS = Options(ExplicitRungeKutta(), StepTolerance(1e-11, 1e-11), event_time=1e-14, max_events=16, keep=400)
 
 
 def ball(speed, law) -> Assembled:

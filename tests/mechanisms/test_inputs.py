@@ -9,9 +9,9 @@ import pytest
 
 from jaxbuffer import InputError, Scenario, rigid_probe, simulate, table2
 from jaxbuffer.fields import get, paths, replace, unit
-from jaxbuffer.mechanisms.probe_cone.buffer import Buffer
+from jaxbuffer.mechanisms.probe_cone.buffer import ProbeBuffer
+from jaxbuffer.mechanisms.probe_cone.contact import Contact
 from jaxbuffer.mechanisms.probe_cone.design import Design, check_fit, valid
-from jaxbuffer.mechanisms.probe_cone.parts import Contact
 
 OUT_OF_RANGE = [
     ("probe.tip_mass", -0.1, "probe.tip_mass = -0.1 kg is out of range; allowed: (0, inf) kg"),
@@ -48,7 +48,7 @@ def test_out_of_range_names_field_value_unit_and_range(path, value, message):
 @pytest.mark.parametrize("value", [True, None, {}, 1j])
 def test_what_is_not_a_number_is_shown_as_given(value):
     with pytest.raises(InputError) as caught:
-        Buffer(k_A=value)
+        ProbeBuffer(k_A=value)
     assert str(caught.value).startswith(f"buffer.k_A: {value!r} is not a number; expected (0, inf) N/m")
 
 

@@ -17,8 +17,9 @@ from jaxbuffer.sweeps import store
 from jaxbuffer.sweeps.cut import Cut
 from jaxbuffer.sweeps.result import Sweep
 from jaxbuffer.tuning import pareto, tune
-from jaxbuffer.tuning.pareto import BEGUN, OF_A_POINT, Front, _begin, begun_identity
-from jaxbuffer.tuning.problem import Settings
+from jaxbuffer.tuning.front import Front
+from jaxbuffer.tuning.pareto import BEGUN, OF_A_POINT, _begin, begun_identity
+from jaxbuffer.tuning.settings import Settings
 from jaxbuffer.tuning.store import TuningStore
 from made_up import made_up_capture, made_up_tuning
 

@@ -9,7 +9,7 @@ import pytest
 import jaxbuffer as jb
 from computed import stand_in
 from jaxbuffer.fields import with_values
-from jaxbuffer.mechanisms.probe_cone.assembly import probe_masses
+from jaxbuffer.mechanisms.probe_cone.bodies import probe_masses
 from jaxbuffer.mechanisms.probe_cone.drawing import drawing, mouth
 from jaxbuffer.output.figures import run_figure
 from jaxbuffer.output.motion import motion_figure
@@ -19,7 +19,7 @@ from jaxbuffer.output.tune_figure import front_figure, tune_figure
 from jaxbuffer.sweeps.grid import grid
 from jaxbuffer.tuning.cases import Distribution, Scatter
 from jaxbuffer.tuning.cases import grid as cases_of
-from jaxbuffer.tuning.pareto import Front
+from jaxbuffer.tuning.front import Front
 from made_up import made_up_capture, made_up_sweep, made_up_tuning
 from output.drawn import check_readable
 

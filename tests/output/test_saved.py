@@ -10,7 +10,7 @@ from computed import stand_in
 from jaxbuffer.experiments.sample import sample
 from jaxbuffer.sweeps.grid import grid
 from jaxbuffer.sweeps.result import Sweep
-from jaxbuffer.tuning.pareto import Front
+from jaxbuffer.tuning.front import Front
 from made_up import made_up_capture, made_up_sensitivity, made_up_sweep, made_up_tuning
 from pages.report_folders import every_kind
 

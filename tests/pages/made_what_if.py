@@ -5,7 +5,7 @@ import numpy as np
 import jaxbuffer as jb
 from jaxbuffer.experiments.what_if import MovableNumber, WhatIf
 from jaxbuffer.experiments.what_if_model import fit
-from jaxbuffer.study.config import loads
+from jaxbuffer.study.load import loads
 
 RUNS = 96
 STUDY = b"""

@@ -13,7 +13,7 @@ from jaxbuffer.output.folder import load
 from jaxbuffer.output.swept_files import swept_files
 from jaxbuffer.output.tuned_files import tuned_files
 from jaxbuffer.pages.compare import compared, comparison
-from jaxbuffer.pages.limits import limit_check
+from jaxbuffer.pages.limit_check import limit_check
 from jaxbuffer.pages.review import review
 from jaxbuffer.sweeps.grid import grid
 from made_up import made_up_evaluation, made_up_sweep, made_up_tuning

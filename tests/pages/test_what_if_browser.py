@@ -8,7 +8,7 @@ import pytest
 from jaxbuffer.output.folder import Results
 from jaxbuffer.output.tuned_records import tuned_record
 from jaxbuffer.pages.review import review
-from jaxbuffer.study.config import loads
+from jaxbuffer.study.load import loads
 from made_up import made_up_tuning
 from pages.made_what_if import STUDY, made_what_if
 from pages.test_report_browser import BROKEN_WORDS, CONTRAST, LARGE_CONTRAST, LEAST_CONTRAST

@@ -15,7 +15,7 @@ from jaxbuffer.output.folder import Results, load
 from jaxbuffer.output.tuned_records import tuned_record
 from jaxbuffer.pages.review import review
 from jaxbuffer.pages.what_if import data, deciding, number, room, what_if
-from jaxbuffer.study.config import loads
+from jaxbuffer.study.load import loads
 from made_up import made_up_tuning
 from pages.made_what_if import STUDY, made_what_if, quantity
 from pages.report_folders import every_kind

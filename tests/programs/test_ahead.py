@@ -1,6 +1,7 @@
 """Programs that a command needed last time are loaded while it imports what it needs besides."""
 
 import json
+import threading
 
 import numpy as np
 import pytest
@@ -35,20 +36,39 @@ def test_what_was_needed_last_time_is_loaded_before_it_is_asked_for(folder, monk
     assert json.loads((folder / ahead.NOTE).read_bytes()) == {"simulate": [file.name]}
     monkeypatch.setattr(cache.store, "read", _only_beside(store.read))
     assert command() == 6.0
-    assert not ahead._loaded, "taken"
 
 
 def _only_beside(read):
     """Reading a file, as long as it is not the main thread that asks."""
 
     def checked(file):
-        assert ahead.threading.current_thread().name == "loading programs"
+        assert threading.current_thread().name.startswith("loading programs")
         return read(file)
 
     return checked
 
 
-@pytest.mark.parametrize("note", [b"", b"[]", b'{"simulate": ["gone.program"]}', b'{"simulate": ["../other.program"]}'])
+def test_the_first_program_does_not_wait_for_those_after_it(folder, monkeypatch):
+    command()
+    (file,) = folder.glob("*.program")
+    (folder / "later.program").write_bytes(file.read_bytes())
+    (folder / ahead.NOTE).write_text(json.dumps({"simulate": [file.name, "later.program"]}))
+    read, first_taken = store.read, threading.Event()
+
+    def waiting(path):
+        if path.name == "later.program":
+            assert first_taken.wait(60.0)
+        return read(path)
+
+    monkeypatch.setattr(store, "read", waiting)
+    with ahead.loading("simulate"):
+        assert float(stored(doubled)(np.asarray([3.0]))[0][0]) == 6.0
+        first_taken.set()
+
+
+@pytest.mark.parametrize(
+    "note", [b"", b"[]", b'{"simulate": ["gone.program"]}', b'{"simulate": ["../other.program"]}', b'{"simulate": 4}']
+)
 def test_a_note_that_is_of_no_use_costs_nothing(folder, note):
     assert command() == 6.0
     (folder / ahead.NOTE).write_bytes(note)

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from jaxtyping import Array, Float
 
 import jaxbuffer as jb
-from jaxbuffer.hybrid import Options, Tolerance, solve
+from jaxbuffer.hybrid import Options, StepTolerance, solve
 from jaxbuffer.mechanisms.assembled import Assembled
 from jaxbuffer.mechanisms.energy import Balance
 from jaxbuffer.mechanisms.history import History
@@ -61,7 +61,7 @@ def started(design, scenario, stabilisation, state, flanks):
 @eqx.filter_jit
 def _watch(parameters, duration, rtol) -> Seen:
     options = Options(
-        tolerance=Tolerance(rtol, rtol), event_time=0.1 * rtol, keep=HISTORY_STEPS, max_steps=HISTORY_STEPS
+        tolerance=StepTolerance(rtol, rtol), event_time=0.1 * rtol, keep=HISTORY_STEPS, max_steps=HISTORY_STEPS
     )
     result = solve(started, parameters, duration, options)
     mechanism = started(*parameters)

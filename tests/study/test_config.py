@@ -5,7 +5,10 @@ import pytest
 
 from jaxbuffer import InputError, Limits, Objective, Scenario, SecondObjective, Variable, get, replace, table2
 from jaxbuffer.fields import paths
-from jaxbuffer.study.config import Config, apply_overrides, design_toml, load
+from jaxbuffer.study.config import Config
+from jaxbuffer.study.design_toml import design_toml
+from jaxbuffer.study.load import load
+from jaxbuffer.study.overrides import apply_overrides
 
 TABLE2 = "optimise/table2.toml"
 

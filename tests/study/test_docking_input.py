@@ -13,8 +13,9 @@ from jaxbuffer.cli.entry import run
 from jaxbuffer.labelled.record import part_from_json, part_json, part_record
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 from jaxbuffer.pages.records import same
-from jaxbuffer.study.config import apply_overrides, load, loads
 from jaxbuffer.study.explained import explained
+from jaxbuffer.study.load import load, loads
+from jaxbuffer.study.overrides import apply_overrides
 from jaxbuffer.study.schema import study_schema
 from jaxbuffer.study.tuned_toml import tuned_toml
 from jaxbuffer.sweeps.grid import grid

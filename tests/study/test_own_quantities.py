@@ -6,7 +6,7 @@ import pytest
 
 from jaxbuffer import Limits, Objective
 from jaxbuffer.cli.entry import run
-from jaxbuffer.study.config import load
+from jaxbuffer.study.load import load
 from jaxbuffer.study.schema import study_schema
 
 STUDY = """

@@ -7,13 +7,13 @@ import pytest
 from jaxbuffer import InputError, Scenario
 from jaxbuffer.fields import declared
 from jaxbuffer.mechanisms import mechanism_named
-from jaxbuffer.study.config import loads
 from jaxbuffer.study.example import example_toml
+from jaxbuffer.study.load import loads
 from jaxbuffer.study.model import SampleTable, StudyOptions
 from jaxbuffer.study.schema import study_schema
 from jaxbuffer.tuning.cases import Scatter
 from jaxbuffer.tuning.objective import Limits, Objective, SecondObjective
-from jaxbuffer.tuning.problem import Settings
+from jaxbuffer.tuning.settings import Settings
 
 TABLES = {
     "options": StudyOptions,

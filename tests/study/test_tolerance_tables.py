@@ -6,8 +6,9 @@ import pytest
 
 import jaxbuffer as jb
 from jaxbuffer.cli.entry import run
-from jaxbuffer.study.config import apply_overrides, loads
 from jaxbuffer.study.explained import explained
+from jaxbuffer.study.load import loads
+from jaxbuffer.study.overrides import apply_overrides
 from jaxbuffer.study.schema import study_schema
 from jaxbuffer.study.tuned_toml import tuned_toml
 

@@ -9,7 +9,7 @@ import pytest
 import jaxbuffer as jb
 from jaxbuffer.fields import as_written
 from jaxbuffer.fields.units import as_unit
-from jaxbuffer.study.config import loads
+from jaxbuffer.study.load import loads
 from jaxbuffer.study.tuned_toml import tuned_toml
 
 TYPED = """

@@ -14,8 +14,8 @@ from jaxbuffer.output.tuned_records import tuned_record
 from jaxbuffer.pages.abstract import abstract
 from jaxbuffer.pages.designs import requirements
 from jaxbuffer.pages.runs import search
-from jaxbuffer.study.config import loads
 from jaxbuffer.study.explained import explained
+from jaxbuffer.study.load import loads
 from jaxbuffer.sweeps.grid import grid
 from jaxbuffer.tuning.goal import Goal
 from jaxbuffer.value_text import with_unit

@@ -6,7 +6,7 @@ import pytest
 import jaxbuffer.sweeps.grid
 from jaxbuffer import InputError, Scenario, table2
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
-from jaxbuffer.study.config import loads
+from jaxbuffer.study.load import loads
 from jaxbuffer.sweeps.axis import typed
 from jaxbuffer.sweeps.grid import grid
 

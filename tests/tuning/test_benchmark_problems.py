@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from benchmarks import problems
-from jaxbuffer.study.config import load
+from jaxbuffer.study.load import load
 
 
 @pytest.mark.parametrize("name", problems.BEST)

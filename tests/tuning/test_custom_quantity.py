@@ -36,7 +36,7 @@ def solve(monkeypatch):
         functions = Functions(asked, peaks, rest)
         functions.dies_after = dies_after
         monkeypatch.setattr(module, "Evaluator", lambda *_: functions)
-        monkeypatch.setattr("jaxbuffer.tuning.tuned.lower_bound", lambda *_: None)
+        monkeypatch.setattr("jaxbuffer.tuning.assessment.lower_bound", lambda *_: None)
         return tune(asked, **{"starts": 1, "searches": 1, **settings})
 
     return run

@@ -34,7 +34,7 @@ def solve(monkeypatch):
         functions = Functions(stated, peaks, rest)
         functions.dies_after = dies_after
         monkeypatch.setattr(tune, "Evaluator", lambda *_: functions)
-        monkeypatch.setattr("jaxbuffer.tuning.tuned.lower_bound", lambda *_: None)
+        monkeypatch.setattr("jaxbuffer.tuning.assessment.lower_bound", lambda *_: None)
         chosen = {"starts": 1, "searches": 1, "iterations": 300, **settings}
         schedule = optax.exponential_decay(0.02, 20, 0.7)
         return tune.tune(stated, optimizer=optimizer or optax.adam(schedule), **chosen)

@@ -12,7 +12,7 @@ import pytest
 import jaxbuffer as jb
 from jaxbuffer.mechanisms.limit import ROUNDING, Limit
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
-from jaxbuffer.study.config import loads
+from jaxbuffer.study.load import loads
 from jaxbuffer.study.tuned_toml import tuned_toml
 from jaxbuffer.tuning.goal import Goal
 from jaxbuffer.tuning.measurement import Margin, margin_of_end

@@ -8,7 +8,7 @@ from jaxbuffer import Limits, Objective
 from jaxbuffer.tuning import search
 from jaxbuffer.tuning.goal import Goal, Tangent
 from jaxbuffer.tuning.model_step import Cuts, Programme, best_step
-from jaxbuffer.tuning.problem import Settings
+from jaxbuffer.tuning.settings import Settings
 from tuning.analytic import Functions, problem, shifted
 
 SHIFT = 10.0

@@ -10,7 +10,7 @@ import jaxbuffer as jb
 from jaxbuffer.contact.laws import Hertz
 from jaxbuffer.contact.laws.registry import _all
 from jaxbuffer.mechanisms import registry
-from jaxbuffer.tuning.problem import Settings
+from jaxbuffer.tuning.settings import Settings
 from jaxbuffer.tuning.store import TuningStore
 from jaxbuffer.tuning.tune import _identity, best_so_far
 

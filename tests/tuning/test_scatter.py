@@ -10,7 +10,7 @@ import jaxbuffer as jb
 from jaxbuffer.output.folder import load
 from jaxbuffer.output.tuned_records import tuned_record
 from jaxbuffer.pages.review import review
-from jaxbuffer.study.config import loads
+from jaxbuffer.study.load import loads
 from jaxbuffer.tuning import Case, Distribution, Scatter
 
 HEIGHT = Distribution("uniform", 0.15, 0.2)  # m

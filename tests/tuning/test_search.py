@@ -7,7 +7,7 @@ from jaxbuffer import InputError, Limits, Objective, Outcome, SecondObjective
 from jaxbuffer.tuning import search
 from jaxbuffer.tuning import tune as module
 from jaxbuffer.tuning.goal import Goal
-from jaxbuffer.tuning.problem import Settings
+from jaxbuffer.tuning.settings import Settings
 from jaxbuffer.tuning.tune import tune
 from tuning.analytic import Functions, problem, shifted
 
@@ -21,7 +21,7 @@ def solve(monkeypatch):
     def run(stated, peaks, rest=None, margin=None, **settings):
         functions = Functions(stated, peaks, rest, margin)
         monkeypatch.setattr(module, "Evaluator", lambda *_: functions)
-        monkeypatch.setattr("jaxbuffer.tuning.tuned.lower_bound", lambda *_: None)
+        monkeypatch.setattr("jaxbuffer.tuning.assessment.lower_bound", lambda *_: None)
         return tune(stated, **{"starts": 1, "searches": 1, **settings}), functions
 
     return run

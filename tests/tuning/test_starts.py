@@ -12,8 +12,8 @@ from jaxbuffer.tuning.checks import lower_bound
 from jaxbuffer.tuning.evaluation import Evaluator
 from jaxbuffer.tuning.measurement import Measurement
 from jaxbuffer.tuning.message import agreement_in_words
-from jaxbuffer.tuning.problem import Settings
 from jaxbuffer.tuning.rounds import anywhere, around
+from jaxbuffer.tuning.settings import Settings
 from jaxbuffer.tuning.store import Progress
 from jaxbuffer.tuning.tune import tune
 from jaxbuffer.tuning.tuned import tuned_table
@@ -40,7 +40,7 @@ def stated(**fields):
 @pytest.fixture
 def solve(monkeypatch):
     """`tune` at its defaults, on functions instead of captures; ``dies_after`` so many batches."""
-    monkeypatch.setattr("jaxbuffer.tuning.tuned.lower_bound", lambda *_: None)
+    monkeypatch.setattr("jaxbuffer.tuning.assessment.lower_bound", lambda *_: None)
 
     def run(margin, dies_after=None, fields=None, **settings):
         functions = Functions(stated(**(fields or {})), [[falling]], {"peak_hinge_force": lambda x: x[0]}, margin)

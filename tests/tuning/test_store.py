@@ -21,7 +21,7 @@ def stated():
 
 @pytest.fixture
 def run(monkeypatch):
-    monkeypatch.setattr("jaxbuffer.tuning.tuned.lower_bound", lambda *_: None)
+    monkeypatch.setattr("jaxbuffer.tuning.assessment.lower_bound", lambda *_: None)
 
     def call(folder, dies_after=None, **options):
         functions = Functions(stated(), [shifted(CB2, SHIFT)], {"peak_hinge_force": lambda x: 1 + (x[1] - 12) ** 2})

@@ -6,7 +6,7 @@ import pytest
 
 import jaxbuffer.programs.process
 from jaxbuffer.cli.entry import run
-from jaxbuffer.study.config import load
+from jaxbuffer.study.load import load
 from jaxbuffer.tuning import tune as module
 from tuning.analytic import Functions, shifted
 from tuning.test_search import CB2, SHIFT
@@ -37,7 +37,7 @@ def tune(monkeypatch, tmp_path):
         "jaxbuffer.cli.commands.tune.tuned_files", lambda *_: {"design.toml": lambda: "", "tuned.json": lambda: ""}
     )
     monkeypatch.setattr("jaxbuffer.tuning.tuned.Tuned.__repr__", lambda tuned: tuned.message)
-    monkeypatch.setattr("jaxbuffer.tuning.tuned.lower_bound", lambda *_: None)
+    monkeypatch.setattr("jaxbuffer.tuning.assessment.lower_bound", lambda *_: None)
 
     def call(*words, dies_after=None):
         def evaluator(problem, workers, *_):

@@ -55,7 +55,7 @@ def finished(folder, dies_after=None, **options):
     functions.dies_after = dies_after
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "Evaluator", lambda *_: functions)
-        patch.setattr("jaxbuffer.tuning.tuned.lower_bound", lambda *_: None)
+        patch.setattr("jaxbuffer.tuning.assessment.lower_bound", lambda *_: None)
         return tune(STATED, **{**SETTINGS, **options}, folder=folder)
 
 

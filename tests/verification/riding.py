@@ -6,14 +6,14 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxbuffer.contact import BallPair, RegularisedCoulomb, Segment
-from jaxbuffer.hybrid import ExplicitRungeKutta, Kind, Options, Tolerance, solve
+from jaxbuffer.hybrid import ExplicitRungeKutta, Kind, Options, StepTolerance, solve
 from jaxbuffer.mechanisms.assembled import Assembled, BallContact
 from jaxbuffer.multibody import GROUND
 
 
 def options(rtol=1e-10, events=4096):
     return Options(
-        solver=ExplicitRungeKutta(), tolerance=Tolerance(rtol, rtol), event_time=1e-3 * rtol, max_events=events
+        solver=ExplicitRungeKutta(), tolerance=StepTolerance(rtol, rtol), event_time=1e-3 * rtol, max_events=events
     )
 
 

@@ -15,10 +15,10 @@ from ..labelled.record import headings
 from ..labelled.saved import Saved
 from ..mechanisms.limit import Limit
 from ..tables import html, table, text
-from ..tuning.evaluation import Evaluation
+from ..tuning.evaluation import Evaluation, validity_lines
 from ..tuning.goal import Goal
 from ..tuning.problem import Problem
-from ..tuning.tuned import Tuned, validity_lines
+from ..tuning.tuned import Tuned
 from ..value_text import percent_text, relative_change, with_unit
 from .bound import ContinuousOptimum
 from .catalogue import PartsCatalogue

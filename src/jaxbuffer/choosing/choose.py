@@ -171,8 +171,8 @@ def with_optimum(choice: Choice, means: Means) -> Choice:
     """Return the choice with the continuous optimum over the catalogues' ranges beside it."""
     if choice.best is None:
         return choice
-    found = continuous_optimum(choice.criterion, choice.catalogues, choice.best.design, **means.tuning(OPTIMUM))
-    return dataclasses.replace(choice, optimum=found)
+    best = continuous_optimum(choice.criterion, choice.catalogues, choice.best.design, **means.tuning(OPTIMUM))
+    return dataclasses.replace(choice, optimum=best)
 
 
 def with_tuned(choice: Choice, count: int, means: Means) -> Choice:

@@ -78,9 +78,11 @@ def value(words: Sequence[str], incomplete: str) -> list[Offer]:
     if not option:
         return []
     path = option.removeprefix("--")
-    found = _over(words, before + incomplete) if option in JOINED else _choices(words, path)
+    offers = _over(words, before + incomplete) if option in JOINED else _choices(words, path)
     return [
-        Offer(word.removeprefix(before), doc) for word, doc in found if word.removeprefix(before).startswith(incomplete)
+        Offer(word.removeprefix(before), doc)
+        for word, doc in offers
+        if word.removeprefix(before).startswith(incomplete)
     ]
 
 
@@ -156,7 +158,7 @@ def _all_names() -> dict[str, Any]:
 
     try:
         with warnings.catch_warnings(action="ignore"):
-            found = all_names()
+            known = all_names()
     except InputError:
         return {}
     if kept is not None:
@@ -164,8 +166,8 @@ def _all_names() -> dict[str, Any]:
             kept.parent.mkdir(parents=True, exist_ok=True)
             for former in kept.parent.glob("names-*.json"):
                 former.unlink(missing_ok=True)
-            write(kept, json.dumps(found))
-    return found
+            write(kept, json.dumps(known))
+    return known
 
 
 def _state() -> str:
@@ -176,8 +178,8 @@ def _state() -> str:
 
 
 def _stamps(folder: Path) -> Iterable[tuple[str, int, int]]:
-    with os.scandir(folder) as found:
-        for it in found:
+    with os.scandir(folder) as listing:
+        for it in listing:
             if it.is_dir():
                 yield from _stamps(Path(it.path))
             elif it.name.endswith(".py"):

@@ -5,16 +5,13 @@ from typing import Annotated
 import typer
 
 from . import completion
-from .options import Scheduler, Trust
-
-Number = Annotated[str | None, typer.Option(metavar="N", help="As for tune.")]
-Resume = Annotated[bool, typer.Option("--resume", help="Go on with the run in DIR, however it ended.")]
+from .options import Iterations, Resume, Scheduler, Seed, Starts, Trust
 
 
 def tune(
-    iterations: Annotated[str | None, typer.Option(metavar="N", help="Steps of a search at most; default 40.")] = None,
-    starts: Annotated[str | None, typer.Option(metavar="N", help="Designs screened in a round; default 32.")] = None,
-    seed: Annotated[str | None, typer.Option(metavar="N", help="Of the starts' sample; default 0.")] = None,
+    iterations: Iterations = None,
+    starts: Starts = None,
+    seed: Seed = None,
     optimizer: Annotated[
         str | None, typer.Option(metavar="NAME", help="One of optax takes the steps, adam say; default: quadratic.")
     ] = None,
@@ -106,9 +103,9 @@ def pareto(
         ),
     ] = None,
     points: Annotated[str, typer.Option(metavar="N", help="Points of the front, both ends included; default 9.")] = "9",
-    iterations: Number = None,
-    starts: Number = None,
-    seed: Number = None,
+    iterations: Iterations = None,
+    starts: Starts = None,
+    seed: Seed = None,
     scheduler: Scheduler = None,
     resume: Resume = False,
 ) -> None:
@@ -143,7 +140,7 @@ def sweep(
         ),
     ] = None,
     scheduler: Scheduler = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Go on with the sweep in DIR, however it ended.")] = False,
+    resume: Resume = False,
     trust: Trust = "on",
 ) -> None:
     """Simulate every combination of the values of some fields of the design and the scenario, on all cores.
@@ -215,7 +212,7 @@ def sample(
     indices: Annotated[bool, typer.Option("--indices", help="Sobol' indices: whose scatter matters most.")] = False,
     surface: Annotated[bool, typer.Option("--surface", help="Fit a response surface, and tell its error.")] = False,
     scheduler: Scheduler = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Go on with the sample in DIR, however it ended.")] = False,
+    resume: Resume = False,
     trust: Trust = "on",
 ) -> None:
     """Simulate runs spread evenly over ranges of some fields of the design and the scenario, on all cores.

@@ -29,6 +29,8 @@ Figures = Annotated[
     ),
 ]
 
+Force = Annotated[bool, typer.Option("--force", help="Overwrite result files that exist.")]
+
 SHARED = {
     "config": Annotated[
         Path | None,
@@ -52,7 +54,7 @@ SHARED = {
         str | None, typer.Option(metavar="S", help="Simulated time until timeout [s]; default 8, with a latch 20.")
     ],
     "output": Annotated[Path | None, typer.Option(metavar="DIR", help="Folder for result files; default: none.")],
-    "force": Annotated[bool, typer.Option("--force", help="Overwrite result files that exist.")],
+    "force": Force,
     "figures": Figures,
     "as_json": Annotated[bool, typer.Option("--json", help="Print the record as JSON, and messages on stderr.")],
 }
@@ -78,6 +80,13 @@ Scheduler = Annotated[
         show_default=False,
     ),
 ]
+
+Resume = Annotated[bool, typer.Option("--resume", help="Go on with the run in DIR, however it ended.")]
+
+# The settings of a search.
+Iterations = Annotated[str | None, typer.Option(metavar="N", help="Steps of a search at most; default 40.")]
+Starts = Annotated[str | None, typer.Option(metavar="N", help="Designs screened in a round; default 32.")]
+Seed = Annotated[str | None, typer.Option(metavar="N", help="Of the starts' sample; default 0.")]
 
 
 def verb(

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from . import completion
-from .options import Figures
+from .options import Figures, Force
 
 Kind = Annotated[
     str,
@@ -130,7 +130,7 @@ def reproduce(
     published: Annotated[
         bool, typer.Option("--published", help="The paper's own equations and other readings as well (docking).")
     ] = False,
-    force: Annotated[bool, typer.Option("--force", help="Overwrite result files that exist.")] = False,
+    force: Force = False,
     figures: Figures = None,
 ) -> None:
     """Run a paper's studies, and print claim by claim whether the model bears its text out.

@@ -29,5 +29,5 @@ def executor_at(scheduler: str | None) -> Iterator[tuple[Executor | None, int | 
     require()
     from .connect import executor_of  # imports Dask, an optional package
 
-    with executor_of(scheduler) as found:
-        yield found
+    with executor_of(scheduler) as executor_and_calls:
+        yield executor_and_calls

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..fields import Part, get, unit
-from ..tuning.problem import Variable
+from ..tuning.variable import Variable
 from .fitted import Fitted, FittedNumber, RecordBesideFit
 from .intervals import Uncertainty, not_told_apart, uncertainty
 from .prediction import SHIFT, Prediction

@@ -11,7 +11,7 @@ from .loop.loop import run as run
 from .loop.state import Status as Status
 from .options import Options as Options
 from .rungekutta.controller import Controller as Controller
-from .rungekutta.controller import Tolerance as Tolerance
+from .rungekutta.controller import StepTolerance as StepTolerance
 from .rungekutta.diffrax_solver import Diffrax as Diffrax
 from .rungekutta.named_solvers import SOLVER_NAMES as SOLVER_NAMES
 from .rungekutta.named_solvers import SOLVERS as SOLVERS

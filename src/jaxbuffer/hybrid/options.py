@@ -3,7 +3,7 @@
 import equinox as eqx
 
 from .._types import Scalar
-from .rungekutta.controller import Controller, Tolerance
+from .rungekutta.controller import Controller, StepTolerance
 from .rungekutta.solvers import Automatic, Solver
 
 
@@ -17,7 +17,7 @@ class Options(eqx.Module):
     """
 
     solver: Solver = Automatic()
-    tolerance: Tolerance = Tolerance()
+    tolerance: StepTolerance = StepTolerance()
     controller: Controller = Controller()
     event_time: Scalar = 1e-9
     shortfall: Scalar = 1e-9

@@ -25,15 +25,15 @@ def cautions(
     with, by address.
     """
     view = mechanism_of(design).view
-    found: dict[str, list[int]] = {}
+    numbers: dict[str, list[int]] = {}
     for number, scenario in enumerate(scenarios, 1):
         lines = inactive(design, scenario, varied, units)
         # Numbers that are traced are not known, and arrays are many designs at once: neither has one geometry.
         if geometry and _plain(design) and _plain(scenario):
             lines += view.contradictions(design, scenario)
         for line in lines:
-            found.setdefault(line, []).append(number)
-    return [line + _where(numbers, len(scenarios)) for line, numbers in found.items()]
+            numbers.setdefault(line, []).append(number)
+    return [line + _where(those, len(scenarios)) for line, those in numbers.items()]
 
 
 def _where(numbers: list[int], count: int) -> str:

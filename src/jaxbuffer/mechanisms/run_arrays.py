@@ -101,11 +101,8 @@ def run_dataset(run: Any) -> Dataset:
 
 
 def _ended(run: Any) -> dict[str, Any]:
-    return {"outcome": run.outcome.name, "outcome_meaning": run.outcome.reason, "warnings": "\n".join(_warnings(run))}
-
-
-def _warnings(run: Any) -> list[str]:
-    return [] if run.outcome.failed else run.mechanism.view.warnings(run)
+    warnings = [] if run.outcome.failed else run.mechanism.view.warnings(run)
+    return {"outcome": run.outcome.name, "outcome_meaning": run.outcome.reason, "warnings": "\n".join(warnings)}
 
 
 def run_quantities(run: Any) -> dict[str, Labelled]:

@@ -23,8 +23,8 @@ def choice_figure(choice: Choice) -> Figure:
     legend_below(figure, [*first, *second], [*of_first, *of_second])
     tally = choice.tally
     share = 100.0 * tally.spared / max(tally.possible, 1)
-    found = f"Best of {tally.combinations} combinations" if choice.feasible else "No combination keeps all limits"
-    figure.suptitle(f"{found}; {tally.runs} runs of {tally.possible}, {share:.0f} % spared")
+    title = f"Best of {tally.combinations} combinations" if choice.feasible else "No combination keeps all limits"
+    figure.suptitle(f"{title}; {tally.runs} runs of {tally.possible}, {share:.0f} % spared")
     return figure
 
 

@@ -57,20 +57,20 @@ def stale(folder: Path, names: Collection[str]) -> list[Path]:
     if not folder.is_dir():
         return []
     there = [path for path in sorted(folder.iterdir()) if path.name not in names and path.is_file()]
-    found = list[Path]()
+    files = list[Path]()
     if not there:  # the usual case, and the kinds of results are those of all mechanisms, which take long to import
-        return found
+        return files
     for kind, group in groups().items():
         # A result of another kind may lie in the same folder, and stays.
         if not set(group.main) & set(names):
             continue
         patterns = (*group.main, *group.others)
-        found += [
+        files += [
             path
             for path in there
             if any(fnmatch.fnmatchcase(path.name, pattern) for pattern in patterns) and _is_of(kind, path)
         ]
-    return found
+    return files
 
 
 def remove_stale(folder: Path, names: Collection[str]) -> None:

@@ -8,7 +8,7 @@ from ..fields import get
 from ..fitting.fitted import Fitted, FittedNumber
 from ..labelled.record import json_number, part_record
 from ..mechanisms.registry import mechanism_of
-from ..study.config import design_toml
+from ..study.design_toml import design_toml
 from ..version import version
 from . import style
 from .fit_figure import fit_figure

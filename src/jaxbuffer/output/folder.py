@@ -20,7 +20,7 @@ from ..labelled.record import Record, part_from_json
 from ..mechanisms import all_mechanisms, mechanism_named
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
-from ..study.config import load as load_study
+from ..study.load import load as load_study
 from ..sweeps.store import STORE, in_words, is_unfinished, opened
 from ..sweeps.zarr_format import attributes
 from ..tables import summary_html

@@ -12,7 +12,7 @@ from ..fitting.fitted import Fitted
 from ..mechanisms.run import Run
 from ..sensitivities.result import Sensitivity
 from ..sweeps.result import Sweep
-from ..tuning.pareto import Front
+from ..tuning.front import Front
 from ..tuning.tuned import Tuned
 from . import formats, style
 from .choice_files import choice_files

@@ -8,7 +8,7 @@ import numpy as np
 from .._types import Axes, Figure
 from ..fields import get
 from ..mechanisms.run import Run
-from ..tuning.pareto import Front
+from ..tuning.front import Front
 from ..tuning.tuned import Tuned
 from ..value_text import before_and_after, range_text, relative_change, unit_text, with_unit
 from .layout import legend_below, with_line_breaks

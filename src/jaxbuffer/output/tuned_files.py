@@ -7,7 +7,7 @@ from typing import Any
 from ..errors import InputError
 from ..run.simulate import simulate
 from ..study.tuned_toml import tuned_toml
-from ..tuning.pareto import Front
+from ..tuning.front import Front
 from ..tuning.tuned import Tuned, tuning_history
 from . import style, tuned_records
 from .formats import Contents, Made, Writers, compact_json, csv_text

@@ -11,8 +11,8 @@ from ..fields import get, unit
 from ..labelled.record import heading, headings, json_number, part_record
 from ..tuning.cases import Case
 from ..tuning.evaluation import Evaluation
+from ..tuning.front import Front, point_status
 from ..tuning.message import headline
-from ..tuning.pareto import Front, point_status
 from ..tuning.problem import Problem
 from ..tuning.spread import CAPTION, spread_headings, spread_lines, spread_rows
 from ..tuning.tuned import SHOWN, Tuned, tuned_warnings
@@ -25,8 +25,7 @@ def tuned_record(tuned: Tuned) -> dict[str, Any]:
     """Return the result: problem, objective, lower bound, evidence, and every scenario before and after at tight
     tolerance."""
     problem, (start, end) = tuned.problem, tuned.objective
-    scenarios = zip(problem.cases, _cases(tuned, tuned.before), _cases(tuned, tuned.after), strict=True)
-    lower_bounds, lowest = _lower_bounds(tuned), None if tuned.lower_bound is None else tuned.lower_bound.lowest
+    lowest = None if tuned.lower_bound is None else tuned.lower_bound.lowest
     return {
         "kind": problem.mechanism.name,
         "identity": tuned.identity,
@@ -49,33 +48,40 @@ def tuned_record(tuned: Tuned) -> dict[str, Any]:
         heading("lowest_first_impact_within_bounds", "N"): json_number(lowest),
         "captures": tuned.captures,
         "settings": dataclasses.asdict(tuned.settings),
-        "variables": [
-            {
-                "path": v.path,
-                "low": v.low,
-                "high": v.high,
-                "scale": v.scale,
-                "before": get(problem.design, v.path),
-                "value": get(tuned.design, v.path),
-                "display_unit": problem.shown(v.path, 0.0)[1],  # the numbers beside it are in SI units
-            }
-            for v in problem.variables
-        ],
+        "variables": _variables(tuned),
         **limits_record(problem.limits, problem.quantities),
-        "scenarios": [
-            {
-                **part_record(case.scenario),
-                **built_record(case),
-                **lower_bound,
-                "before": before,
-                "after": after,
-            }
-            for (case, before, after), lower_bound in zip(scenarios, lower_bounds, strict=True)
-        ],
+        "scenarios": _scenarios(tuned),
         **_scattered(tuned),
         "design": part_record(tuned.design),
         "jaxbuffer": version(),
     }
+
+
+def _variables(tuned: Tuned) -> list[dict[str, Any]]:
+    """Return each variable's bounds, and its values before and after."""
+    problem = tuned.problem
+    return [
+        {
+            "path": v.path,
+            "low": v.low,
+            "high": v.high,
+            "scale": v.scale,
+            "before": get(problem.design, v.path),
+            "value": get(tuned.design, v.path),
+            "display_unit": problem.shown(v.path, 0.0)[1],  # the numbers beside it are in SI units
+        }
+        for v in problem.variables
+    ]
+
+
+def _scenarios(tuned: Tuned) -> list[dict[str, Any]]:
+    """Return each load case, its lower bound, and its numbers before and after."""
+    before_and_after = (_cases(tuned, point) for point in (tuned.before, tuned.after))
+    each = zip(tuned.problem.cases, _lower_bounds(tuned), *before_and_after, strict=True)
+    return [
+        {**part_record(case.scenario), **built_record(case), **lower_bound, "before": before, "after": after}
+        for case, lower_bound, before, after in each
+    ]
 
 
 def built_record(case: Case) -> dict[str, Any]:
@@ -126,12 +132,12 @@ def scatter_record(problem: Problem) -> dict[str, Any]:
 
 def _spread(tuned: Tuned) -> dict[str, Any]:
     """Return which tolerances matter, in words and in numbers."""
-    problem, found = tuned.problem, tuned.spreads
+    problem, spreads = tuned.problem, tuned.spreads
     return {
         "caption": CAPTION,
-        "headings": ["field", "tolerance", *spread_headings(problem, found)],
-        "rows": spread_rows(problem, found),
-        "lines": spread_lines(problem, found, tuned.tightening),
+        "headings": ["field", "tolerance", *spread_headings(problem, spreads)],
+        "rows": spread_rows(problem, spreads),
+        "lines": spread_lines(problem, spreads, tuned.tightening),
         "each": [
             {
                 "quantity": it.name,
@@ -143,7 +149,7 @@ def _spread(tuned: Tuned) -> dict[str, Any]:
                 "error": json_number(it.error),
                 "trusted": it.trusted,
             }
-            for it in found
+            for it in spreads
         ],
     }
 

@@ -13,14 +13,8 @@ from ..value_text import change_text, percent_text, range_text, relative_change,
 from .choice import choice_abstract, choice_badges
 from .experiments import ON_FRONT, OPEN, STATUS, outcome_counts, reached, safe_of, swept_fields
 from .fit import fit_abstract, fit_badges
-from .limits import (
-    LimitCounts,
-    corners_verdict,
-    end_count,
-    fails_in_corners_alone,
-    limit_check,
-    limit_counts,
-)
+from .limit_check import end_count, limit_check
+from .limits import LimitCounts, corners_verdict, fails_in_corners_alone, limit_counts
 from .page import Cell
 from .records import by_quantity, ended, same, scenario_of, title, words
 from .sensitivities import MARKS

@@ -9,7 +9,8 @@ from ..labelled.record import Record, heading, parts
 from ..mechanisms.limit import IMPACTS, Limit
 from ..output.folder import Results
 from ..value_text import percent_text, relative_change, table_text, with_unit
-from .limits import AT_LIMIT, BROKEN, CLOSE, HEADINGS, KEPT, LimitCheck, limit_rows, required_success
+from .limit_check import LimitCheck, required_success
+from .limits import AT_LIMIT, BROKEN, CLOSE, HEADINGS, KEPT, limit_rows
 from .page import Cell, PageSection, Table
 from .records import display, ended, figure, sentence, units_of, words
 

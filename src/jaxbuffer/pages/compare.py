@@ -12,10 +12,11 @@ from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Results
 from ..value_text import percent_text, relative_change, table_text
 from .abstract import abstract, badges
-from .limits import case_labels, end_count, limit_check, limits, limits_of
+from .limit_check import end_count, limit_check, limits_of
+from .limits import limits
 from .origin import origin
 from .page import Cell, Page, PageSection, Table
-from .records import ROUNDING, Display, display, ended, figure, same, scenario_of, words
+from .records import ROUNDING, Display, case_labels, display, ended, figure, same, scenario_of, words
 from .review import distinct
 from .runs import FORCE, once
 

@@ -10,7 +10,7 @@ from ..output.folder import Results
 from ..output.words import value_in_words
 from ..value_text import table_text, unit_text
 from .choice import asked_of_choice, choice_cases, chosen_by
-from .limits import limits_of, required_success, source_of_limits
+from .limit_check import limits_of, required_success, source_of_limits
 from .page import Cell, PageSection, Table
 from .records import display, field_name, figure, same, scenario_of, units_of, words
 

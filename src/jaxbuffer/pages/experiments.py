@@ -58,8 +58,8 @@ def reached(results: Results, counts: Mapping[str, int]) -> str:
         *results.records.get("sample", Record()).get("ranges", ()),
     ]
     moved, computed = {axis["path"] for axis in axes}, {name: n for name, n in counts.items() if name != OPEN}
-    found = results.mechanism.end_count(lambda path: path in moved or get(design, path), computed)
-    return f", {found}" if found else ""
+    end = results.mechanism.end_count(lambda path: path in moved or get(design, path), computed)
+    return f", {end}" if end else ""
 
 
 def safe_of(envelope: Record) -> str:

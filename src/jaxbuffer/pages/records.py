@@ -2,7 +2,7 @@
 
 import base64
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -13,6 +13,7 @@ from ..output.folder import Results
 from ..output.provenance import MADE
 from ..output.style import DOTS_PER_INCH
 from ..output.words import called
+from ..tuning.cases import built_label
 from ..value_text import table_text
 from .page import Cell, Figure
 
@@ -128,3 +129,38 @@ def _inline(svg: str, prefix: str) -> str:
     for size in ("width", "height"):
         svg = re.sub(rf'(<svg\b[^>]*?) {size}="[^"]*"', r"\1", svg, count=1)
     return svg if width is None else svg.replace("<svg", f'<svg style="--natural: {width[1]}pt"', 1)
+
+
+def elsewhere(results: Results, scenario: Record) -> list[str]:
+    """Return a line that says in which scenarios of a tuning its limited quantities and the peak force are largest.
+
+    There is no line where the run that is shown, of ``scenario``, is one of those.
+    """
+    if results.tuned is None:
+        return []
+    mechanism, cases = results.mechanism, [case["after"] for case in results.tuned["scenarios"]]
+    met, labels = [scenario_of(mechanism, case) for case in results.tuned["scenarios"]], case_labels(results)
+    names = dict.fromkeys(["peak_force", *results.tuned["limits"]])
+    own = results.tuned.get("quantities", {})
+    # A value that is not known counts as zero, so that it is never the largest.
+    largest = {name: max(range(len(cases)), key=lambda k: cases[k][name] or 0.0) for name in names}
+    if scenario_of(mechanism, scenario) in [met[k] for k in largest.values()]:
+        return []
+    places = ", ".join(f"{display(mechanism, name, own).title} at {labels[k]}" for name, k in largest.items())
+    return [f"This is not the scenario that decides: over all scenarios of the tuning the largest are {places}."]
+
+
+def case_labels(results: Results, among: Sequence[Any] = ()) -> list[str]:
+    """Return a tuning's scenarios in words, with where the built mechanism differs from the drawn one.
+
+    They are told apart from the scenarios ``among`` which they are shown, by default each other.
+    """
+    cases = [] if results.tuned is None else results.tuned["scenarios"]
+    met = [scenario_of(results.mechanism, case) for case in cases]
+    others = list(among) or met
+    design = results.mechanism.design()
+    built = [[case.get(name, {}).items() for name in ("factors", "shifts", "values")] for case in cases]
+    return [
+        results.mechanism.view.label(scenario, others) + built_label(design, *differing)
+        for differing, scenario in zip(built, met, strict=True)
+    ]

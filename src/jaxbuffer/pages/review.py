@@ -14,7 +14,8 @@ from .choice import NONE_KEEPS, choice
 from .designs import design, requirements
 from .experiments import front, sample, sweep
 from .fit import NOT_CONVERGED, fit
-from .limits import fails_in_corners_alone, limits, repeats_tuning
+from .limit_check import repeats_tuning
+from .limits import fails_in_corners_alone, limits
 from .origin import origin, verification
 from .page import Page, PageSection, write_page
 from .runs import diagnosis, run, scenarios, search

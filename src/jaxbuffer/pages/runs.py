@@ -8,12 +8,13 @@ from ..labelled.record import Record
 from ..mechanisms.limit import Limit, both_sides
 from ..output.folder import Results
 from ..output.page_data import FORCE
-from ..tuning.problem import Variable
+from ..tuning.variable import Variable
 from ..value_text import percent_text, table_text
 from .designs import other_design
-from .limits import case_labels, corners_verdict, elsewhere, end_count
+from .limit_check import end_count
+from .limits import corners_verdict
 from .page import Cell, PageSection, Table
-from .records import Display, display, ended, figure, same, scenario_of, words
+from .records import Display, case_labels, display, elsewhere, ended, figure, same, scenario_of, words
 
 MANY = 12  # impacts; a longer table is folded
 LISTED = 40  # scenarios; a longer table is folded

@@ -11,9 +11,9 @@ from ..output.folder import Results
 from ..sensitivities.evidence import FLOOR
 from ..value_text import percent_text, quotient_unit, table_text
 from .designs import other_design
-from .limits import elsewhere, limits_of, source_of_limits
+from .limit_check import limits_of, source_of_limits
 from .page import Cell, PageSection, Table
-from .records import by_quantity, display, figure, scenario_of, title, words
+from .records import by_quantity, display, elsewhere, figure, scenario_of, title, words
 
 MARKS = {"trusted": "good", "check": "unsure", "refused": "bad"}
 FAR = 0.5  # relative change beyond which first order says little

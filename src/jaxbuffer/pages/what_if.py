@@ -17,7 +17,7 @@ from ..labelled.record import Record, heading
 from ..output.folder import BESIDE, DESIGN, RECORDS, Results
 from ..output.formats import compact_json
 from ..output.provenance import MADE, made, made_in_python
-from ..study.config import load
+from ..study.load import load
 from ..tuning.problem import Problem
 from ..value_text import percent_text
 from .page import PageSection

@@ -11,7 +11,7 @@ from .._types import Scalar
 from ..errors import InputError, check_flag, check_single, check_whole
 from ..fields import Part
 from ..hybrid import Result, Solver, solver_named
-from ..mechanisms.mechanism import LIMITS, Request
+from ..mechanisms.mechanism import LIMITS, Mechanism, Request
 from ..mechanisms.registry import mechanism_of
 from ..mechanisms.run import DesignOf, R, Run
 from ..programs.cache import Static, after
@@ -106,14 +106,9 @@ def simulate(
         ("stabilisation", stabilisation, "1/s"),
     ):
         check_single(name, value, unit, one, **LIMITS[name])
-    if type(history) is int:
-        check_whole("history", history, 1)
-    else:
-        check_flag("history", history)
-    history = True if times is not None and history is False else history
     check_whole("max_steps", max_steps, 1)
     check_whole("max_events", max_events, 1)
-    options = options_of(max_steps, max_events, HISTORY_STEPS if history is True else int(history))
+    options = options_of(max_steps, max_events, _kept_steps(history, times))
     solver = None if solver is None else solver_named(solver)
     given = request(mechanism, design, scenario, duration, solver, (rtol, atol), stabilisation, options)
     leaves, traced = jax.tree.leaves(given), False
@@ -125,6 +120,20 @@ def simulate(
             _refuse_arrays(design, scenario, one)
     # Traced numbers have no values to check yet: the program does it, and such a run ends with `failed_input`.
     run = _simulate(given, UNCHECKED if traced else CHECKED)
+    return _with_history(run, mechanism, times)
+
+
+def _kept_steps(history: bool | int, times: Any) -> int:
+    """Return of how many steps a history is kept at most. **Raises:** `InputError` for what says no such number."""
+    if type(history) is int:
+        check_whole("history", history, 1)
+        return history
+    check_flag("history", history)
+    return HISTORY_STEPS if history or times is not None else 0
+
+
+def _with_history(run: Run, mechanism: Mechanism, times: Any) -> Run:
+    """Return a run whose history has the steps that there were, or the instants at some ``times``."""
     # Traced, a history keeps its size, since the number of steps is not known yet.
     if run.history is not None and not isinstance(run.code, jax.core.Tracer):
         rows = stepper_of(mechanism).rows(run)

@@ -13,7 +13,7 @@ from ..hybrid import (
     HybridSystem,
     Options,
     Result,
-    Tolerance,
+    StepTolerance,
     differentiable,
     solve_at_fixed_times,
     solve_with_tangents,
@@ -94,7 +94,9 @@ def with_tolerances(request: Request) -> Options:
         rtol, atol = jnp.maximum(share * rtol, TOLERANCES["low"]), jnp.maximum(share * atol, TOLERANCES["low"])
     # It depends on the design, but is a setting: its derivative would be refused as one by the tolerance.
     event_time = jax.lax.stop_gradient(_event_time(system, system.first_evaluation()[0].state, rtol))
-    return dataclasses.replace(request.options, tolerance=Tolerance(rtol, atol), event_time=event_time, shortfall=rtol)
+    return dataclasses.replace(
+        request.options, tolerance=StepTolerance(rtol, atol), event_time=event_time, shortfall=rtol
+    )
 
 
 def _event_time(system: ContactSystem, start: Array, rtol: Scalar) -> Scalar:

@@ -9,7 +9,8 @@ from ..fields import Part, get, paths, point_paths, unit
 from ..files import user_path, write
 from ..mechanisms.registry import mechanism_of
 from ..run.request import check_pair
-from .config import design_toml, load
+from .design_toml import design_toml
+from .load import load
 
 
 def load_design(toml: str | Path) -> tuple[Any, tuple[Any, ...]]:

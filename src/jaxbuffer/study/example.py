@@ -19,7 +19,7 @@ from ..mechanisms import all_mechanisms
 from ..mechanisms.mechanism import Mechanism
 from ..tuning.cases import Scatter
 from ..tuning.objective import Objective, SecondObjective
-from ..tuning.problem import Settings
+from ..tuning.settings import Settings
 from ..value_text import interval_text
 from .config import sections, study_tables
 from .fit_toml import FitTable

@@ -12,9 +12,12 @@ from ..fitting.fit import checked
 from ..mechanisms.cautions import cautions
 from ..mechanisms.limit import both_sides
 from ..sweeps.grid import Grid, grid
-from ..tuning.problem import Problem, Settings, Variable
+from ..tuning.problem import Problem
+from ..tuning.settings import Settings
+from ..tuning.variable import Variable
 from ..value_text import interval_text, with_unit
-from .config import Config, points_text
+from .config import Config
+from .design_toml import points_text
 from .model import StudyOptions
 from .problem_toml import default_variables
 

@@ -11,9 +11,9 @@ from ..files import user_path
 from ..fitting.quantities import recorded_quantities
 from ..fitting.reading import read_recording
 from ..fitting.recording import Channel, Recording
-from ..tuning.problem import Variable
+from ..tuning.variable import Variable
 from .tables import PartTable, PathTable, StudyNames, keys_schema, read_keys, replaced, subtable
-from .values import BOUNDS, TEXT, Schema, ValueKind, as_table, object_schema
+from .values import BOUNDS, TEXT, Schema, ValueKind, as_table, as_tables, object_schema
 
 PARAMETERS = PathTable(BOUNDS, "design", example="buffer.k_A = [100, 3000]")
 ONE_OR_TWO: Schema = {
@@ -59,9 +59,7 @@ class TestTable:
 
 
 def _read_tests(where: str, given: Any, names: StudyNames) -> tuple[TestTable, ...]:
-    if not (isinstance(given, list) and given and all(isinstance(it, dict) for it in given)):
-        raise InputError(f"{where} is not a list of tables; write each under its own [[{where}]]")
-    return tuple(_read_test(f"{where}[{k}]", it, names) for k, it in enumerate(given, 1))
+    return tuple(_read_test(name, it, names) for name, it in as_tables(where, given))
 
 
 def _read_test(where: str, given: Mapping[str, Any], names: StudyNames) -> TestTable:

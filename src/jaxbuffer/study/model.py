@@ -20,8 +20,8 @@ from ..sweeps.axis import SPAN
 from ..sweeps.grid import grid
 from ..tuning.cases import KINDS, Distribution, Scatter
 from ..tuning.objective import Limits, Objective, SecondObjective
-from ..tuning.problem import Variable
-from ..tuning.tolerances import Tolerance, read_tolerances
+from ..tuning.tolerances import read_tolerances
+from ..tuning.variable import Variable
 from .own_quantities import OWN, NamedQuantity
 from .parts_toml import ROUNDING
 from .tables import Keys, KeyTable, PartTable, PathTable, StudyNames, keys_schema, read_keys, subtable
@@ -38,6 +38,7 @@ from .values import (
     Schema,
     ValueKind,
     as_table,
+    as_tables,
 )
 
 
@@ -78,10 +79,6 @@ def limit_keys(mechanism: Mechanism) -> Keys:
     keys, words = declared(Limits), f"each {mechanism.view.run_name} must end {{}} within the duration"
     ends = {it.name: {"flag": True, "default": False, "doc": words.format(it.name)} for it in mechanism.tuning.ends}
     return {**{name: known for name, known in keys.items() if "flag" in known}, **ends, **keys}
-
-
-def _scatter(names: StudyNames, quantities: dict[str, Any], keys: dict[str, Any]) -> Scatter:
-    return Scatter(fields=keys.pop("scenario", {}), **keys)
 
 
 def _objective(names: StudyNames, weights: dict[str, Any], keys: dict[str, Any]) -> Objective:
@@ -135,7 +132,10 @@ class ProblemTable:
         "for every combination of these values, of fields of the scenario and, by path, of the design",
     )
     sample: Scatter | None = subtable(
-        KeyTable(_scatter, lambda mechanism: declared(Scatter) | declared(Scattered)),
+        KeyTable(
+            lambda names, quantities, keys: Scatter(fields=keys.pop("scenario", {}), **keys),
+            lambda mechanism: declared(Scatter) | declared(Scattered),
+        ),
         "robust designs by samples (Monte Carlo): what scatters, at every point of a grid",
     )
     objective: Objective | None = subtable(
@@ -193,15 +193,9 @@ def _read_sweep(where: str, given: Any, names: StudyNames) -> dict[str, Any]:
     return read
 
 
-def _read_tolerances(where: str, given: Any, names: StudyNames) -> dict[str, Tolerance]:
-    return read_tolerances(TOLERANCE_PATHS.read(where, given, names), names.design, names.scenario)
-
-
 def _read_scenarios(where: str, given: Any, names: StudyNames) -> tuple[Part, ...]:
     """Read [[scenarios]], each of which begins with the fields of [scenario]."""
-    if not (isinstance(given, list) and given and all(isinstance(it, dict) for it in given)):
-        raise InputError(f"{where} is not a list of tables; write each under its own [[{where}]]")
-    return tuple(SCENARIO_TABLE.read(f"{where}[{i}]", entry, names) for i, entry in enumerate(given, 1))
+    return tuple(SCENARIO_TABLE.read(name, it, names) for name, it in as_tables(where, given))
 
 
 def _problem_schema(names: StudyNames) -> Schema:
@@ -221,7 +215,12 @@ SPANNED = PathTable(SWEPT, "both", numbers=False, words=SPAN)
 SWEEP = ValueKind(_read_sweep, SPANNED.schema)
 ROUNDINGS = PathTable(ROUNDING, "design", example='buffer.k_A = "E24"')
 TOLERANCE_PATHS = PathTable(TOLERANCE, "both")
-TOLERANCES = ValueKind(_read_tolerances, TOLERANCE_PATHS.schema)
+TOLERANCES = ValueKind(
+    lambda where, given, names: read_tolerances(
+        TOLERANCE_PATHS.read(where, given, names), names.design, names.scenario
+    ),
+    TOLERANCE_PATHS.schema,
+)
 SCENARIO_TABLE = PartTable(lambda names: names.scenario)
 SCENARIOS = ValueKind(
     _read_scenarios, lambda names: {"type": "array", "items": SCENARIO_TABLE.schema(names), "minItems": 1}

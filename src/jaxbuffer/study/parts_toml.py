@@ -38,10 +38,6 @@ class Selection(NamedTuple):
     at_most: Mapping[str, float]
 
 
-def _read_parts(where: str, given: Any, names: StudyNames) -> tuple[PartsCatalogue, ...]:
-    return read_catalogues(as_table(where, given), names.design, names.folder, where)
-
-
 def _parts_schema(names: StudyNames) -> Schema:
     part: Schema = {"type": "object", "minProperties": 1}
     file = {"type": "string", "description": "a CSV file of parts, beside the study"}
@@ -59,7 +55,10 @@ def _rounding_schema(known: Mapping[str, Any]) -> Schema:
     return {"anyOf": [{"enum": list(SERIES)}, {"type": "number", "exclusiveMinimum": 0}, TEXT], "description": words}
 
 
-PARTS = ValueKind(_read_parts, _parts_schema)
+PARTS = ValueKind(
+    lambda where, given, names: read_catalogues(as_table(where, given), names.design, names.folder, where),
+    _parts_schema,
+)
 ROUNDING = ValueKind(_read_rounding, _rounding_schema)
 
 

@@ -10,9 +10,10 @@ import tomli_w
 from ..fields import Part, as_written, declared, unit, unit_at
 from ..tuning.cases import Case, Scatter, grid_address
 from ..tuning.objective import Objective, SecondObjective
-from ..tuning.problem import Problem, Settings
+from ..tuning.problem import Problem
+from ..tuning.settings import Settings
 from ..value_text import unit_text
-from .config import design_toml
+from .design_toml import design_toml
 from .model import limit_keys
 from .tables import Keys
 

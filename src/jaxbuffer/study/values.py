@@ -4,6 +4,7 @@ Schemas are JSON Schema of draft 7 (json-schema.org).
 """
 
 import dataclasses
+import functools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
@@ -32,7 +33,7 @@ from ..fields import (
 )
 from ..sweeps.axis import EXAMPLE, SPAN, choices_example, span
 from ..tuning.cases import KINDS, MOST, Distribution, grid_address
-from ..tuning.problem import SCALES, Variable
+from ..tuning.variable import SCALES, Variable
 from ..value_text import interval_text
 
 TEXT = {"type": "string", "pattern": r"^\s*[-+]?[0-9.]", "description": 'a number with its unit, "0.5 kN/m" say'}
@@ -57,6 +58,13 @@ def as_table(where: str, given: Any) -> Mapping[str, Any]:
     if not isinstance(given, Mapping):
         raise InputError(f"{where} = {shown(given)} is not a table; write [{where}] and its fields below it")
     return given
+
+
+def as_tables(where: str, given: Any) -> list[tuple[str, dict[str, Any]]]:
+    """Return what is given as a list of tables, each with its name. **Raises:** `InputError` where it is none."""
+    if not (isinstance(given, list) and given and all(isinstance(it, dict) for it in given)):
+        raise InputError(f"{where} is not a list of tables; write each under its own [[{where}]]")
+    return [(f"{where}[{k}]", it) for k, it in enumerate(given, 1)]
 
 
 def object_schema(properties: Mapping[str, Schema], **others: Any) -> Schema:
@@ -217,10 +225,6 @@ def _read_distribution(where: str, path: str, given: Any, part: Part, symbol: st
     )
 
 
-def _read_factor(where: str, path: str, given: Any, design: Part) -> Distribution:
-    return _read_distribution(where, path, given, design, "-")
-
-
 def _distribution_schema(words: str) -> Schema:
     """Return the schema of a number that scatters."""
     two: Schema = {"type": "array", "items": {"anyOf": [{"type": "number"}, TEXT]}, "minItems": 2, "maxItems": 2}
@@ -255,7 +259,9 @@ TOLERANCE = ValueKind(_as_given, _tolerance_schema)
 SWEPT = ValueKind(_as_given, _one_or_several_schema)
 RANGE = ValueKind(_as_given, lambda known: _range_schema(known, RANGE_SCALES))
 DISTRIBUTION = ValueKind(_read_distribution, lambda known: _distribution_schema(f"[{known['unit']}]"))
-FACTOR = ValueKind(_read_factor, lambda known: _distribution_schema("[-] of the drawn number"))
+FACTOR = ValueKind(
+    functools.partial(_read_distribution, symbol="-"), lambda known: _distribution_schema("[-] of the drawn number")
+)
 
 
 def _read_weight(where: str, given: Any, symbol: str) -> Any:

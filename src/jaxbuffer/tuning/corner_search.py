@@ -129,14 +129,14 @@ def worse_corners(
     worst = search.worst()
     if not len(problem.signs):
         return tuple(dict.fromkeys(row for _, row in worst.values()))
-    known, found = search.known(problem.corner_rows), list[Row]()
+    known, rows = search.known(problem.corner_rows), list[Row]()
     for k, place in worst.items():
         value, limited = search.values[place][k], search.targets[k].limited
         least = max(known[k], 0.0) if limited else known[k] + WORSE * abs(known[k])
         # A limit that is kept there too is no reason for another tuning.
         if value > least + (1e-9 if limited else 0.0):
-            found.append(place[1])
-    return tuple(dict.fromkeys(found))
+            rows.append(place[1])
+    return tuple(dict.fromkeys(rows))
 
 
 def with_corners(problem: Problem, rows: Any) -> Problem:

@@ -126,8 +126,8 @@ def run_corners(
     scenarios = [it if isinstance(it, Case) else Case(it) for it in problem.scenarios]
     rows = corner_signs(sampled + len(tolerances))
     # Those that a search found, in the middle of what is sampled.
-    found = np.column_stack([np.zeros((len(problem.signs), sampled)), problem.corner_rows[: len(problem.signs)]])
-    rows = np.concatenate([rows, [row for row in found if not np.any(np.all(row == rows, axis=1))] or rows[:0]])
+    of_search = np.column_stack([np.zeros((len(problem.signs), sampled)), problem.corner_rows[: len(problem.signs)]])
+    rows = np.concatenate([rows, [row for row in of_search if not np.any(np.all(row == rows, axis=1))] or rows[:0]])
 
     def bases(signs: np.ndarray) -> list[Case]:
         pairs = [(case, row[:sampled]) for case in scenarios for row in signs]

@@ -12,15 +12,17 @@ import numpy as np
 from jaxtyping import Float
 
 from ..errors import InputError
+from .assessment import assess
 from .evaluation import Evaluation, Evaluator
 from .goal import Goal, Tangent
 from .message import ending, infeasible, left_to_gain
 from .model_step import residual
-from .problem import Problem, Settings
+from .problem import Problem
 from .rounds import anywhere, check_starts, size
 from .search import CONVERGED, SCREENING_PENALTY, STALLED, Branch, Search
+from .settings import Settings
 from .store import TuningStore, evaluations_of, record_of, stored_evaluations
-from .tuned import Tuned, assess
+from .tuned import Tuned
 
 STIFFNESS = 20.0  # ρ, for an objective of about one and rows relative to their limits
 PATIENCE = 10  # steps between two rises of the multipliers

@@ -258,3 +258,12 @@ def _by_field(problem: Problem, stacked: dict[str, np.ndarray], lost: np.ndarray
     run["rest_slope"][ended_otherwise, time] = 0.0
     states = {"code": code, "solved": ~lost, "succeeded": ~lost & problem.succeeded(code)}
     return run | states | {name: stacked[name] for name in ("impacts", "slots")}
+
+
+def validity_lines(problem: Problem, design: Part, evaluation: Evaluation) -> list[str]:
+    """Return a line for each validity limit that a design exceeds, with the number of load cases."""
+    count: dict[str, int] = {}
+    for case, peak in zip(problem.cases, evaluation.peak_force, strict=True):
+        for limit in problem.mechanism.view.validity(case.of(design), peak):
+            count[limit.beyond] = count.get(limit.beyond, 0) + int(np.sum(limit.passed))
+    return [f"{what} in {n} of {len(problem.cases)} scenarios" for what, n in count.items() if n]

@@ -121,23 +121,12 @@ def measure(
     quantities to read off; ``paths``: addresses by which they are differentiated; ``end``: what the run must reach
     besides, None for nothing; ``solver``: as for `simulate`.
     """
-    (design, scenario), solver = built, None if solver is None else solver_named(solver)
+    solver = None if solver is None else solver_named(solver)
     rest = [name for name in measured if name != PEAK_FORCE]
-    catalogue = mechanism.quantities
     margin = [] if mechanism.tuning.margin is None else [mechanism.tuning.margin]
-    if slopes:
-        at = [float(value_at(design, scenario, p)) for p in paths]
-        result = gradients(mechanism, design, scenario, paths, at, duration, rtol=rtol, solver=solver)
-        run = result.run
-        of_peaks = np.asarray(result.by_impact[PEAK_FORCE])
-        top_slope, *others = (result.of(name) for name in (PEAK_FORCE, *rest, *margin))
-    else:
-        run = simulate(design, scenario, duration, rtol=rtol, solver=solver)
-        none = np.zeros(len(paths))
-        of_peaks = np.zeros((len(run.impacts.peak_force), len(paths)))
-        top_slope, others = none, [none] * (len(rest) + len(margin))
-    values = np.array([float(catalogue[name].of(run)) for name in rest + margin])
-    slope_rows = np.array(others).reshape(len(rest + margin), len(paths))
+    names, settings = rest + margin, {"duration": duration, "rtol": rtol, "solver": solver}
+    run, of_peaks, top_slope, slope_rows = _solved(built, mechanism, names, paths, slopes, settings)
+    values = np.array([float(mechanism.quantities[name].of(run)) for name in names])
     # All numbers of a run that failed are NaN, and stay so.
     if not run.outcome.failed:
         _fill_awaited(mechanism, run, rest, values, slope_rows, float(duration))
@@ -161,6 +150,25 @@ def measure(
         rest_slope=slope_rows[: len(rest)],
         margin_slope=own.slope,
     )
+
+
+def _solved(
+    built: tuple[Part, Part],
+    mechanism: Mechanism,
+    names: Sequence[str],
+    paths: Sequence[str],
+    slopes: bool,
+    settings: Mapping[str, Any],
+) -> tuple[Run, np.ndarray, np.ndarray, np.ndarray]:
+    """Return the run, and the slopes of each impact's peak, of the largest peak and of the quantities of some names;
+    all of them zero unless ``slopes``."""
+    if not slopes:
+        run, none = simulate(*built, **settings), np.zeros(len(paths))
+        return run, np.zeros((len(run.impacts.peak_force), len(paths))), none, np.zeros((len(names), len(paths)))
+    at = [float(value_at(*built, path)) for path in paths]
+    result = gradients(mechanism, *built, paths, at, **settings)
+    rows = np.array([result.of(name) for name in names]).reshape(len(names), len(paths))
+    return result.run, np.asarray(result.by_impact[PEAK_FORCE]), result.of(PEAK_FORCE), rows
 
 
 class Margin(NamedTuple):

@@ -10,9 +10,10 @@ from ..mechanisms.mechanism import EndCount
 from ..value_text import percent_text, with_unit
 from .evaluation import Evaluation
 from .goal import Breach, Goal, end_limit
-from .problem import Settings, Variable
 from .search import AGREE, CONVERGED, Branch
+from .settings import Settings
 from .store import Progress
+from .variable import Variable
 
 INFEASIBLE = "no feasible design found: "
 LEAST = 1e-6  # change of a limited quantity, relative to its limit, for a change of 1 % of a variable: less is none

@@ -11,93 +11,27 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 
 from ..block_store import short_hash
 from ..errors import InputError, check_flag, check_names, check_type, check_whole, suggest
 from ..fields import Part
 from ..files import user_path, write
-from ..labelled.saved import Saved
 from ..programs.structure import user_code
-from ..tables import table, text
+from .front import Front, worst_values
 from .objective import Objective
-from .problem import Problem, settings_of
+from .problem import Problem
+from .settings import settings_of
 from .store import LOG, PREVIOUS, STATE, Record
 from .tune import tune
 from .tuned import Tuned
 
-SAME = 1e-6  # relative: values that are no further apart are taken for one, well above their errors at rtol 1e-9
 ROOM = 1e-3  # relative room above the least value of an objective: there its design alone would be allowed
 MOST = 400  # points
 BEGUN = "front.json"  # says which front a folder's points are of
 POINT = re.compile(r"least-\w+|point-\d+(-again)?")  # names of their folders
 RESULT = ("design.toml", "design.mat", "tuned.json", "history.csv", "force.json", "tune.txt", "tune.png", "tune.svg")
 OF_A_POINT = (LOG, STATE, PREVIOUS, *RESULT)
-
-
-@dataclasses.dataclass(frozen=True)
-class Front(Saved):
-    """A front of objectives. Print it for a table.
-
-    - ``problem``: what may change, in which cases, and what holds at every point.
-    - ``objectives``: k names; the first was lowered under ``limits`` (points, k - 1) on the others, in their units;
-      infinite where there was none.
-    - ``points``: a `Tuned` each: tight re-evaluation, first-order residual, error of its gradients, design.
-    - ``identity``: a hash of all that makes it the front it is, as its folder has it; "" where that is not known.
-    - ``values`` (points, k): each objective's worst value over the cases at rtol 1e-9, in its unit.
-
-    **Example:**
-
-    >>> problem = jb.Problem(
-    ...     jb.BarDrop(), [jb.BarDropScenario()], [jb.Variable("impact.stiffness", 1e10, 1e12)], duration=0.25
-    ... )
-    >>> front = jb.pareto(problem, ["peak_force", "penetration"], points=2, starts=1, iterations=3)
-    >>> front.values.shape, front.dominated.tolist()
-    ((2, 2), [False, False])
-    """
-
-    problem: Problem
-    objectives: tuple[str, ...]
-    limits: Float[np.ndarray, "points others"]
-    points: tuple[Tuned, ...]
-    identity: str = ""
-
-    @property
-    def values(self) -> Float[np.ndarray, "points k"]:
-        """Return each objective's worst value over the cases, in its unit."""
-        return np.array([_worst(point, self.objectives) for point in self.points])
-
-    @property
-    def feasible(self) -> Bool[np.ndarray, " points"]:
-        """Return which points are within every limit."""
-        return np.array([point.feasible for point in self.points])
-
-    @property
-    def dominated(self) -> Bool[np.ndarray, " points"]:
-        """Return which feasible points another feasible one is better than: nowhere worse, somewhere lower."""
-        return dominated(self.values, self.feasible)
-
-    @property
-    def non_dominated(self) -> Bool[np.ndarray, " points"]:
-        """Return which points make the front: those that are feasible, and not dominated."""
-        return self.feasible & ~self.dominated
-
-    def __repr__(self) -> str:
-        return front_table(self)
-
-
-def dominated(values: Float[np.ndarray, "points k"], feasible: Bool[np.ndarray, " points"]) -> np.ndarray:
-    """Return which feasible points are dominated by a feasible one.
-
-    Of points that are the same within `SAME` all but the first are.
-    """
-    result = np.zeros(len(values), bool)
-    room = SAME * np.abs(values)
-    for i in np.flatnonzero(feasible):
-        for j in np.flatnonzero(feasible):
-            no_worse = np.all(values[j] <= values[i] + room[i])
-            result[i] |= i != j and bool(no_worse and (np.any(values[j] < values[i] - room[i]) or j < i))
-    return result
 
 
 def pareto(
@@ -212,7 +146,7 @@ def _between_ends(search: "_Search", points: int, finished: Callable[[int, int],
     names = search.names
     free = search.least(names[0], {}, f"least-{names[0]}", search.problem.design)
     ends = [search.least(name, {}, f"least-{name}", free.design) for name in names[1:]]
-    values = np.array([_worst(end, names) for end in (free, *ends)])
+    values = np.array([worst_values(end, names) for end in (free, *ends)])
     for name, column in zip(names, values.T, strict=True):
         # Limits are positive, so that there is none between values that are not.
         if not np.nanmax(column) > 0.0:
@@ -297,11 +231,6 @@ class _Search:
         return tune(problem, folder=folder, resume=begun, **self.options)
 
 
-def _worst(tuned: Tuned, names: Sequence[str]) -> np.ndarray:
-    columns = [tuned.problem.names.index(name) for name in names]
-    return np.asarray(tuned.after.quantities[:, columns].max(axis=0))
-
-
 def two_objectives(problem: Problem) -> str:
     """Return an example of objectives, and which there are, for a message."""
     first = problem.names[0]
@@ -335,48 +264,3 @@ def check_front(
         if set(limits) != set(names[1:]):
             raise InputError(f"limits name {', '.join(limits) or 'nothing'}; needed: {', '.join(names[1:])}")
     return int(total)
-
-
-def front_table(front: Front) -> str:
-    """Return a table of each point's objectives, limits and certificate, and what is not on the front."""
-    catalogue = front.problem.catalogue
-    sampled = front.problem.samples
-    over = f"of {sampled}, no bound" if sampled else f"over the scenarios ({len(front.problem.cases)})"
-    units, factors = zip(*(catalogue[name].in_figures for name in front.objectives), strict=True)
-    headings = [f"{name} [{unit}]" for name, unit in zip(front.objectives, units, strict=True)]
-    headings += [f"{name} ≤" for name in front.objectives[1:]]
-    right = ("point", *headings, "residual [-]", "gradient error [-]")
-    shown = table(f"Front of {' and '.join(front.objectives)}, worst {over}", right=right)
-    shown.add_column("")
-    for k, (point, values, limits) in enumerate(zip(front.points, front.values, front.limits, strict=True)):
-        shown.add_row(
-            str(k + 1),
-            *(f"{value:.6g}" for value in values * np.array(factors)),
-            *("free" if np.isinf(limit) else f"{limit:.5g}" for limit in limits * np.array(factors[1:])),
-            f"{point.residual:.1e}",
-            f"{point.gradient_error:.1e}",
-            point_status(front, k),
-        )
-    count, lost = int(front.dominated.sum()), int((~front.feasible).sum())
-    lines = [f"{int(front.non_dominated.sum())} of {len(front.points)} points are on the front"]
-    if count:
-        lines.append(f"{count} left out: another point is as good or better in every objective")
-    if lost:
-        lines.append(f"{lost} left out: no design was found that keeps to the limits")
-    if any(point.ended == "limit_of_steps" for point in front.points):
-        iterations = front.points[0].settings.iterations
-        lines.append(
-            f"searches stopped at their limit of {iterations} steps: raise iterations in [tune] or --iterations"
-        )
-    return text(
-        shown, "; ".join(lines), "Values at rtol 1e-9; residual: what first-order information there still gains."
-    )
-
-
-def point_status(front: Front, k: int) -> str:
-    """Return what a point is: "front", "dominated" or "limits broken", and whether it converged."""
-    if not front.feasible[k]:
-        return "limits broken"
-    if front.dominated[k]:
-        return "dominated"
-    return "front" if front.points[k].converged else "front, not converged"

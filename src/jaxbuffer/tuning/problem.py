@@ -1,106 +1,27 @@
-"""The design problem as data: design variables, load cases, objective, constraints, and the settings of a search."""
+"""The design problem as data: design variables, load cases, objective and constraints."""
 
 import dataclasses
+import functools
 import hashlib
-import math
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from ..errors import InputError, check_choice, check_known, check_single, check_type, shown
-from ..fields import (
-    Curve,
-    Part,
-    as_typed,
-    check_path,
-    check_units_agree,
-    choice,
-    ends_as_typed,
-    get,
-    in_unit,
-    limits_of,
-    number,
-    paths,
-    replace,
-    typed_unit,
-    unit,
-    unit_at,
-    whole,
-)
+from ..errors import InputError, check_known, check_single, check_type, shown
+from ..fields import Part, as_typed, check_path, get, paths, replace, typed_unit, unit, unit_at
 from ..mechanisms.mechanism import Mechanism, RequiredEnd
 from ..mechanisms.quantity import Catalogue
 from ..mechanisms.registry import mechanism_of
 from ..run.request import DEFAULT_TOLERANCE, TOLERANCES, check_pair
-from ..value_text import interval_text, with_unit
 from .cases import WHOLE_CORNERS, Case, Scatter, corner_signs
 from .custom_quantity import CustomQuantity, check_custom_quantities
 from .objective import ONE_LIMIT, Limits, Objective, SecondObjective, in_units, quantity_in_words
 from .tolerances import check_ends, corner_cases, read_tolerances
+from .variable import Variable, check_variables
 
-SCALES = ("log", "linear")
 PEAK_FORCE = "peak_force"  # the quantity that every mechanism has, and a search knows of every impact
-AT_BOUND = 1e-6  # of a variable's range, on its scale
-
-
-@dataclasses.dataclass(frozen=True)
-class Variable:
-    """A design variable: a number in the design to tune. `Problem` checks it.
-
-    **Arguments:**
-
-    - ``path``: its dotted path in the design.
-    - ``low``, ``high``: its bounds, in its own unit or with one ("1 kN/m"), which `Problem` reads.
-    - ``scale``: "log" or "linear", on which a step of given size counts the same everywhere between the bounds.
-
-    **Example:**
-
-    >>> jb.Variable("buffer.k_A", 100.0, 2000.0)  # N/m
-    Variable(path='buffer.k_A', low=100.0, high=2000.0, scale='log')
-    """
-
-    path: str
-    low: float
-    high: float
-    scale: str = "log"
-
-    def read(self, design: Part) -> "Variable":
-        """Return the variable with its bounds as numbers in its own unit. **Raises:** `InputError` for other units."""
-        ends = self.low, self.high
-        symbol, limits = unit(design, self.path), limits_of(design, self.path)
-        if not symbol or not any(isinstance(end, str) for end in ends):
-            return self
-        check_units_agree(self.path, ends, lambda low, high: f'Variable("{self.path}", "{low}", "{high}")')
-        low, high = (
-            in_unit(f"{self.path} {side} bound", end, symbol, **limits)
-            for side, end in zip(("low", "high"), ends, strict=True)
-        )
-        return dataclasses.replace(self, low=low, high=high)
-
-    def value(self, scaled: float) -> float:
-        """Return the number from its scaled value, 0 at the low bound, 1 at the high one; exact at both."""
-        # The exponential of the logarithm would miss the bounds by rounding.
-        if scaled <= 0.0 or scaled >= 1.0:
-            return self.low if scaled <= 0.0 else self.high
-        if self.scale == "log":
-            return self.low * math.exp(scaled * math.log(self.high / self.low))
-        return self.low + scaled * (self.high - self.low)
-
-    def scaled(self, value: float) -> float:
-        """Return the scaled value of a number: the inverse of `value`."""
-        if self.scale == "log":
-            return math.log(value / self.low) / math.log(self.high / self.low)
-        return (value - self.low) / (self.high - self.low)
-
-    def at_bound(self, value: float) -> str:
-        """Return "at low bound" or "at high bound" for a value within `AT_BOUND` of the range from it, else ""."""
-        scaled = self.scaled(value)
-        return "at low bound" if scaled <= AT_BOUND else "at high bound" if scaled >= 1.0 - AT_BOUND else ""
-
-    def slope(self, value: float) -> float:
-        """Return d value / d scaled."""
-        return value * math.log(self.high / self.low) if self.scale == "log" else self.high - self.low
 
 
 @dataclasses.dataclass(frozen=True)
@@ -153,6 +74,8 @@ class Problem:
     units: Mapping[str, str] = dataclasses.field(default_factory=dict)
     tolerances: Mapping[str, Any] = dataclasses.field(default_factory=dict)
     signs: tuple[tuple[float, ...], ...] = ()
+    cases: tuple[Case, ...] = dataclasses.field(init=False, default=())
+    drawn: tuple[Case, ...] = dataclasses.field(init=False, default=())  # the load cases without tolerances
 
     def __post_init__(self) -> None:
         mechanism = self.mechanism
@@ -168,7 +91,7 @@ class Problem:
         if not cases:
             raise InputError("scenarios is empty; tuning needs at least one")
         self._read_units()
-        _check_variables(self.design, self.variables, self.units)
+        check_variables(self.design, self.variables, self.units)
         self._check_values(cases)
         cases = self._with_corners(cases)
         object.__setattr__(self, "cases", cases)
@@ -244,9 +167,6 @@ class Problem:
         for name, high in mechanism.always(self.design).items():
             limit, unit = self.limits.at_most.get(name, high), self.catalogue[name].unit
             check_single(f"constraints.{name}", limit, unit, ONE_LIMIT, low=0.0, low_open=True, high=high)
-
-    cases: tuple[Case, ...] = dataclasses.field(init=False, default=())
-    drawn: tuple[Case, ...] = dataclasses.field(init=False, default=())  # the load cases without tolerances
 
     @property
     def corners(self) -> tuple[Case, ...]:
@@ -325,7 +245,7 @@ class Problem:
         """Return the quantities that objectives and constraints may use: `PEAK_FORCE` first, the own ones last."""
         return (*self._tuned, *self.quantities)
 
-    @property
+    @functools.cached_property  # asked for hundreds of times in a search
     def _tuned(self) -> tuple[str, ...]:
         names = [name for name in self.mechanism.tuned if self.mechanism.has(name, self.design)]
         # First, because an `Evaluation` has the peak force apart from the rest.
@@ -399,104 +319,3 @@ class Problem:
         listed += map(repr, rest)
         listed += [f"{name} [{own.unit}] {own.parameters} {own.identity}" for name, own in self.quantities.items()]
         return hashlib.sha256("\n".join(listed).encode()).hexdigest()[:16]
-
-
-def _check_variables(design: Part, variables: Sequence[Variable], units: Mapping[str, str]) -> None:
-    names: set[str] = set()
-    for variable in variables:
-        check_type("variable", variable, Variable, "Variable('buffer.k_A', 100.0, 2000.0)")
-        path, value = variable.path, get(design, variable.path)
-        if path in names:
-            raise InputError(f"{path} is named twice among the variables")
-        names.add(path)
-        if value is None or isinstance(value, (str, bool, Curve)):
-            raise InputError(f"{path} = {value!r} is not a number that can be tuned")
-        check_choice(f"{path} scale", variable.scale, SCALES)
-        name, above_zero = unit(design, path), variable.scale == "log"
-        lowest: dict[str, Any] = {"low": 0.0, "low_open": True} if above_zero else {}
-        check_single(f"{path} low bound", variable.low, name, ONE_LIMIT, **lowest)
-        check_single(f"{path} high bound", variable.high, name, ONE_LIMIT)
-        typed = units.get(path, "")
-        bounds = interval_text(*ends_as_typed(variable.low, variable.high, name, typed))
-        if variable.low >= variable.high:
-            raise InputError(f"{path}: the low bound of {bounds} must be less than the high one; are they swapped?")
-        for bound in (variable.low, variable.high):
-            replace(design, {path: bound})  # the design itself says what it does not allow
-        check_single(path, value, name, "tuning starts from one design")
-        if not variable.low <= value <= variable.high:
-            start = with_unit(*as_typed(value, name, typed))
-            raise InputError(f"the start, {path} = {start}, is outside its bounds {bounds}")
-    _check_rising(design, {variable.path: variable for variable in variables})
-
-
-def _check_rising(design: Part, variables: Mapping[str, Variable]) -> None:
-    """Raise `InputError` where a curve might fall within the bounds of its points."""
-    for path, variable in variables.items():
-        curve, _, number = path.rpartition(".")
-        if "[" not in number or (after := get(design, curve).following(number)) is None:
-            continue
-        later = variables.get(f"{curve}.{after}")
-        if later is not None and variable.high >= later.low:
-            name = unit(design, path)
-            first, second = (interval_text(it.low, it.high, name) for it in (variable, later))
-            raise InputError(
-                f"{path} in {first} and {after} in {second} overlap: a curve's points rise, so the high bound of one"
-                " must be below the low bound of the next"
-            )
-
-
-OPTIMIZERS = ("adam", "adamw", "amsgrad", "lion", "nadam", "rmsprop", "sgd")  # of optax
-
-
-class Settings(Part):
-    """The settings of a search: the keywords of `tune`, and the section ``[tune]`` of a study.
-
-    ``iterations`` of each local search at most; ``starts``: designs screened in a round, the first time the problem's
-    own among them (1: that one alone, and no further round); ``searches``: the best of them that are followed;
-    ``rounds`` at most; ``seed`` of the samples; ``tolerance`` [-]: a search has converged when first-order information
-    predicts no larger reduction of the objective, relative, within a tenth of every range; ``optimizer``: what takes
-    the steps, with its ``learning_rate`` [-] in the variables' ranges if it is one of optax.
-    """
-
-    section: ClassVar[str] = "tune"
-    iterations: int = whole(40, 1, doc="steps of each local search at most")
-    starts: int = whole(32, 1, 2**20, doc="designs screened in a round; 1: the start alone, and no further round")
-    searches: int = whole(2, 1, doc="how many of the best of them are followed")
-    rounds: int = whole(6, 1, doc="rounds at most")
-    seed: int = whole(0, 0, doc="of the samples of starts")
-    tolerance: float = number(
-        1e-4,
-        "-",
-        low=0.0,
-        high=1.0,
-        low_open=True,
-        high_open=True,
-        doc="a search has converged when slopes predict no larger relative gain",
-    )
-    optimizer: str = choice("quadratic", "quadratic", *OPTIMIZERS, doc="quadratic programmes, or an optimizer of optax")
-    learning_rate: float = number(
-        0.05, "-", low=0.0, high=1.0, low_open=True, doc="of an optimizer of optax, in the variables' ranges"
-    )
-
-    @property
-    def most_evaluations(self) -> int:
-        """Return how many designs are evaluated at most in one stage.
-
-        Each round has ``starts``, and every search its first design and ``iterations``.
-        """
-        if self.starts == 1:
-            return 1 + self.iterations
-        # A round after the first follows one design near the best and at least one from anywhere.
-        followed = max(2, self.searches) * (1 + self.iterations)
-        return self.searches * (1 + self.iterations) + (self.rounds - 1) * followed + self.rounds * self.starts
-
-
-def settings_of(settings: Mapping[str, Any]) -> Settings:
-    """Return settings by name. **Raises:** `InputError` for names that are unknown and values out of range."""
-    known = [field.name for field in dataclasses.fields(Settings)]
-    check_known(settings, known, "tune")
-    for name in ("tolerance", "learning_rate"):
-        if name in settings:
-            limits = limits_of(Settings(), name)
-            check_single(f"tune.{name}", settings[name], "-", "it holds for all searches", **limits)
-    return Settings(**settings)

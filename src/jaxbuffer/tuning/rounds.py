@@ -13,13 +13,15 @@ import scipy
 from jaxtyping import Float
 
 from ..errors import InputError
+from .assessment import assess
 from .evaluation import Evaluation, Evaluator
 from .goal import Ceiling, Goal
 from .message import ending, message
-from .problem import Problem, Settings
+from .problem import Problem
 from .search import AGREE, BEHIND, RUNNING, Branch, Search, advance, without_hopeless
+from .settings import Settings
 from .store import Progress, TuningStore, record_of
-from .tuned import Tuned, assess
+from .tuned import Tuned
 
 WIDEST, NARROWEST = 0.5, 0.01  # half-widths of the boxes around the best design, of each variable's range
 

@@ -18,7 +18,7 @@ from jaxtyping import Float
 from .evaluation import Evaluation, Evaluator
 from .goal import ROOM, Goal, Tangent
 from .model_step import Cuts, ModelStep, Multipliers, best_step, residual, updated_curvature
-from .problem import Settings
+from .settings import Settings
 
 FIRST_RADIUS = 0.2  # of the trust region, as a share of each variable's range
 LARGEST_RADIUS = 0.5

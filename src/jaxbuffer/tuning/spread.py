@@ -83,7 +83,7 @@ def spreads(
     scenarios, evaluation, count = len(problem.scenarios), runs.evaluation, runs.corners
     per_scenario = count // scenarios
     limits = [name for name in problem.limits.names if name in problem.names]
-    found = []
+    each = []
     for name in dict.fromkeys([*problem.objective.weights, *limits]):
         q = problem.names.index(name)
         values = np.where(evaluation.solved, evaluation.quantities[:, q], np.nan)[:count].reshape(scenarios, -1)
@@ -96,7 +96,7 @@ def spreads(
         here, slope = float(drawn.quantities[k, q]), drawn.quantities_slope[k, q]
         if not drawn.solved[k]:
             continue
-        found.append(
+        each.append(
             Spread(
                 name=name,
                 scenario=k,
@@ -110,7 +110,7 @@ def spreads(
                 else float("nan"),
             )
         )
-    return tuple(it for it in found if it.low < it.high or np.any(it.effects))
+    return tuple(it for it in each if it.low < it.high or np.any(it.effects))
 
 
 def _error(
@@ -152,31 +152,31 @@ def tightening(
 
 def _worst(problem: Problem, runs: CornerRuns) -> tuple[Target, int] | None:
     """Return the limit that is broken worst in a corner, or nearly so, or else the objective, and the corner."""
-    found = list[tuple[float, int, Target]]()
+    worst = list[tuple[float, int, Target]]()
     for it in targets(problem):
         values = it.values(runs.evaluation)[: runs.corners]
         values = np.where(np.isnan(values), np.inf, values)
-        found.append((float(np.max(values)), int(np.argmax(values)), it))
-    near = [it for it in found if it[2].limited and it[0] > -NEAR]
-    some = sorted(near, key=lambda it: -it[0]) or [it for it in found if not it[2].limited]
+        worst.append((float(np.max(values)), int(np.argmax(values)), it))
+    near = [it for it in worst if it[2].limited and it[0] > -NEAR]
+    some = sorted(near, key=lambda it: -it[0]) or [it for it in worst if not it[2].limited]
     return (some[0][2], some[0][1]) if some else None
 
 
 CAPTION = "Change by half of each tolerance's width, and its share of the scatter"
 
 
-def spread_headings(problem: Problem, found: Sequence[Spread]) -> list[str]:
+def spread_headings(problem: Problem, spreads: Sequence[Spread]) -> list[str]:
     """Return each quantity's title with its unit."""
-    quantities = [problem.catalogue[it.name] for it in found]
+    quantities = [problem.catalogue[it.name] for it in spreads]
     return [it.title + ("" if is_plain(it.in_figures[0]) else f" [{it.in_figures[0]}]") for it in quantities]
 
 
-def spread_rows(problem: Problem, found: Sequence[Spread]) -> list[list[str]]:
+def spread_rows(problem: Problem, spreads: Sequence[Spread]) -> list[list[str]]:
     """Return a row for each tolerance, then what the corners show and the error of the first order; none without
     tolerances."""
-    if not found:
+    if not spreads:
         return []
-    each = [(it, problem.catalogue[it.name].in_figures[1]) for it in found]
+    each = [(it, problem.catalogue[it.name].in_figures[1]) for it in spreads]
     rows = [
         [
             address,
@@ -187,7 +187,7 @@ def spread_rows(problem: Problem, found: Sequence[Spread]) -> list[list[str]]:
     ]
     rows.append(["as drawn", "", *(f"{factor * it.drawn:.4g}" for it, factor in each)])
     rows.append(["in the corners", "", *(range_text(factor * it.low, factor * it.high, "", 4) for it, factor in each)])
-    rows.append(["error of the changes there", "", *(_error_text(it) for it in found)])
+    rows.append(["error of the changes there", "", *(_error_text(it) for it in spreads)])
     return rows
 
 
@@ -205,20 +205,20 @@ def _error_text(spread: Spread) -> str:
     return f"{percent_text(spread.error, '.0f')}{'' if spread.trusted else ', no guide'}"
 
 
-def spread_table(problem: Problem, found: Sequence[Spread]) -> Table | None:
+def spread_table(problem: Problem, spreads: Sequence[Spread]) -> Table | None:
     """Return the rows as a table; None without tolerances."""
-    if not found:
+    if not spreads:
         return None
-    made = table(CAPTION, ("field", "tolerance"), tuple(spread_headings(problem, found)))
-    for row in spread_rows(problem, found):
+    made = table(CAPTION, ("field", "tolerance"), tuple(spread_headings(problem, spreads)))
+    for row in spread_rows(problem, spreads):
         made.add_row(*row)
     return made
 
 
-def spread_lines(problem: Problem, found: Sequence[Spread], first: Tightening | None) -> list[str]:
+def spread_lines(problem: Problem, spreads: Sequence[Spread], first: Tightening | None) -> list[str]:
     """Return which tolerance to tighten first, and for which quantities the shares are no guide, a line each."""
     lines = [] if first is None else [first.line()]
-    titles = [problem.catalogue[it.name].title for it in found if not it.trusted]
+    titles = [problem.catalogue[it.name].title for it in spreads if not it.trusted]
     if titles:
         words = "first-order changes do not say what the corners show"
         lines.append(f"the shares of the {' and the '.join(titles)} are no guide: {words}")

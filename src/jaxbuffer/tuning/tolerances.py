@@ -111,7 +111,8 @@ def read_tolerance(where: str, given: Any, symbol: str) -> Tolerance:
     shares = [typed_unit(it) == "%" for it in parts if isinstance(it, str)]
     relative = any(shares)
     if relative and not all(shares):
-        raise InputError(f"{where} = {shown(given)}: write both sides in per cent, or both in {_in(symbol)}")
+        unit = "plain numbers" if symbol == "-" else symbol
+        raise InputError(f"{where} = {shown(given)}: write both sides in per cent, or both in {unit}")
     ends = [_end(where, it, "-" if relative else symbol) for it in parts]
     if not pair:
         (half,) = ends
@@ -125,10 +126,6 @@ def read_tolerance(where: str, given: Any, symbol: str) -> Tolerance:
             f"{where} = {shown(given)}: a pair goes from at most 0 to at least 0, and is not 0 on both sides"
         )
     return Tolerance(low, high, relative)
-
-
-def _in(symbol: str) -> str:
-    return "plain numbers" if symbol == "-" else symbol
 
 
 def _end(where: str, given: Any, symbol: str) -> float:

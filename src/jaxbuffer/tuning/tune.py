@@ -22,20 +22,10 @@ from .corner_search import with_corners, worse_corners
 from .descent import check_optimizer, descend, optimizer_named
 from .evaluation import Evaluator
 from .goal import Goal
-from .problem import Problem, Settings, settings_of
+from .problem import Problem
 from .rounds import Rounds, best_branch, stage_search
-from .store import (
-    CODE,
-    OPTIMIZER,
-    STUDY,
-    VERSION,
-    Progress,
-    Record,
-    TuningStore,
-    evaluations_of,
-    in_words,
-    read_state,
-)
+from .settings import Settings, settings_of
+from .store import CODE, OPTIMIZER, STUDY, VERSION, Progress, Record, TuningStore, evaluations_of, in_words, read_state
 from .tuned import Tuned
 
 SIGNS, BEGIN = "corner_signs", "begin"  # in a state: the corners among the cases, and what the rounds begin with

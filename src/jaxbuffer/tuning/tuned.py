@@ -1,8 +1,8 @@
-"""The result of a tuning: the best design evaluated at tight tolerance, and its tables."""
+"""The result of a tuning, and its tables."""
 
 import dataclasses
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -18,14 +18,14 @@ from ..mechanisms.energy import energy_text
 from ..mechanisms.mechanism import EndCount
 from ..tables import html, table, text
 from ..value_text import before_and_after, change_text, percent_text, relative_change
-from .checks import PeakForceBound, lower_bound
-from .corners import CornerRuns, Corners, corners, run_corners
-from .evaluation import Evaluation, Evaluator
-from .goal import Goal, Tangent
-from .message import INFEASIBLE, Ended, broken_limits, headline
-from .model_step import residual
-from .problem import Problem, Settings
-from .spread import Spread, Tightening, spread_lines, spread_table, spreads, tightening
+from .checks import PeakForceBound
+from .corners import Corners
+from .evaluation import Evaluation, validity_lines
+from .goal import Goal
+from .message import broken_limits, headline
+from .problem import Problem
+from .settings import Settings
+from .spread import Spread, Tightening, spread_lines, spread_table
 from .store import Record
 
 SHOWN = 12  # scenarios in a table
@@ -175,76 +175,6 @@ class Tuned(Saved):
         return html(*tuned_parts(self))
 
 
-def assess(
-    goal: Goal,
-    settings: Settings,
-    evaluator: Evaluator,
-    first: Float[np.ndarray, " variables"],
-    best: Evaluation,
-    scale: float,
-    penalty: float,
-    message: Callable[[Evaluation], str],
-    records: Sequence[Record],
-    *,
-    ended: Ended,
-    confirmed: bool,
-) -> Tuned:
-    """Evaluate the best design of a search at tight tolerance, with the evidence for it.
-
-    **Arguments:** ``first``: scaled variables of the problem's own start; ``best``: the best design at the search's
-    tolerance; ``scale`` of the objective and ``penalty`` on what is above a limit, for the first-order residual;
-    ``message``: how it ended, in words, from the best design at tight tolerance; others as of `Tuned`.
-    """
-    problem, scaled = goal.problem, best.scaled
-    before, after = evaluator([first, scaled], rtol=evaluator.tight)
-    # One set of weights for both slopes: which load case is the worst may differ by rounding, which is no error.
-    cases = goal.objective.case_weights(after.quantities @ goal.weights(goal.objective))
-    exact = goal.slope(after, cases)
-    error, largest = float(np.max(np.abs(goal.slope(best, cases) - exact))), float(np.max(np.abs(exact)))
-    # Before the count of captures below: the corners are runs, too.
-    runs = run_corners(problem, evaluator, scaled, evaluator.tight)
-    in_corners = None if runs is None else corners(problem, runs)
-    more = {} if runs is None or not problem.tolerances else _of_tolerances(problem, evaluator, scaled, runs)
-    return Tuned(
-        problem=problem,
-        settings=settings,
-        goal=goal,
-        design=problem.built(scaled),
-        before=before,
-        after=after,
-        residual=residual(goal, Tangent.of(after), scaled, scale, penalty).predicted_reduction,
-        gradient_error=error / largest if largest > 0.0 else 0.0 if error == 0.0 else float("nan"),
-        ended=ended,
-        confirmed=confirmed,
-        message=with_corners(message(after), in_corners, goal.feasible(after)),
-        lower_bound=lower_bound(problem, scaled),
-        records=tuple(records),
-        captures=evaluator.captures,
-        corners=in_corners,
-        **more,
-        tight=evaluator.tight,
-    )
-
-
-def _of_tolerances(problem: Problem, evaluator: Evaluator, scaled: np.ndarray, runs: CornerRuns) -> dict[str, Any]:
-    """Return which tolerances matter."""
-    arguments = (problem, evaluator, scaled, runs, evaluator.tight)
-    return {"spreads": spreads(*arguments), "tightening": tightening(*arguments)}
-
-
-def with_corners(message: str, in_corners: Corners | None, feasible: bool) -> str:
-    """Return a message with the verdict of the corners before it: where they break something, and of tolerances."""
-    if in_corners is None:
-        return message
-    if in_corners.hold and feasible:
-        return (
-            f"{in_corners.verdict}. {message[:1].upper()}{message[1:]}" if "tolerances" in in_corners.what else message
-        )
-    if feasible:
-        return f"{in_corners.verdict}. {message[:1].upper()}{message[1:]}"
-    return f"{INFEASIBLE}{in_corners.verdict}; {message.removeprefix(INFEASIBLE)}" if not in_corners.hold else message
-
-
 def tuned_table(tuned: Tuned) -> str:
     """Return the tables as text."""
     return text(*tuned_parts(tuned))
@@ -320,15 +250,6 @@ def tuned_warnings(tuned: Tuned) -> list[str]:
     for path in tuned.inactive_variables:
         lines.append(f"without effect: {path} changes nothing, neither at the start nor in the result; leave it out")
     return lines
-
-
-def validity_lines(problem: Problem, design: Part, evaluation: Evaluation) -> list[str]:
-    """Return a line for each validity limit that a design exceeds, with the number of load cases."""
-    count: dict[str, int] = {}
-    for case, peak in zip(problem.cases, evaluation.peak_force, strict=True):
-        for limit in problem.mechanism.view.validity(case.of(design), peak):
-            count[limit.beyond] = count.get(limit.beyond, 0) + int(np.sum(limit.passed))
-    return [f"{what} in {n} of {len(problem.cases)} scenarios" for what, n in count.items() if n]
 
 
 def unasked_end(tuned: Tuned) -> list[str]:

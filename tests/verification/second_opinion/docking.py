@@ -5,7 +5,7 @@ import math
 from scipy.interpolate import PchipInterpolator
 
 from jaxbuffer import Design
-from jaxbuffer.mechanisms.probe_cone.buffer import Buffer
+from jaxbuffer.mechanisms.probe_cone.buffer import ProbeBuffer
 
 
 class Latch:
@@ -63,7 +63,7 @@ class Latch:
         return -self.share(time) * (self.turn_stiffness * (rod[0] - cone[2]) + self.turn_damping * (rod[1] - cone[5]))
 
 
-def buffer_force(buffer: Buffer) -> dict:
+def buffer_force(buffer: ProbeBuffer) -> dict:
     """What Exudyn's spring-damper takes: two numbers, or a function of elongation and its rate that gives the pull."""
     more = (buffer.spring_curve, buffer.damper_curve, buffer.preload, buffer.c_A2, buffer.rebound_factor)
     if all(part is None for part in (*more, buffer.friction, buffer.rebound_stiffness)):

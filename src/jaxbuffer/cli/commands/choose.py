@@ -15,10 +15,10 @@ from ...cluster.extra import executor_at
 from ...errors import InputError
 from ...fields import declared
 from ...output.choice_files import choice_files
-from ...study.config import Config, apply_options
-from ...tuning.problem import Settings
-from ..exits import INTERRUPTED, LIMITS_BROKEN, OK, fail
-from ..streams import note
+from ...study.config import Config
+from ...study.overrides import apply_options
+from ...tuning.settings import Settings
+from ..exits import LIMITS_BROKEN, OK, fail, interrupted
 from .progress import sweeping, tuning
 from .request import CommandLine, given, say_cautions
 
@@ -40,7 +40,7 @@ def choose(
         raise InputError(EMPTY)
     if study.parts and study.roundings:
         raise InputError("[parts] and [roundings] both say what to choose from; keep one")
-    say_cautions(study.design, study.scenarios, {path for it in study.parts for path in it.paths})
+    say_cautions(study.design, study.scenarios, {path for it in study.parts for path in it.paths}, units=study.units)
     chosen = _parts if study.parts else _roundings
     work = chosen(study)
     folders = (FOLDER, OPTIMUM, *(f"{TUNED}-{k + 1}" for k in range(study.choosing.tuned)))
@@ -52,11 +52,9 @@ def choose(
             means = Means(request.output, resume, executor=executor, solver=study.options.solver, settings=settings)
             choice = work(means)
     except KeyboardInterrupt:
-        goes_on = f"the runs so far are kept; the same command with --resume goes on in {request.output}"
-        note("nothing is kept without --output DIR" if request.output is None else goes_on)
-        return INTERRUPTED
+        return interrupted(request.output, "the runs so far are kept")
     contents = choice_files(choice, request.made(study, resume))
-    files.save_and_show(lambda: contents, choice, lambda: str(contents["choice.json"]()))
+    files.save_record(contents, choice, "choice.json")
     return OK if choice.feasible else fail(choice.message, LIMITS_BROKEN)
 
 

@@ -70,6 +70,10 @@ class Output:
             if error is not None:
                 raise error
 
+    def save_record(self, contents: Contents, result: object, name: str) -> None:
+        """Do as `save_and_show` with files of which the one of that ``name`` has the record."""
+        self.save_and_show(lambda: contents, result, lambda: str(contents[name]()))
+
 
 class _Telling:
     """Shows a result once, and after it each file that was written; what fails at that is kept as ``failure``, for

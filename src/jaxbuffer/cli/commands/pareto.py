@@ -9,10 +9,10 @@ from ...output.tuned_files import front_files
 from ...output.tuned_records import front_rows
 from ...tuning.pareto import check_front, two_objectives
 from ...tuning.pareto import pareto as compute
-from ..exits import INTERRUPTED, LIMITS_BROKEN, OK, fail
+from ..exits import LIMITS_BROKEN, OK, fail, interrupted
 from ..streams import note
 from .progress import tuning
-from .request import CommandLine, say_cautions
+from .request import CommandLine, tuned_problem
 
 
 def pareto(
@@ -26,8 +26,7 @@ def pareto(
     ):
         if value != only:
             raise InputError(f"{field} = {value!r}: a front has the {only} one only; leave it out")
-    problem = study.problem()
-    say_cautions(study.design, study.scenarios, {variable.path for variable in problem.variables}, units=study.units)
+    problem = tuned_problem(study)
     if objectives is None:
         raise InputError(f"--objectives is missing; write --objectives {two_objectives(problem)}")
     names = [name.strip() for name in objectives.split(",")]
@@ -50,9 +49,7 @@ def pareto(
                 problem.success,
             )
     except KeyboardInterrupt:
-        goes_on = f"the points so far are kept; the same command with --resume goes on in {request.output}"
-        note("nothing is kept without --output DIR" if request.output is None else goes_on)
-        return INTERRUPTED
+        return interrupted(request.output, "the points so far are kept")
     made = request.made(study, resume)
     files.save_and_show(lambda: front_files(front, made), front, lambda: table_json("points", *front_rows(front)))
     return OK if front.non_dominated.any() else fail("no design was found that keeps to the limits", LIMITS_BROKEN)

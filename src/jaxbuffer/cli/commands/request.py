@@ -2,7 +2,7 @@
 
 import dataclasses
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +10,10 @@ from ...errors import InputError, check_choice
 from ...mechanisms.cautions import cautions
 from ...output.provenance import made
 from ...programs import process
-from ...study.config import Config, apply_options, apply_overrides, load
+from ...study.config import Config
+from ...study.load import load
+from ...study.overrides import apply_options, apply_overrides
+from ...tuning.problem import Problem
 from ..streams import note
 from .output import Output
 
@@ -56,14 +59,19 @@ class CommandLine:
                 allowed = f"must be a whole number from 1 to {count}, as many as the study has"
                 raise InputError(f"--scenario-number {number} {allowed}")
             study = dataclasses.replace(study, scenario=study.scenarios[int(number) - 1])
-            say_cautions(study.design, (study.scenario,), units=study.units)
-            return study
-        if count > 1:
+        elif count > 1:
             which = f"the first of {count} scenarios" if study.scenario == study.scenarios[0] else "[scenario]"
             label = study.mechanism.view.label(study.scenario)
             note(f"running {which}, {label}; --scenario-number N takes another, 1 to {count}")
         say_cautions(study.design, (study.scenario,), units=study.units)
         return study
+
+    def varying(self, study: Config, paths: Collection[str], where: str) -> Config:
+        """Return the study for runs that vary the numbers at some ``paths``, once it is said which others have no
+        effect. **Raises:** `InputError` for a path that the command line sets, too; ``where`` its values are."""
+        check_swept_once(self.fields, paths, where)
+        say_cautions(study.design, (study.scenario,), paths, geometry=False, units=study.units)
+        return study.varying(paths)
 
     def made(self, study: Config, resumed: bool = False) -> dict[str, Any]:
         """Return what is known by now of how the result came about, for its record."""
@@ -89,6 +97,13 @@ def say_cautions(*runs: Any, **options: Any) -> None:
     """Say on stderr which numbers have no effect and what the geometry rules out; see `cautions`."""
     for line in cautions(*runs, **options):
         note(line)
+
+
+def tuned_problem(study: Config) -> Problem:
+    """Return the study's design problem, once it is said which of the other numbers have no effect."""
+    problem = study.problem()
+    say_cautions(study.design, study.scenarios, set(problem.paths), units=study.units)
+    return problem
 
 
 def check_swept_once(fields: Mapping[str, Any], swept: Iterable[str], where: str) -> None:

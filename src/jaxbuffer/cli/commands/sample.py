@@ -1,9 +1,9 @@
 """`jaxbuffer sample`: runs spread over ranges, and what can be read off them."""
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
-from ...cluster.extra import executor_at
 from ...errors import InputError
 from ...experiments.indices import sobol_indices
 from ...experiments.points import METHODS, Points, points
@@ -13,13 +13,12 @@ from ...experiments.surface import response_surface
 from ...mechanisms.quantity import check_quantities
 from ...output.swept_files import sample_files, sample_text, swept_json
 from ...study.config import Config
-from ...sweeps.result import SweepInterrupted
 from ...sweeps.store import STORE
 from ..exits import INTERRUPTED
 from .output import Output
-from .progress import sweeping, working
-from .request import CommandLine, asked_for, check_swept_once, each_once, say_cautions
-from .sweep import any_solved, resumable
+from .progress import working
+from .request import CommandLine, each_once
+from .runs import any_solved, computed_runs
 
 
 def sample(
@@ -39,10 +38,7 @@ def sample(
     study = request.study()
     # Before anything is computed or written: mistakes of the command line are found at once.
     points = _points(study, over or [], count, method, seed, indices)
-    check_swept_once(request.fields, (axis.path for axis in points.axes), "this sample")
-    varied = [axis.path for axis in points.axes]
-    say_cautions(study.design, (study.scenario,), varied, geometry=False, units=study.units)
-    study = study.varying(varied)
+    study = request.varying(study, [axis.path for axis in points.axes], "this sample")
     parts = {"indices": indices, "surface": surface}
     names = check_quantities(study.mechanism.quantities, of or study.mechanism.defaults_for(study.design).mapped[:1])
     for name in names:
@@ -51,10 +47,12 @@ def sample(
     file_names = [f"sample.{kind}" for kind in ("csv", "png", "txt", "nc", "json")]
     file_names += [f"{name}.{kind}" for name, chosen in parts.items() if chosen for kind in ("csv", "png")]
     files = request.files(*file_names, resumable=(STORE,), resume=resume)
-    with executor_at(scheduler) as (executor, workers):
-        keeping = {"folder": request.output, "resume": resume, "trust": asked_for(trust)}
-        result, interrupted = _computed(study, points, executor=executor, workers=workers, **keeping)
-    if result is None:
+    work = partial(sample_at, points, study.design, study.scenario, study.options.duration)
+    result, interrupted = computed_runs(
+        work, len(points), request, study, scheduler=scheduler, resume=resume, trust=trust
+    )
+    # Interrupted before its first run: there is nothing to save.
+    if not result.done.any():
         return INTERRUPTED
     made = request.made(study, resume)
     if interrupted:
@@ -80,17 +78,6 @@ def _whole(name: str, text: str) -> int:
         return int(text)
     except ValueError:
         raise InputError(f"--{name} {text} is not a whole number; 256 say") from None
-
-
-def _computed(study: Config, points: Points, **options: Any) -> tuple[Sample | None, bool]:
-    """Compute the sample; return it as far as it came, and whether it was interrupted. ``options``: as of `sample`."""
-    options |= {"solver": study.options.stepper(), "rtol": study.options.rtol}
-    task = (points, study.design, study.scenario, study.options.duration)
-    try:
-        return sweeping(len(points), lambda report: sample_at(*task, progress=report, **options)), False
-    except SweepInterrupted as stop:
-        partial = resumable(stop, options["folder"])
-        return (partial if stop.done.any() else None), True
 
 
 def _finish(

@@ -49,5 +49,5 @@ def sensitivity(
     if result.run.outcome.failed:
         return fail(result.run.outcome.reason)
     contents = sensitivity_files(result, request.made(study))
-    files.save_and_show(lambda: contents, result, lambda: str(contents["sensitivity.json"]()))
+    files.save_record(contents, result, "sensitivity.json")
     return keeps_limits(limits, result.run)

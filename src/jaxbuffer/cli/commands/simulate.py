@@ -38,7 +38,7 @@ def simulate(request: CommandLine, scenario_number: str | None, trust: str) -> i
     # Said only where files are wanted, since it is about files.
     if request.output is not None and (missing := left_out(contents)):
         note(missing)
-    files.save_and_show(lambda: contents, run, lambda: str(contents[f"{name}.json"]()))
+    files.save_record(contents, run, f"{name}.json")
     return keeps_limits(limits, run)
 
 

@@ -9,9 +9,10 @@ from ...mechanisms.described import described
 from ...mechanisms.mechanism import Mechanism
 from ...output.formats import json_text
 from ...programs import process
-from ...study.config import DEFAULT_KIND, load
+from ...study.config import DEFAULT_KIND
 from ...study.example import example_toml, own_mechanism
 from ...study.explained import explained
+from ...study.load import load
 from ...study.schema import study_schema
 from ..exits import OK
 from ..streams import show

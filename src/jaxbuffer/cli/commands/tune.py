@@ -13,11 +13,11 @@ from ...tuning.cases import grid_address
 from ...tuning.tune import best_so_far
 from ...tuning.tune import tune as compute
 from ...value_text import with_unit
-from ..exits import INTERRUPTED, LIMITS_BROKEN, OK, fail
+from ..exits import INTERRUPTED, LIMITS_BROKEN, OK, fail, interrupted
 from ..streams import note
 from .output import Output
 from .progress import tuning
-from .request import CommandLine, check_swept_once, say_cautions
+from .request import CommandLine, check_swept_once, tuned_problem
 
 RUN_FILES = ("log.jsonl", "state.npz", "state.old.npz")  # of a tuning, which `tuning.store` keeps
 
@@ -26,8 +26,7 @@ def tune(request: CommandLine, scheduler: str | None, resume: bool, **search: st
     """Search for the best design, and save it or, if interrupted, the best one so far."""
     study = request.tuning_study(**search)
     check_swept_once(request.fields, map(grid_address, study.table.grid or ()), "[problem.grid]")
-    problem = study.problem()
-    say_cautions(study.design, study.scenarios, {variable.path for variable in problem.variables}, units=study.units)
+    problem = tuned_problem(study)
     names = ("design.toml", "design.mat", "tuned.json", "history.csv", "force.json", "tune.png", "tune.txt")
     files = request.files(*names, resumable=RUN_FILES, resume=resume)
     settings = {**vars(study.tuning), "solver": study.options.solver}
@@ -43,26 +42,23 @@ def tune(request: CommandLine, scheduler: str | None, resume: bool, **search: st
     except KeyboardInterrupt:
         return keep_best(problem, settings, files)
     contents = tuned_files(tuned, request.made(study, resume), note)
-    files.save_and_show(lambda: contents, tuned, lambda: str(contents["tuned.json"]()))
+    files.save_record(contents, tuned, "tuned.json")
     return OK if tuned.feasible else fail(tuned.message, LIMITS_BROKEN)
 
 
 def keep_best(problem: Problem, settings: Mapping[str, Any], files: Output) -> int:
     """Save the best design that the search has found, as far as its folder knows."""
     if files.folder is None:
-        note("nothing is kept without --output DIR")
-        return INTERRUPTED
+        return interrupted(None)
     try:
         best = best_so_far(problem, files.folder, **settings)
     except InputError:  # before the run had taken the folder
         return INTERRUPTED
     if best is None:
-        note(f"no step was finished; the same command with --resume goes on in {files.folder}")
-        return INTERRUPTED
+        return interrupted(files.folder, "no step was finished")
     which = "the problem's then" if best.stage else "the objective"
     verdict = "within all limits" if best.feasible else "limits broken"
     value = with_unit(*as_displayed(best.objective, best.unit))
     words = f"interrupted after {best.evaluations} evaluations; best so far by {which}: {value}, {verdict}"
     files.save_and_show(lambda: {"design.toml": lambda: tuned_toml(best.design, problem, words)}, words)
-    note(f"the same command with --resume goes on in {files.folder}")
-    return INTERRUPTED
+    return interrupted(files.folder)

@@ -10,7 +10,7 @@ from ..._types import Scalar
 from ..sensitivity.augmented_state import Rows
 
 
-class Tolerance(eqx.Module):
+class StepTolerance(eqx.Module):
     """Local error allowed in one step: ``rtol`` of a component's size plus ``atol`` of the system's scale for it.
 
     Sensitivity rows are held to the same, component by component: taking a row's size as a whole spared 12 % of the

@@ -23,8 +23,7 @@ from ...fields import (
     outside_runs,
     whole,
 )
-from ...multibody.flexible import Bar as UniformBar
-from ...multibody.flexible import FlexibleBar, free_bar, plate_strip
+from ...multibody.flexible import Bar, FlexibleBar, free_bar, plate_strip
 from ..run import DesignOf
 from .run import BarDropRun
 
@@ -33,7 +32,7 @@ MATERIALS = outside_runs("only BarDrop.hertz_stiffness reads it; the laws take i
 PUBLISHED_STIFFNESS = 48_049.0 * 1000.0**2.2  # N/m^2.2, the paper's 48 049 N/mm^2.2
 
 
-class Bar(Part):
+class HingedBar(Part):
     """A round bar, hinged at one end; the other end is a ball.
 
     ``length`` from the hinge to the ball's centre; ``diameter``; ``density``; ``ball_radius``. ``modes``: how many of
@@ -63,9 +62,9 @@ class Bar(Part):
         return self.density * math.pi / 4.0 * self.diameter**2 * self.length
 
     @property
-    def rod(self) -> UniformBar:
+    def rod(self) -> Bar:
         """Return the bar as a uniform one of circular section."""
-        return UniformBar.circle(self.length, self.diameter, self.density, self.young_modulus)
+        return Bar.circle(self.length, self.diameter, self.density, self.young_modulus)
 
     @property
     def bent(self) -> FlexibleBar:
@@ -76,7 +75,7 @@ class Bar(Part):
     def middle_off_ends(self) -> Float[np.ndarray, " modes"]:
         """Return how far the bar's middle is off the line through its ends, per unit of each modal coordinate [-]."""
         # The mode shapes of a free uniform bar do not depend on its dimensions.
-        shapes = free_bar(UniformBar.circle(1.0, 1.0, 1.0, 1.0), self.modes - 2).shapes
+        shapes = free_bar(Bar.circle(1.0, 1.0, 1.0, 1.0), self.modes - 2).shapes
         start, middle, end = shapes.lateral(np.array([0.0, 0.5, 1.0]), 0)
         return middle - 0.5 * (start + end)
 
@@ -195,9 +194,9 @@ class Plate(Part):
     )
 
     @property
-    def strip(self) -> UniformBar:
+    def strip(self) -> Bar:
         """Return the plate as a uniform bar of rectangular section."""
-        return UniformBar.rectangle(self.length, self.width, self.thickness, self.density, self.young_modulus)
+        return Bar.rectangle(self.length, self.width, self.thickness, self.density, self.young_modulus)
 
     @property
     def moving_modes(self) -> tuple[int, ...]:
@@ -229,7 +228,7 @@ class BarDrop(DesignOf[BarDropRun]):
     1831.5 N, 23.46 µm deep
     """
 
-    bar: Bar = Bar()
+    bar: HingedBar = HingedBar()
     impact: Impact = Impact()
     plate: Plate = Plate()
 

@@ -14,7 +14,7 @@ STOPS = {"stop": "an end stop", "rebound": "a rebound stop"}
 DAMPER = ("damper_curve", "c_A2", "rebound_factor")  # what the axial damper may have besides c_A
 
 
-class Buffer(Part):
+class ProbeBuffer(Part):
     """Axial and torsional spring-dampers, the cylinder between them, and the buffer's end.
 
     - ``k_A``: stiffness along the cylinder [N/m] (M23).

@@ -14,9 +14,10 @@ from ...contact import hertz_stiffness
 from ...errors import InputError, check_entries, check_type, concrete, inside, same_shape
 from ...fields import NON_NEGATIVE, POSITIVE, Number, Part, all_of, choice, number, on
 from ..run import DesignOf
-from .buffer import Buffer
+from .buffer import ProbeBuffer
 from .capture import Capture
-from .parts import Active, Cone, Contact, Hinge, Latch, Passive, Probe
+from .contact import Contact
+from .parts import Active, Cone, Hinge, Latches, Passive, Probe
 from .shock import Shock
 
 
@@ -43,12 +44,12 @@ class Design(DesignOf[Capture]):
 
     active: Active = Active()
     passive: Passive = Passive()
-    buffer: Buffer = Buffer()
+    buffer: ProbeBuffer = ProbeBuffer()
     probe: Probe = Probe()
     cone: Cone = Cone()
     contact: Contact = Contact()
     hinge: Hinge = Hinge()
-    latch: Latch = Latch()
+    latch: Latches = Latches()
     shock: Shock = Shock()
 
     def check_together(self) -> None:

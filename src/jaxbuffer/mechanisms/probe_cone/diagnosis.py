@@ -10,7 +10,8 @@ from ...hybrid import Kind
 from ...programs.cache import stored
 from ...value_text import percent_text, with_unit
 from ..energy import energy_text, energy_unit
-from .assembly import CONTACTS, T, assemble
+from .assembly import CONTACTS, assemble
+from .bodies import T
 from .capture import Capture
 from .outcome import Outcome
 from .panels import NOT_ELASTIC

@@ -14,7 +14,7 @@ from ...elements import BufferForce, EndStop, Latch
 from ...hybrid import Kind, Log
 from ..assembled import Assembled
 from ..layout import EvaluatedState
-from .assembly import P, T
+from .bodies import P, T
 from .capture import Docking
 from .outcome import Outcome
 

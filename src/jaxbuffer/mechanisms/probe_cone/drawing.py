@@ -23,7 +23,8 @@ from ..drawing import (
     stations,
     with_stations,
 )
-from .assembly import SIDE, B, P, S, T, probe_masses
+from .assembly import SIDE
+from .bodies import B, P, S, T, probe_masses
 from .design import Design
 
 TIP = 4  # the frame behind those of the bodies: the tip's, off the probe's axis where the probe bends

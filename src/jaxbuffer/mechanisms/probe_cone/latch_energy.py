@@ -21,7 +21,8 @@ def closing_energy(capture: Capture) -> Float[Array, ""]:
 
 def closing_share(capture: Capture) -> Float[Array, ""]:
     """Return what the closing of the latches put in over the energy of relative motion at the start [-] (M182)."""
-    return closing_energy(capture) / _brought(capture)
+    at_start = capture.docking.energy_left / capture.docking.relative_energy
+    return closing_energy(capture) / at_start
 
 
 def reference_share(capture: Capture) -> Float[Array, ""]:
@@ -30,11 +31,6 @@ def reference_share(capture: Capture) -> Float[Array, ""]:
     active = design.active.mass + design.buffer.cylinder_mass + design.probe.rod_mass + design.probe.tip_mass
     reduced = active * design.passive.mass / (active + design.passive.mass)
     return jnp.asarray(capture.docking.energy_left / (0.5 * reduced * REFERENCE_SPEED**2))
-
-
-def _brought(capture: Capture) -> Float[Array, ""]:
-    """Return the energy of relative motion at the start [J]."""
-    return capture.docking.energy_left / capture.docking.relative_energy
 
 
 def _in_numbers(capture: Capture) -> tuple[float, float]:

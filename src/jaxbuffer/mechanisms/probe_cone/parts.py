@@ -1,4 +1,4 @@
-"""The parts of the probe-cone mechanism but its buffer: every number, checked when a part is made.
+"""The parts of the probe-cone mechanism but its buffer and its contact: every number, checked when a part is made.
 
 Each number is a scalar, or an array where many designs are handled together; its unit stands in its declaration. The
 table "symbols and fields" of docs/model.md has them all, with symbols and where the defaults come from.
@@ -13,20 +13,13 @@ import numpy as np
 from jaxtyping import Array, Bool
 
 from ..._types import Scalar
-from ...contact import law_choice, law_class, laws_with
-from ...errors import (
-    InputError,
-    check_entries,
-    concrete,
-    inside,
-)
-from ...fields import NON_NEGATIVE, POSITIVE, Number, Part, choice, chosen, chosen_of, number, on, whole
+from ...errors import InputError, check_entries, concrete, inside
+from ...fields import NON_NEGATIVE, POSITIVE, Number, Part, number, on, whole
 
 ALUMINIUM_DENSITY = 2740.0  # kg/m³, the paper's section 7
 ROD_RADIUS = 0.009  # m, r_p of Table 2
 TIP_RADIUS = 0.015  # m, R_tip of Table 2
 PROBE_LENGTH = 0.2  # m, L_P of Table 2
-HERTZ_EXPONENT = 1.5  # -
 BENDING_MODES = 3
 
 
@@ -142,7 +135,7 @@ class Hinge(Part):
         return self.bush_radius - (self.play if self.has("play") else 0.0)
 
 
-class Latch(Part):
+class Latches(Part):
     """Latches that close where the tip crosses the capture plane, and hold the vehicles together (M175 to M177).
 
     Without them a run ends there.
@@ -254,118 +247,3 @@ class Cone(Part):
         low_open=True,
         doc="Poisson's ratio of the flanks; not set: contact.poisson_ratio",
     )
-
-
-class Contact(Part):
-    """Tip against flank: a normal law and regularised Coulomb friction.
-
-    - ``law``: a name of `contact.laws.LAWS`, or a `ContactLaw` of one's own; it takes those of the following fields
-      that it has. The defaults of "kelvin-voigt" and "adams" are as stiff and as lossy as Table 2's law at the depth of
-      its first impact.
-    - ``stiffness``: K [N/m^1.5], of "adams" [N/m^exponent]; None: computed from the materials and the tip's radius
-      (M53).
-    - ``restitution``: e in (0, 1] that is asked of the laws with hysteresis [-].
-    - ``friction`` μ [-], ``slip_speed`` v_s [m/s]: M59.
-    - ``young_modulus`` [Pa], ``poisson_ratio`` [-]: of the tip, and of the cone where that has none of its own.
-    - ``yield_stress``: of the softer side [Pa]; if given, the answer says where the materials yield (M57).
-    - ``linear_stiffness`` k [N/m] of "kelvin-voigt"; ``damping`` c [N s/m] of "kelvin-voigt" and "adams".
-    - ``exponent`` n [-], ``ramp_depth`` d [m]: of "adams".
-    - ``onset_length`` ε [m], ``memory_time`` τ_m [s]: of the smooth contact (M60, M61).
-    - ``memory``: "event" holds the speed of the last touchdown, located as an event (M36); "smooth" lets it follow the
-      approach speed while out of contact (M61) and rounds the onset (M60).
-    - ``arms``: "moving" acts at the foot (M33); "published" freezes the arm on T where the first contact was (M34).
-    """
-
-    section: ClassVar[str] = "contact"
-    law: str = law_choice("lankarani-nikravesh")
-    stiffness: Number = number(
-        None,
-        "N/m^1.5",
-        **POSITIVE,
-        needs=chosen_of("law", laws_with("stiffness")),
-        doc="stiffness K; not set: computed from materials and tip radius",
-    )
-    restitution: Number = number(
-        0.9,
-        "-",
-        low=0.0,
-        high=1.0,
-        low_open=True,
-        needs=chosen_of("law", laws_with("restitution")),
-        doc="restitution that is asked of laws with hysteresis",
-    )
-    friction: Number = number(0.33, "-", **NON_NEGATIVE, doc="coefficient of friction μ")
-    slip_speed: Number = number(
-        1e-3, "m/s", **POSITIVE, needs=on("friction"), doc="slip speed v_s below which friction falls to zero"
-    )
-    young_modulus: Number = number(
-        71.7e9, "Pa", **POSITIVE, doc="Young's modulus of the tip, and of a cone without its own"
-    )
-    poisson_ratio: Number = number(
-        0.3, "-", low=-1.0, high=0.5, low_open=True, doc="Poisson's ratio of the tip, and of a cone without its own"
-    )
-    yield_stress: Number = number(
-        None, "Pa", **POSITIVE, doc="yield stress of the softer side; not set: yielding is not looked at"
-    )
-    linear_stiffness: Number = number(
-        1.5e7,
-        "N/m",
-        **POSITIVE,
-        needs=chosen_of("law", laws_with("linear_stiffness")),
-        doc="stiffness k of the law kelvin-voigt",
-    )
-    damping: Number = number(
-        80.0,
-        "N s/m",
-        **NON_NEGATIVE,
-        needs=chosen_of("law", laws_with("damping")),
-        doc="damping c of the laws kelvin-voigt and adams",
-    )
-    exponent: Number = number(1.5, "-", low=1.0, doc="exponent n of the law adams")
-    ramp_depth: Number = number(
-        1e-6,
-        "m",
-        **POSITIVE,
-        needs=chosen_of("law", laws_with("ramp_depth")),
-        doc="depth d over which the damping of adams sets in",
-    )
-    onset_length: Number = number(
-        1e-8, "m", **POSITIVE, needs=chosen("memory", "smooth"), doc="length over which the smooth contact sets in"
-    )
-    memory_time: Number = number(
-        2e-4,
-        "s",
-        **POSITIVE,
-        needs=chosen("memory", "smooth"),
-        doc="time in which the smooth contact's memory follows the approach speed",
-    )
-    memory: str = choice(
-        "event",
-        "event",
-        "smooth",
-        doc="event: the speed of the last touchdown is held; smooth: it follows while out of contact",
-    )
-    arms: str = choice(
-        "moving",
-        "moving",
-        "published",
-        doc="moving: the force acts at the foot; published: where the first contact was",
-    )
-
-    def check_together(self) -> None:
-        exponent = concrete(self.exponent)
-        if exponent is not None and np.any(exponent != HERTZ_EXPONENT):
-            shown = f"contact.exponent = {float(exponent.flat[0]):g}"
-            if self.law != "adams":
-                raise InputError(f"{shown}: only contact.law = 'adams' has an exponent other than {HERTZ_EXPONENT}")
-            if not self.has("stiffness"):
-                raise InputError(f"{shown} needs contact.stiffness in N/m^exponent: Hertz's is in N/m^{HERTZ_EXPONENT}")
-        if self.memory == "smooth" and law_class(self.law).jumps:
-            raise InputError(
-                f"contact.law = {self.law!r}: its force jumps at touchdown; contact.memory must be 'event'"
-            )
-
-    def in_range(self) -> Iterator[Bool[Array, ""]]:
-        yield from super().in_range()
-        if not (self.law == "adams" and self.has("stiffness")):
-            yield inside(self.exponent, low=HERTZ_EXPONENT, high=HERTZ_EXPONENT)

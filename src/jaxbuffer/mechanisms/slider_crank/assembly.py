@@ -21,7 +21,7 @@ from ...multibody import (
 )
 from ..assembled import Assembled
 from .design import Rod, Slider, SliderCrank, SliderCrankScenario
-from .pins import Pin
+from .pins import PinInBush
 from .sensors import CRANK, ROD, SLIDER, eccentricity, sensors
 from .shapes import PlanarBody
 
@@ -75,7 +75,7 @@ def drive(design: SliderCrank, scenario: SliderCrankScenario) -> Element:
     return Motor(CRANK, motor.torque, motor.no_load_speed, scenario.crank_angle, lost_in="dampers")
 
 
-def pin_in_bush(pin: Pin, body: int, point: Point, end: Point) -> list[BallContact]:
+def pin_in_bush(pin: PinInBush, body: int, point: Point, end: Point) -> list[BallContact]:
     """Return the contact of a pin with play: round, the ball on ``body`` at ``point`` in the bush at the rod's ``end``,
     or by components, the rod's end between the four sides of a square on the body."""
     if pin.by_components:
@@ -105,7 +105,7 @@ def slider_body(slider: Slider) -> tuple[Body, Prismatic, Point]:
     return FlexibleBody(form.modes), Prismatic(GROUND, SLIDER, line, form.first), form.second
 
 
-def in_contact(pin: Pin, shape: Shape, side: float) -> BallPair:
+def in_contact(pin: PinInBush, shape: Shape, side: float) -> BallPair:
     """Return a pin against its bush; ``side``: see `BallPair`."""
     return BallPair(
         radius=pin.radius,

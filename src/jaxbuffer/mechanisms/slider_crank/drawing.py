@@ -27,7 +27,7 @@ from ..drawing import (
 from . import shapes
 from .assembly import flanks
 from .design import SliderCrank
-from .pins import Pin
+from .pins import PinInBush
 from .sensors import CRANK, ROD, SLIDER
 from .shapes import PlanarBody, outlines
 
@@ -109,7 +109,7 @@ def _seat(design: SliderCrank) -> Spot:
     return Spot(SLIDER, *map(float, design.slider.places[1]))
 
 
-def _pins(design: SliderCrank) -> tuple[Pin, Pin]:
+def _pins(design: SliderCrank) -> tuple[PinInBush, PinInBush]:
     return design.piston_pin, design.crank_pin
 
 
@@ -128,7 +128,7 @@ def _crank_touches(design: SliderCrank, at_crank: Spot, rear: Spot) -> tuple[Tou
     return (Touch(at_crank, rear, hole, 1.0),) if pin.joint == "clearance" else ()
 
 
-def closer(pin: Pin, touch: Touch, motion: Motion, magnified: int) -> tuple[Detail, Motion]:
+def closer(pin: PinInBush, touch: Touch, motion: Motion, magnified: int) -> tuple[Detail, Motion]:
     """Return a pin in its bush with the play drawn larger, and the frames for it: behind those of ``motion``
     (``magnified`` of them) the pin's, whose centre is as many times farther from the bush's as the play is larger."""
     bush, clearance = float(pin.bush_radius), float(pin.clearance)
@@ -145,13 +145,8 @@ def closer(pin: Pin, touch: Touch, motion: Motion, magnified: int) -> tuple[Deta
 
     def frames(history: Any) -> Float[np.ndarray, "steps frames 3"]:
         bodies = motion(history)
-        pin_at, bush_at = (_track(spot, bodies) for spot in (touch.ball, touch.carrier))
+        pin_at, bush_at = (np.array([spot.at(it) for it in bodies]) for spot in (touch.ball, touch.carrier))
         larger = np.column_stack([bush_at + times * (pin_at - bush_at), bodies[:, touch.ball.body, 2]])
         return np.concatenate([bodies, larger[:, None]], axis=1)
 
     return Detail(title, hole, 1.6 * bush, (wall, journal), true=False), frames
-
-
-def _track(spot: Spot, frames: Float[np.ndarray, "steps bodies 3"]) -> Float[np.ndarray, "steps 2"]:
-    """Return where a spot is at every step [m]."""
-    return np.array([spot.at(each) for each in frames])

@@ -36,7 +36,7 @@ class GivenStiffness(PowerLaw):
     exponent: float = eqx.field(default=SPHERE_EXPONENT, static=True)
 
 
-class Pin(Part):
+class PinInBush(Part):
     """A pin in a bush, which is on the rod.
 
     ``joint``: "pinned" (no play) or "clearance"; ``clearance``: the bush's radius less the pin's; ``bush_radius``;
@@ -175,8 +175,8 @@ class Pin(Part):
             yield inside(self.exponent, low=SPHERE_EXPONENT, high=SPHERE_EXPONENT)
 
 
-class PistonPin(Pin):
-    """Between rod and slider; the pin is on the slider. See `Pin`.
+class PistonPin(PinInBush):
+    """Between rod and slider; the pin is on the slider. See `PinInBush`.
 
     ``contact``: "round", or "components": the slider's two directions each on their own, as if the hole were square and
     fixed on the slider; the pin is then on the rod. ``memory_time``: of the contacts of both pins.
@@ -206,7 +206,7 @@ class PistonPin(Pin):
         return self.joint == "clearance" and self.contact == "components"
 
 
-class CrankPin(Pin):
-    """Between crank and rod; the pin is on the crank. See `Pin`."""
+class CrankPin(PinInBush):
+    """Between crank and rod; the pin is on the crank. See `PinInBush`."""
 
     section: ClassVar[str] = "crank_pin"

@@ -10,7 +10,7 @@ from ...elements import BallContact, Element, Sensor, deepest
 from ...multibody import Kinematics
 from ...multibody.flexible import FlexibleBar, Marker, deflection, stress
 from .design import SliderCrank
-from .pins import Pin
+from .pins import PinInBush
 from .shapes import PlanarBody
 
 CRANK, ROD, SLIDER = range(3)
@@ -43,7 +43,7 @@ def sensors(design: SliderCrank, contacts: tuple[BallContact, ...]) -> list[Elem
     return watching
 
 
-def eccentricity(pin: Pin, contact: BallContact) -> list[Element]:
+def eccentricity(pin: PinInBush, contact: BallContact) -> list[Element]:
     """Return, of a pin with play, the centre relative to the bush's, along the slider's line and across it [m], for
     histories alone."""
     # By components the rod's end is the ball, and the pin's body carries the shape.

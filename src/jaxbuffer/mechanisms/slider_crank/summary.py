@@ -11,7 +11,7 @@ from ..run import Run
 from ..validity import BEYOND_LAW, ValidityLimit
 from .bending import bending_parts, rise_time
 from .design import SliderCrank, SliderCrankScenario
-from .pins import ADAMS, Pin
+from .pins import ADAMS, PinInBush
 from .quantities import deepest
 from .statistics import LEAST_TURNS, overflown, turn_starts, turn_statistics
 
@@ -24,7 +24,7 @@ def label(scenario: SliderCrankScenario, among: Any = ()) -> str:
     return f"{start}, gravity {weight:.4g} m/s²" if weight else start
 
 
-def loose(design: SliderCrank) -> tuple[Pin, ...]:
+def loose(design: SliderCrank) -> tuple[PinInBush, ...]:
     """Return the pins with play."""
     return tuple(pin for pin in (design.piston_pin, design.crank_pin) if pin.joint == "clearance")
 

@@ -7,7 +7,7 @@ from typing import Any
 import jax
 from jaxtyping import Array, Bool
 
-from ...hybrid import Tolerance
+from ...hybrid import StepTolerance
 from ..mechanism import Request, Stepper
 from .run import rows_of, run_of
 from .stepping import TIGHT, TOLERANCE, Dropped, dropped
@@ -23,7 +23,7 @@ class ExplicitElements(Stepper):
 
     def step(self, request: Request, unchecked: bool, enabled: Bool[Array, ""] | bool) -> Dropped:
         """See `Stepper`."""
-        options = dataclasses.replace(request.options, tolerance=Tolerance(*request.tolerances))
+        options = dataclasses.replace(request.options, tolerance=StepTolerance(*request.tolerances))
         allowed = enabled & request.allowed
         return dropped(request.parameters, request.duration, options, allowed, backwards=unchecked)
 

@@ -1,0 +1,78 @@
+"""What is observed of a run beside the elements' own observables."""
+
+from collections.abc import Callable
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..._types import Scalar
+from ...elements.element import ROUNDED_LENGTH
+from ..assembled import Assembled, Shown
+from ..layout import EvaluatedState
+from .bodies import B, P, S, T
+from .design import Design, Scenario
+
+ROUNDED_ACCELERATION = 1e-12  # m/s²: what rounding of positions of a metre makes of it by the constraints' correction
+
+
+def hinge_force(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
+    """Return the size of the force that accelerates the active vehicle [N] (M68)."""
+    # The vehicle's acceleration tells the force also where the hinge has play, and so no multipliers (M68).
+    return _size_of(rate[mechanism.coordinates : mechanism.coordinates + 2] * mechanism.parts.design.active.mass)
+
+
+def passive_force(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
+    """Return the size of the force on the passive vehicle [N]."""
+    first = mechanism.coordinates + 3 * T
+    return _size_of(rate[first : first + 2] * mechanism.parts.design.passive.mass)
+
+
+def _size_of(force: Float[Array, " 2"]) -> Scalar:
+    """Return a force's size, with a derivative also where it is zero."""
+    return jnp.sqrt(force[0] ** 2 + force[1] ** 2 + 1e-24)
+
+
+def hinge_angle(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
+    """Return the cylinder's angle against the active vehicle [rad]."""
+    return at.kin.frame(B).angle - at.kin.frame(S).angle
+
+
+def bending_of_tip(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
+    """Return how far the tip is bent off the probe's axis [m], 0 if it does not bend."""
+    bending = mechanism.parts.probe.bending
+    return jnp.zeros(()) if bending is None else bending.end.displacement(at.kin.modal(P)[0]).y
+
+
+def _rounded_force(vehicle: str) -> Callable[[Assembled], Scalar]:
+    """Return what of the force on a vehicle is rounding, in the spring's force and by the constraints' correction."""
+
+    def of(mechanism: Assembled) -> Scalar:
+        mass = getattr(mechanism.parts.design, vehicle).mass
+        return ROUNDED_LENGTH * mechanism.element("buffer").stiffness_at_rest + ROUNDED_ACCELERATION * mass
+
+    return of
+
+
+def _rounded_length(mechanism: Assembled) -> Scalar:
+    return ROUNDED_LENGTH
+
+
+HINGE_FORCE = Shown("hinge_force", hinge_force, of_rate=True, negligible=_rounded_force("active"))
+PASSIVE_FORCE = Shown("passive_force", passive_force, of_rate=True, negligible=_rounded_force("passive"))
+HINGE_ANGLE = Shown("hinge_angle", lambda *at: jnp.abs(hinge_angle(*at)), negligible=_rounded_length)
+BENDING = Shown("bending", lambda *at: jnp.abs(bending_of_tip(*at)), negligible=_rounded_length)
+# Of a history; those of which the largest size is watched have their sign there.
+RECORDED = (
+    Shown("tip_spin", lambda mechanism, at, rate: at.contacts[0].spin),
+    Shown("hinge_angle", hinge_angle),
+    Shown("bending", bending_of_tip),
+)
+NO_STOP = Shown("stop_force", lambda mechanism, at, rate: jnp.zeros(()))  # a history has that force in any case
+
+
+def shown_of(design: Design, scenario: Scenario) -> tuple[Shown, ...]:
+    """Return what is watched beside the elements' own observables."""
+    bending = (BENDING,) if design.probe.has("bending_stiffness") else ()
+    # Without a latch, and from the touch, nothing but the tip acts on the passive vehicle.
+    acted_on = design.latch.has("stiffness") or scenario.start == "free"
+    return (HINGE_FORCE, HINGE_ANGLE, *bending, *((PASSIVE_FORCE,) if acted_on else ()))

@@ -1,0 +1,71 @@
+"""The start of a run: positions and velocities at t = 0."""
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..._types import Scalar, stacked
+from ...plane import Vector
+from .bodies import Masses
+from .design import Design, Scenario
+
+
+def start_motion(
+    design: Design, scenario: Scenario, masses: Masses
+) -> tuple[Float[Array, " coordinates"], Float[Array, " coordinates"]]:
+    """Return positions and velocities at t = 0 (M62, M63, M170).
+
+    **Arguments:** ``design``; ``scenario``; ``masses``: of the probe. **Returns:** q [m, m, rad, …] and q̇, 12 entries
+    each and one for each mode of a probe that bends.
+    """
+    local = _tip_at_start(design, scenario)
+    turn_cos, turn_sin = jnp.cos(scenario.misalignment), jnp.sin(scenario.misalignment)
+    tip = Vector(turn_cos * local.x - turn_sin * local.y, turn_sin * local.x + turn_cos * local.y)
+    modes = 0 if masses.bending is None else masses.bending.modes.size
+    # The modal coordinates follow those of all bodies; the probe starts straight.
+    passive = [0.0, 0.0, scenario.misalignment, *[0.0] * modes]
+    passive_rate = [0.0, 0.0, scenario.passive_rate, *[0.0] * modes]
+    if scenario.start == "free":
+        placed, moving = _turned(design, scenario, masses, tip)
+        return stacked([*placed, *passive]), stacked([*moving, *passive_rate])
+    probe, cylinder, active = _behind(design, masses, tip.x)
+    q = stacked([active, tip.y, 0.0, cylinder, tip.y, 0.0, probe, tip.y, 0.0, *passive])
+    return q, stacked([scenario.approach_speed, 0.0, 0.0] * 3 + passive_rate)
+
+
+def _tip_at_start(design: Design, scenario: Scenario) -> Vector:
+    """Return the tip's centre at t = 0 in the axes of T: at the lower flank (M62), or anywhere before the mouth
+    (M170)."""
+    angle, cone, radius = design.cone.half_angle, design.cone, design.probe.tip_radius
+    cos, sin = jnp.cos(angle), jnp.sin(angle)
+    if scenario.start == "free":
+        return Vector(-cone.offset - cone.length * cos - radius - scenario.standoff, scenario.offset)
+    return Vector(
+        -cone.offset - scenario.contact_distance * cos - radius * sin,
+        -cone.throat_radius - scenario.contact_distance * sin + radius * cos,
+    )
+
+
+def _behind(design: Design, masses: Masses, tip: Scalar) -> tuple[Scalar, Scalar, Scalar]:
+    """Return where the centres of mass of probe, cylinder and active vehicle are along their axis [m], the ``tip``
+    being there and the spring at its free length."""
+    probe = tip - masses.front
+    cylinder = probe - masses.rear - design.buffer.free_length + design.buffer.cylinder_length / 2
+    return probe, cylinder, cylinder + design.buffer.cylinder_length / 2 - design.active.hinge_offset
+
+
+def _turned(design: Design, scenario: Scenario, masses: Masses, tip: Vector) -> tuple[list[Scalar], list[Scalar]]:
+    """Return positions and velocities of S, B and P at a free start: they lie along an axis through the tip and turn
+    about the centre of mass of S as one body (M170)."""
+    cos, sin = jnp.cos(scenario.active_angle), jnp.sin(scenario.active_angle)
+    probe, cylinder, active = _behind(design, masses, 0.0)
+    placed: list[Scalar] = []
+    moving: list[Scalar] = []
+    for behind in (active, cylinder, probe):
+        placed += [tip.x + behind * cos, tip.y + behind * sin, scenario.active_angle]
+        arm = behind - active
+        moving += [
+            scenario.approach_speed - scenario.active_rate * arm * sin,
+            scenario.lateral_speed + scenario.active_rate * arm * cos,
+            scenario.active_rate,
+        ]
+    return placed, moving
