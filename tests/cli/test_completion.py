@@ -86,6 +86,16 @@ def test_fish_shows_what_a_field_means():
     assert offered("sensitivity --of hinge_angle", shell="fish")[0][0].startswith("hinge_angle\t")
 
 
+@pytest.mark.parametrize("shell", ["fish", "zsh"])
+@pytest.mark.parametrize("study", ["", "study.toml "])
+def test_zsh_and_fish_hold_a_field_and_its_value_in_one_word(shell, study):
+    found, error = offered(f"simulate {study}--contact.law=he", shell=shell)
+    laws = [f"--contact.law={law}" for law in LAWS if law.startswith("he")]
+    assert len(laws) > 1 and all(law in " ".join(found) for law in laws) and error == "no JAX"
+    assert "=le" not in " ".join(found)
+    assert not any("k_A" in it for it in offered(f"simulate {study}--buffer.k_A=5", shell=shell)[0])
+
+
 @pytest.mark.parametrize(
     ("words", "expected"),
     [

@@ -15,6 +15,7 @@ from jsonschema import Draft7Validator
 import jaxbuffer
 from jaxbuffer.cli.entry import run
 from jaxbuffer.fields import get, meaning, metadata, paths, replace
+from jaxbuffer.fitting.quantities import recorded_quantities
 from jaxbuffer.mechanisms import all_mechanisms, mechanism_named, registry
 from jaxbuffer.study.example import example_toml
 from jaxbuffer.study.load import load, loads
@@ -139,6 +140,55 @@ def test_a_study_is_explained(computed, capsys, tmp_path):
         "1 variables over 2 scenarios",
     ):
         assert line in shown, line
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_example_of_parts_roundings_and_a_fit_can_be_taken(kind):
+    mechanism = mechanism_named(kind)
+    text = example_toml(mechanism)
+    taken = re.sub(r"^# (?!#)", "", text[text.index("# [parts.") :], flags=re.MULTILINE).replace("## ", "# ")
+    study = loads(f'kind = "{kind}"\n{taken}'.encode(), "example")
+    (catalogue,), path = study.parts, mechanism.defaults.parameters[0]
+    assert [part.name for part in catalogue.parts] == ["P1", "P2"] and catalogue.paths == (path,)
+    assert study.roundings == {path: "E24"}
+    if mechanism.stepper is None:
+        assert [*study.fit.parameters] == [path]
+        (test,) = study.fit.tests
+        ((heading, channel),) = test.channels.items()
+        unit = recorded_quantities(mechanism.design())[channel.quantity]
+        assert heading == f"{channel.quantity} [{unit}]"
+
+
+FIT = """\
+buffer.k_A = "0.7 kN/m"
+[fit.parameters]
+buffer.k_A = ["100 N/m", "3 kN/m"]
+[[fit.tests]]
+file = "test.csv"
+scenario.approach_speed = 0.13
+time_shift = ["0 ms", "30 ms"]
+[fit.tests.columns]
+"stroke [mm]" = {quantity = "stroke", noise = "0.02 mm", gain = [0.9, 1.1]}
+"""
+
+
+def test_check_says_what_is_fitted_to_what(computed, capsys):
+    Path("study.toml").write_text(FIT)
+    Path("test.csv").write_text("time [s],stroke [mm]\n" + "".join(f"{0.01 * k:.2f},{k}\n" for k in range(12)))
+    assert run(["check", "study.toml"]) == 0
+    shown = capsys.readouterr().out
+    for line in (
+        "fit                    buffer.k_A in [100, 3000] N/m, log, from 700 N/m",
+        "test.csv: 12 rows from 0 to 0.11 s",
+        "  stroke [mm] is stroke, noise 0.02 mm",
+        "  time_shift in [0, 0.03] s, unknown",
+        "  stroke [mm]: gain in [0.9, 1.1], unknown",
+        "jaxbuffer fit study.toml          1 numbers from 1 test",
+    ):
+        assert line in shown, (line, shown)
+    Path("study.toml").write_text(FIT.replace('quantity = "stroke"', 'quantity = "strok"'))
+    assert run(["check", "study.toml"]) == 2
+    assert 'column "stroke [mm]": quantity strok is unknown; did you mean stroke?' in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -87,6 +87,18 @@ def test_numbers_with_tolerances_have_sliders_of_their_own():
     assert model.at(share, found.shares) == pytest.approx(expected, rel=3.0 * model.error + 1e-5)
 
 
+def test_a_study_s_own_quantity_has_a_model_though_nothing_limits_it():
+    work = jb.CustomQuantity(lambda peak_force, penetration: peak_force * penetration, "N m")
+    found = what_if(problem(quantities={"work": work}), runs=32)
+    q, share = found.quantities.index("work"), np.array([0.3, 0.6])
+    stiffness, radius = place(found, share)
+    built = jb.replace(jb.BarDrop(), {"impact.stiffness": stiffness, "bar.ball_radius": radius})
+    run = jb.simulate(built, found.cases[1].scenario, found.problem.duration)
+    expected = float(run.quantity("peak_force")) * float(run.quantity("penetration"))
+    model = found.models[1][q]
+    assert model.at(share, found.shares) == pytest.approx(expected, rel=3.0 * model.error + 1e-5)
+
+
 def test_of_many_scenarios_those_that_decide_are_taken():
     many = [jb.BarDropScenario(height=h) for h in np.linspace(0.05, 0.2, 16)]
     found = what_if(problem(scenarios=many), runs=32)

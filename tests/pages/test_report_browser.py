@@ -6,19 +6,16 @@ import json
 import numpy as np
 import pytest
 
+import jaxbuffer as jb
 from jaxbuffer.output.folder import load
 from jaxbuffer.pages.compare import comparison
 from jaxbuffer.pages.page import Page, PageSection
 from jaxbuffer.pages.review import review
-from pages.chromium import Browser, executable
+from made_up_choice import made_up_choice
+from made_up_fit import made_up_fit
 from pages.report_folders import every_kind
 
-PATH = executable()
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.long,
-    pytest.mark.skipif(PATH is None, reason="no chromium is installed; $CHROMIUM may name one"),
-]
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 WIDTHS = (1280, 420)
 LEAST_CONTRAST, LARGE_CONTRAST = 4.5, 3.0  # WCAG 2.2, 1.4.3 (AA), of text and of large text
 
@@ -84,16 +81,13 @@ USABLE = """
 
 
 @pytest.fixture(scope="module")
-def browser():
-    with Browser(PATH) as browser:
-        yield browser
-
-
-@pytest.fixture(scope="module")
 def pages(tmp_path_factory):
     """A review of every kind of result, and a comparison."""
     place = tmp_path_factory.mktemp("pages")
     folders = every_kind(tmp_path_factory.mktemp("results"))
+    for name, result in (("choice", made_up_choice(broken_corners=3)), ("fit", made_up_fit(converged=False))):
+        folders[name] = place / name
+        jb.save(result, folders[name])
     made = {
         "review": review([load(folder) for folder in folders.values()]),
         "comparison": comparison([load(folders[name]) for name in ("run", "other")]),

@@ -10,23 +10,11 @@ from jaxbuffer.output.tuned_records import tuned_record
 from jaxbuffer.pages.review import review
 from jaxbuffer.study.load import loads
 from made_up import made_up_tuning
-from pages.chromium import Browser, executable
 from pages.made_what_if import STUDY, made_what_if
 from pages.test_report_browser import BROKEN_WORDS, CONTRAST, LARGE_CONTRAST, LEAST_CONTRAST
 
-PATH = executable()
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.long,
-    pytest.mark.skipif(PATH is None, reason="no chromium is installed; $CHROMIUM may name one"),
-]
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 CELLS = "[...document.querySelectorAll('.over-all tbody tr')].map(it => [...it.cells].map(cell => cell.textContent))"
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with Browser(PATH) as browser:
-        yield browser
 
 
 @pytest.fixture(scope="module")

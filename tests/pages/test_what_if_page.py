@@ -102,6 +102,21 @@ def test_models_of_another_design_are_not_shown(results):
     assert what_if(Results(results.folder, records={"tuned": dict(results.records["tuned"].items())})) is None
 
 
+def test_own_quantities_are_shown_and_what_is_held_fixed_is_said(results):
+    """A quantity of the study's own, which the mechanism does not know, and a field that samples draw."""
+    tuned, record = (dict(results.records[name].items()) for name in ("tuned", "what_if"))
+    record["quantities"] = ["peak_force", "work", "hinge_angle", "relative_energy"]
+    own = {"work": {"unit": "N m", "function": "work(peak_force, stroke)", "description": ""}}
+    ranges = {"scenario.misalignment": ["uniform", -0.1, 0.1], "buffer.c_A": ["uniform", 0.9, 1.1]}
+    tuned |= {"quantities": own, "sample": {"count": 3, "seed": 0, "ranges": ranges}}
+    section = what_if(Results(results.folder, records={"tuned": tuned, "what_if": record}))
+    assert section.what_if["quantities"][1] == {"title": "work", "unit": "N m", "factor": 1.0}
+    assert section.text[1] == (
+        "Held fixed: every other number of the design, and of the scenarios, each with the misalignment that its sample"
+        " drew."
+    )
+
+
 def test_the_page_has_them_and_loads_nothing(results):
     page = review([results]).html()
     assert 'class="what-if"' in page and "class WhatIf" in page

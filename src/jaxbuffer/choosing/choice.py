@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
+from jaxtyping import Float
 from rich.table import Table
 
 from .._types import DataFrame
@@ -131,8 +132,7 @@ class Choice(Saved):
     @property
     def message(self) -> str:
         """Return what came out, in a sentence."""
-        tally, cases = self.tally, len(self.problem.cases)
-        count = f"{tally.combinations} combinations over {cases} scenario{'s' if cases > 1 else ''}"
+        count = f"{self.tally.combinations} combinations over {self.problem.over}"
         if self.best is None:
             return f"no combination keeps the limits on price and mass, or goes together: {count}"
         named = self.in_words(self.best)
@@ -149,6 +149,12 @@ class Choice(Saved):
         """Return what people call a load case."""
         return self.problem.cases[case].label(self.problem.cases)
 
+    def holding(self, alternative: Alternative) -> int:
+        """Return in how many corners of the tolerances a combination keeps every limit and ends as it must."""
+        problem = dataclasses.replace(self.problem, design=alternative.design)
+        goal, evaluation = Goal(problem, problem.objective), alternative.evaluation
+        return sum(not goal.broken_in(evaluation, k) for k in problem.corner_places)
+
     def to_dataframe(self) -> DataFrame:
         """Return a row for each ranked combination, as in choice.csv."""
         return frame(*ranking_rows(self))
@@ -162,13 +168,18 @@ class Choice(Saved):
 
 def margins(problem: Problem, evaluation: Evaluation) -> tuple[LimitMargin, ...]:
     """Return how far a design keeps from each limit in its worst load case, the tightest first."""
-    goal, known = Goal(problem, problem.objective), problem.known(evaluation.code) & evaluation.solved[:, None]
-    made = []
-    for column, limit in goal.indexed_limits:
-        values = np.where(known[:, column], evaluation.quantities[:, column], np.nan)
+    known, made = reported(problem, evaluation), []
+    for column, limit in Goal(problem, problem.objective).indexed_limits:
+        values = known[:, column]
         worst = int(np.argmax(np.nan_to_num(limit.rows(values), nan=np.inf)))
         made.append(LimitMargin(limit, float(values[worst]), limit.margin(float(values[worst])), worst))
     return tuple(sorted(made, key=lambda it: -np.inf if it.share is None else it.share))
+
+
+def reported(problem: Problem, evaluation: Evaluation) -> Float[np.ndarray, "cases quantities"]:
+    """Return the quantities of every load case, NaN where a run failed or waited for one in vain."""
+    known = problem.known(evaluation.code) & evaluation.solved[:, None]
+    return np.where(known, evaluation.quantities, np.nan)
 
 
 def _parts(choice: Choice) -> list[str | Table]:
@@ -193,6 +204,8 @@ def lines(choice: Choice) -> list[str]:
     made.append(f"{tally.runs} runs of {tally.possible}: {tally.spared} were spared ({share})")
     if choice.misfit:
         made.append(f"one that does not go together: {choice.misfit}")
+    if best is not None and (corners := len(choice.problem.corners)):
+        made.append(f"the first holds in {choice.holding(best)} of {corners} corners of the tolerances")
     if choice.optimum is not None:
         made.append(choice.optimum.line(choice.criterion, best.value if best is not None and best.feasible else None))
     made += _rounding(choice)
@@ -203,7 +216,15 @@ def lines(choice: Choice) -> list[str]:
         f"numbers are of runs at rtol {choice.tight:g}; from rtol {choice.problem.rtol:g} the objective changed by"
         f" {percent_text(choice.accuracy)} at most, {order}"
     )
-    made += validity_lines(choice.problem, best.design, best.evaluation)
+    return made + beyond(choice)
+
+
+def beyond(choice: Choice) -> list[str]:
+    """Return a line for each validity limit that the best combination exceeds, and for the limits that it breaks."""
+    best = choice.best
+    if best is None:
+        return []
+    made = validity_lines(choice.problem, best.design, best.evaluation)
     made += [f"broken: {line}" for line in best.broken[:SHOWN]]
     return made + [f"and {len(best.broken) - SHOWN} more" for _ in best.broken[SHOWN : SHOWN + 1]]
 

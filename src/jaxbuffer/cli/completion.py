@@ -53,6 +53,13 @@ def pending(words: Sequence[str]) -> tuple[str, str]:
     return (option, value) if option.startswith("--") and known else ("", "")
 
 
+def joined() -> str:
+    """Return "--contact.law=" where zsh or fish hold a dotted option and its unfinished value in one word, else ""."""
+    # The parser has cut the word up by now, and these shells take only what begins with all of it.
+    name, equals, _ = os.environ.get("_TYPER_COMPLETE_ARGS", "").rpartition(" ")[2].partition("=")
+    return f"{name}=" if equals and name.startswith("--") and "." in name else ""
+
+
 def field_options(words: Sequence[str], incomplete: str) -> list[Offer]:
     """Return the dotted options that begin with an unfinished word; none before their first letter, since they would
     hide the others."""
@@ -64,6 +71,9 @@ def field_options(words: Sequence[str], incomplete: str) -> list[Offer]:
 
 def value(words: Sequence[str], incomplete: str) -> list[Offer]:
     """Return what a dotted option may have as its value, or FIELD= of an option, where bash has cut it up."""
+    if start := joined():
+        known = _choices(words, start[2:-1])
+        return [Offer(start + word, doc) for word, doc in known if word.startswith(incomplete)]
     option, before = pending(words)
     if not option:
         return []

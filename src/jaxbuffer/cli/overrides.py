@@ -111,6 +111,8 @@ class Command(Plain):
         """Parse what is left without the dotted options."""
         ctx.meta[completion.WORDS] = args
         rest, ctx.obj = split(args, unfinished=ctx.resilient_parsing)
+        if ctx.resilient_parsing and completion.joined():
+            rest = [*rest, "CONFIG"]  # else the unfinished value would be completed as if it were CONFIG
         try:
             return super().parse_args(ctx, rest)
         except Exception as error:

@@ -290,9 +290,10 @@ class _Runs(NamedTuple):
 
 
 def _quantities(problem: Problem) -> tuple[str, ...]:
-    """Return what a designer looks at: what is lowered and limited, and what derivatives are usually of."""
+    """Return what a designer looks at: what is lowered and limited, what derivatives are usually of, and the own
+    quantities."""
     usual = problem.mechanism.defaults_for(problem.design).differentiated
-    asked = (*problem.objective.weights, *problem.limits.names, *usual)
+    asked = (*problem.objective.weights, *problem.limits.names, *usual, *problem.quantities)
     return tuple(dict.fromkeys(name for name in asked if name in problem.names))
 
 

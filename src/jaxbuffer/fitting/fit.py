@@ -62,8 +62,21 @@ def fit(
     ...     print(error)
     bench: column "s": quantity strok is unknown; did you mean stroke?
     """
+    scenario = mechanism_of(design).scenario() if scenario is None else scenario
+    variables, predictions = checked(design, scenario, measurements, parameters, duration, rtol)
+    return Estimation(design, scenario, variables, predictions, report).fitted()
+
+
+def checked(
+    design: Part,
+    scenario: Part,
+    measurements: Recording | Sequence[Recording],
+    parameters: Mapping[str, Any],
+    duration: Scalar | None = None,
+    rtol: float = DEFAULT_TOLERANCE,
+) -> tuple[list[Variable], list[Prediction]]:
+    """Return what a fit is of, before anything is computed. Arguments and errors are those of `fit`."""
     mechanism = mechanism_of(design)
-    scenario = mechanism.scenario() if scenario is None else scenario
     recordings = [measurements] if isinstance(measurements, Recording) else list(measurements)
     duration = float(in_unit("duration", mechanism.duration(design) if duration is None else duration, "s"))
     variables = [_variable(design, path, given) for path, given in parameters.items()]
@@ -71,11 +84,10 @@ def fit(
         raise InputError(
             "a fit needs a test and a parameter: fit(design, scenario, [test], {'buffer.k_A': (100, 3000)})"
         )
-    predictions = [
+    return variables, [
         _prediction(design, scenario, recording, [it.path for it in variables], duration, rtol)
         for recording in recordings
     ]
-    return Estimation(design, scenario, variables, predictions, report).fitted()
 
 
 def _variable(design: Part, path: str, given: Any) -> Variable:

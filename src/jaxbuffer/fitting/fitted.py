@@ -88,10 +88,10 @@ class Fitted(Saved):
         lines: list[Any] = [f"Fit to {tests}, {sum(self.rows.values())} rows: {how} after {self.evaluations} runs"]
         shown = table("Fitted numbers", ("number",), ("start", "fitted", "95 % interval", "unit", ""))
         for path, it in self.parameters.items():
-            shown.add_row(path, f"{float(get(self.start, path)):.5g}", *_cells(it))
+            shown.add_row(path, f"{float(get(self.start, path)):.5g}", *number_cells(it))
         for test, own in self.nuisance.items():
             for name, it in own.items():
-                shown.add_row(self.own_name(test, name), "", *_cells(it))
+                shown.add_row(self.own_name(test, name), "", *number_cells(it))
         lines.append(shown)
         met = table("Residuals", ("test", "column"), ("rms / noise", "noise", "unit"))
         for test, columns in self.residual.items():
@@ -101,15 +101,21 @@ class Fitted(Saved):
                 met.add_row(test, column, f"{figure:.3f}", f"{noise:.3g}", unit_text(symbol, ""))
         lines.append(met)
         if self.inflation > 1.0:
-            lines.append(
-                "The residuals exceed the noise: the model lacks something, and the intervals are"
-                f" {self.inflation**0.5:.2g} times as wide as noise alone makes them."
-            )
+            lines.append(excess_line(self.inflation))
         lines += self.not_told_apart
         return text(*lines)
 
 
-def _cells(it: FittedNumber) -> tuple[str, ...]:
+def excess_line(inflation: float) -> str:
+    """Return what residuals above the noise mean. ``inflation``: of the variances."""
+    return (
+        "The residuals exceed the noise: the model lacks something, and the intervals are"
+        f" {inflation**0.5:.2g} times as wide as noise alone makes them."
+    )
+
+
+def number_cells(it: FittedNumber) -> tuple[str, ...]:
+    """Return value, interval, unit and bound as they stand in a table, with as many digits as the interval tells."""
     spread = max(it.high - it.low, 1e-300)
     digits = max(4, int(np.ceil(np.log10(max(abs(it.value), 1e-300) / spread))) + 3)
     value, symbol = as_displayed(it.value, it.unit)

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from ..choosing.choice import Alternative, Choice, lines, ranking_rows, set_by
+from ..choosing.choice import Alternative, Choice, beyond, lines, ranking_rows, reported, set_by
 from ..fields import Part
 from ..labelled.record import heading, json_number, part_record
 from ..study.tuned_toml import tuned_toml
@@ -15,6 +15,7 @@ from .formats import Contents, Made, csv_text
 from .matlab import design_mat
 from .provenance import record_text
 from .records import limits_record
+from .tuned_records import built_record, case_records, scatter_record
 
 
 def choice_files(choice: Choice, made: Made = None) -> Contents:
@@ -31,7 +32,7 @@ def choice_files(choice: Choice, made: Made = None) -> Contents:
 
 def choice_record(choice: Choice) -> dict[str, Any]:
     """Return the result: what was chosen from, the ranking with margins, and how many runs were spared."""
-    criterion, problem = choice.criterion, choice.problem
+    criterion, problem, warnings = choice.criterion, choice.problem, beyond(choice)
     return {
         "kind": problem.mechanism.name,
         "identity": choice.identity,
@@ -42,7 +43,9 @@ def choice_record(choice: Choice) -> dict[str, Any]:
         **limits_record(problem.limits, problem.quantities),
         "limits_on_sums": {heading(it.name, criterion.catalogue[it.name].unit): it.bound for it in criterion.limits},
         "tally": choice.tally._asdict() | {"spared": choice.tally.spared},
-        "lines": lines(choice),
+        "lines": [line for line in lines(choice) if line not in warnings],
+        "warnings": warnings,
+        **scatter_record(problem),
         heading("rtol_of_check", "-"): choice.tight,
         heading("accuracy", "-"): choice.accuracy,
         "reordered": choice.reordered,
@@ -60,6 +63,7 @@ def choice_record(choice: Choice) -> dict[str, Any]:
         "nearest": None if choice.nearest is None else _alternative(choice, choice.nearest),
         "continuous_objective": None if choice.continuous is None else json_number(choice.continuous.value),
         "continuous_optimum": None if choice.optimum is None else json_number(choice.optimum.value),
+        "units": dict(problem.units),
         "design": part_record(choice.design),
         "jaxbuffer": version(),
     }
@@ -78,6 +82,8 @@ def _alternative(choice: Choice, it: Alternative) -> dict[str, Any]:
         "broken": list(it.broken),
         "objective": json_number(it.value),
         **{heading(name, known[name].unit): value for name, value in it.totals.items()},
+        "set_by": set_by(choice, it),
+        "corners": {"holding": choice.holding(it), "run": len(problem.corners)} if problem.corners else None,
         "largest_at": choice.label(it.deciding),
         "tuned": it.tuned is not None,
         "margins": [
@@ -91,16 +97,10 @@ def _alternative(choice: Choice, it: Alternative) -> dict[str, Any]:
             for margin in it.margins
         ],
         "scenarios": [
-            {
-                **part_record(case.scenario),
-                "factors": dict(case.factors),
-                "outcome": problem.mechanism.outcomes(int(it.evaluation.code[k])).name,
-                **{
-                    heading(name, known[name].unit): json_number(it.evaluation.quantities[k, column])
-                    for column, name in enumerate(problem.names)
-                },
-            }
-            for k, case in enumerate(problem.cases)
+            {"label": choice.label(k), **part_record(case.scenario), **built_record(case), **values}
+            for k, (case, values) in enumerate(
+                zip(problem.cases, case_records(problem, it.evaluation, reported(problem, it.evaluation)), strict=True)
+            )
         ],
     }
 

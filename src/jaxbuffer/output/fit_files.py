@@ -40,6 +40,11 @@ def fit_record(fitted: Fitted) -> dict[str, Any]:
         "nuisance": {name: _estimate(it) for name, it in own(fitted.nuisance).items()},
         "residual": {name: json_number(it) for name, it in own(fitted.residual).items()},
         "noise": {name: json_number(it) for name, it in own(fitted.noise).items()},
+        "columns": {
+            fitted.own_name(test, column): {"quantity": quantity, "unit": unit}
+            for test, record in fitted.records.items()
+            for column, quantity, unit in zip(record.columns, record.quantities, record.units, strict=True)
+        },
         "rows": dict(fitted.rows),
         "converged": fitted.converged,
         "variance_factor": fitted.inflation,

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from jaxtyping import Float
 
 from ..fields import get, unit
 from ..labelled.record import heading, headings, json_number, part_record
@@ -12,6 +13,7 @@ from ..tuning.cases import Case
 from ..tuning.evaluation import Evaluation
 from ..tuning.front import Front, point_status
 from ..tuning.message import headline
+from ..tuning.problem import Problem
 from ..tuning.spread import CAPTION, spread_headings, spread_lines, spread_rows
 from ..tuning.tuned import SHOWN, Tuned, tuned_warnings
 from ..value_text import with_unit
@@ -77,12 +79,12 @@ def _scenarios(tuned: Tuned) -> list[dict[str, Any]]:
     before_and_after = (_cases(tuned, point) for point in (tuned.before, tuned.after))
     each = zip(tuned.problem.cases, _lower_bounds(tuned), *before_and_after, strict=True)
     return [
-        {**part_record(case.scenario), **_built(case), **lower_bound, "before": before, "after": after}
+        {**part_record(case.scenario), **built_record(case), **lower_bound, "before": before, "after": after}
         for case, lower_bound, before, after in each
     ]
 
 
-def _built(case: Case) -> dict[str, Any]:
+def built_record(case: Case) -> dict[str, Any]:
     """Return how a load case has the mechanism built."""
     others = {"shifts": dict(case.shifts), "values": dict(case.values)}
     return {"factors": dict(case.factors), **{name: it for name, it in others.items() if it}}
@@ -90,19 +92,10 @@ def _built(case: Case) -> dict[str, Any]:
 
 def _scattered(tuned: Tuned) -> dict[str, Any]:
     """Return what scatters, the result in the corners of that, and whose scatter matters."""
-    problem, scatter, corners = tuned.problem, tuned.problem.scatter, tuned.corners
+    problem, corners = tuned.problem, tuned.corners
     if corners is None:
         return {}
-    record = dict[str, Any]()
-    if scatter is not None:
-        ranges = {name: [given.kind, *given.range] for name, given in scatter.distributions.items()}
-        record["sample"] = {"count": scatter.count, "seed": scatter.seed, "ranges": ranges}
-    if problem.tolerances:
-        record["tolerances"] = {
-            address: {**dataclasses.asdict(it), "in_words": problem.tolerance_text(address)}
-            for address, it in problem.tolerances.items()
-        }
-        record["spread"] = _spread(tuned)
+    record = scatter_record(problem) | ({"spread": _spread(tuned)} if problem.tolerances else {})
     each = zip(corners.cases, corners.values, corners.broken, strict=True)
     return record | {
         "corners": {
@@ -116,11 +109,25 @@ def _scattered(tuned: Tuned) -> dict[str, Any]:
             "largest_objective": json_number(corners.largest),
             "objective_in_the_middle": json_number(corners.middle),
             "each": [
-                {**part_record(case.scenario), **_built(case), "objective": json_number(value), "broken": broken}
+                {**part_record(case.scenario), **built_record(case), "objective": json_number(value), "broken": broken}
                 for case, value, broken in each
             ],
         },
     }
+
+
+def scatter_record(problem: Problem) -> dict[str, Any]:
+    """Return what scatters: samples and tolerances, of those that a problem has."""
+    record, scatter = dict[str, Any](), problem.scatter
+    if scatter is not None:
+        ranges = {name: [given.kind, *given.range] for name, given in scatter.distributions.items()}
+        record["sample"] = {"count": scatter.count, "seed": scatter.seed, "ranges": ranges}
+    if problem.tolerances:
+        record["tolerances"] = {
+            address: {**dataclasses.asdict(it), "in_words": problem.tolerance_text(address)}
+            for address, it in problem.tolerances.items()
+        }
+    return record
 
 
 def _spread(tuned: Tuned) -> dict[str, Any]:
@@ -158,7 +165,13 @@ def _lower_bounds(tuned: Tuned) -> list[dict[str, float | None]]:
 
 
 def _cases(tuned: Tuned, point: Evaluation) -> list[dict[str, Any]]:
-    problem = tuned.problem
+    return case_records(tuned.problem, point, tuned.reported(point))
+
+
+def case_records(
+    problem: Problem, point: Evaluation, values: Float[np.ndarray, "cases quantities"]
+) -> list[dict[str, Any]]:
+    """Return a record for each load case: outcome, impacts, the problem's quantities (``values``) and the margin."""
     units, margin = {name: problem.catalogue[name].unit for name in problem.names}, problem.mechanism.tuning.margin
     if problem.end is not None and problem.end.quantity:  # then the margin is that of this end
         margin = None
@@ -171,7 +184,7 @@ def _cases(tuned: Tuned, point: Evaluation) -> list[dict[str, Any]]:
             **({} if margin is None else {heading(margin, problem.catalogue[margin].unit): json_number(room)}),
         }
         for code, impacts, first, row, room in zip(
-            point.code, point.impacts, point.first, tuned.reported(point), point.margin, strict=True
+            point.code, point.impacts, point.first, values, point.margin, strict=True
         )
     ]
 

@@ -1,6 +1,6 @@
 """The top of a page: badges, what one asks first of each folder, and what was found in plain words."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,7 +10,9 @@ from ..labelled.record import Record
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Results
 from ..value_text import change_text, percent_text, range_text, relative_change, table_text, unit_text, with_unit
+from .choice import choice_abstract, choice_badges
 from .experiments import ON_FRONT, OPEN, STATUS, outcome_counts, reached, safe_of, swept_fields
+from .fit import fit_abstract, fit_badges
 from .limit_check import end_count, limit_check
 from .limits import LimitCounts, corners_verdict, fails_in_corners_alone, limit_counts
 from .page import Cell
@@ -33,8 +35,14 @@ def badges(every: Sequence[Results], others: Sequence[Results] = ()) -> list[Cel
 
     ``others``: folders of which the first with limits provides those for folders that have none.
     """
-    groups = [(*_of_tuning(results, others), *_of_run(results, others), *_of_many(results)) for results in every]
-    return [badge for badges in groups for badge in badges]
+    kinds: list[Callable[[Results], Sequence[Cell]]] = [
+        lambda results: _of_tuning(results, others),
+        choice_badges,
+        fit_badges,
+        lambda results: _of_run(results, others),
+        _of_many,
+    ]
+    return [badge for results in every for kind in kinds for badge in kind(results)]
 
 
 def _of_tuning(results: Results, others: Sequence[Results]) -> list[Cell]:
@@ -164,7 +172,7 @@ def _of_many(results: Results) -> list[Cell]:
 
 def abstract(every: Sequence[Results]) -> list[str]:
     """Return a few sentences on each result, the folder's name before them where several have results of its kind."""
-    kinds = (_tuning, _run, _sensitivity, _sweep, _sample, _front)
+    kinds = (_tuning, choice_abstract, fit_abstract, _run, _sensitivity, _sweep, _sample, _front)
     by_kind = [[(results, text) for results in every if (text := kind(results, every))] for kind in kinds]
     return [f"{results.folder}: {text}" if len(some) > 1 else text for some in by_kind for results, text in some]
 

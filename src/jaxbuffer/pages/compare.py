@@ -21,6 +21,7 @@ from .review import distinct
 from .runs import FORCE, once
 
 CONTENTS = {"run": "a run", "tuned": "a tuning", "sensitivity": "derivatives", "sample": "a sample", "front": "a front"}
+CONTENTS |= {"choice": "a choice", "fit": "a fit"}
 NO_MERIT = ("peak_time",)  # neither more nor less of it is better
 MULTIPLE = 10.0  # from which a ratio is told instead of a percentage
 Known = tuple[float | None, bool, bool]  # a value, whether it breaks its limit, whether its run keeps all limits

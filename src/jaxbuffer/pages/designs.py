@@ -9,6 +9,7 @@ from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Results
 from ..output.words import value_in_words
 from ..value_text import table_text, unit_text
+from .choice import asked_of_choice, choice_cases, chosen_by
 from .limit_check import limits_of, required_success, source_of_limits
 from .page import Cell, PageSection, Table
 from .records import display, field_name, figure, same, scenario_of, units_of, words
@@ -18,22 +19,33 @@ Rows = list[list[str]]
 
 
 def requirements(first: Results, every: Sequence[Results]) -> PageSection | None:
-    """Return a section on what the page's tuning, or else its run, must do; limits come from the first folder that has
-    some."""
+    """Return a section on what the page's tuning, or else its choice or its run, must do.
+
+    Limits come from the first folder that has some.
+    """
     mechanism, tuned = first.mechanism, first.tuned
     run = first.records.get("run")
-    rows = _limits(first, source_of_limits([first, *every]))
-    if tuned is not None:
+    choice = first.records.get("choice") if tuned is None else None
+    rows = _limits(first, choice or source_of_limits([first, *every]))
+    if choice is not None:
+        rows, cases = [*asked_of_choice(first), *rows], choice_cases(first)
+        rows += _scenarios(mechanism, cases, units_of(first), bool(choice.get("tolerances"))) if cases else []
+        rows += _tolerances(choice)
+    elif tuned is not None:
         rows = [["objective", words(tuned["objective"]), "as small as possible"], *rows]
         rows += _scenarios(mechanism, tuned["scenarios"], units_of(first), bool(tuned.get("tolerances")))
         rows += _variables(mechanism, tuned["variables"])
-        rows += [["tolerance", path, it["in_words"]] for path, it in tuned.get("tolerances", {}).items()]
+        rows += _tolerances(tuned)
     elif run is not None:
         rows += _scenarios(mechanism, [run["scenario"]], units_of(first))
     text = [f"What the model leaves out: {' '.join(mechanism.view.limitations)}"] if mechanism.view.limitations else []
     if not rows and not text:
         return None
     return PageSection(TITLE, text, tables=[Table(TITLE, ("what", "of", "asked"), rows)] if rows else [])
+
+
+def _tolerances(record: Record) -> Rows:
+    return [["tolerance", path, it["in_words"]] for path, it in record.get("tolerances", {}).items()]
 
 
 def _limits(first: Results, source: Record | None) -> Rows:
@@ -92,6 +104,11 @@ def design(results: Results) -> PageSection | None:
         return None
     default = results.mechanism.design()
     tuned = {variable["path"] for variable in (results.tuned or Record()).get("variables", ())}
+    sources = {
+        **dict.fromkeys(results.records.get("fit", Record()).get("parameters", ()), "fitted"),
+        **chosen_by(results),
+        **dict.fromkeys(tuned, "tuned"),
+    }
     typed = units_of(results)
     special: list[list[str | Cell]] = []
     usual: list[list[str | Cell]] = []
@@ -99,13 +116,13 @@ def design(results: Results) -> PageSection | None:
         before = get(default, path)
         value = get(results.design, path)
         # A design does not say which of its numbers were typed: what equals the default counts as default.
-        source = "tuned" if path in tuned else "default" if same(value, before) else "given"
+        source = sources.get(path) or ("default" if same(value, before) else "given")
         symbol, as_shown = unit(default, path), typed.get(path, "")
         (number, symbol_shown), (usually, _) = (_shown(it, symbol, as_shown) for it in (value, before))
         row = [path, meaning(default, path), table_text(number), symbol_shown, table_text(usually), source]
         (usual if source == "default" else special).append(list(row))
     headings = ("field", "meaning", "value", "unit", "default", "source")
-    tables = [Table("What is tuned or given", headings, special)] if special else []
+    tables = [Table("What is not left at its default", headings, special)] if special else []
     tables.append(Table(f"{len(usual)} fields at their defaults", headings, usual, folded=True))
     return PageSection(
         "Design", figures=figure(results, "motion", "The mechanism at telling times, to scale"), tables=tables

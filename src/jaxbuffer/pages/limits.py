@@ -44,7 +44,7 @@ def limits(results: Results, every: Sequence[Results] = (), named: bool = False)
         f"{of} against {f'the limits of {check.source_folder}' if check.source_folder else 'the limits of its study'}"
     )
     where = f"{results.folder}: " if named else ""
-    tables = [Table(f"{where}{caption}", HEADINGS, _rows(check))]
+    tables = [Table(f"{where}{caption}", HEADINGS, limit_rows(check))]
     if results.tuned is None:
         return PageSection("Limits", tables=tables)
     warnings = [f"{line[:1].upper()}{line[1:]}." for line in results.tuned["outside_validity"]]
@@ -99,7 +99,7 @@ def fails_in_corners_alone(results: Results, every: Sequence[Results] = ()) -> b
     return bool(results.tuned and corners_verdict(results.tuned)) and (counts is None or not counts.faults)
 
 
-def _rows(check: LimitCheck) -> list[Row]:
+def limit_rows(check: LimitCheck) -> list[Row]:
     """Return a row for each limit, and how runs must end."""
     rows, success = [_row(check, limit) for limit in check.limits], check.success
     if success is not None:

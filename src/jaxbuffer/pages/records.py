@@ -37,7 +37,14 @@ def words(name: str) -> str:
 
 def units_of(results: Results) -> Mapping[str, str]:
     """Return the units that a folder's numbers were typed with, by path, in which people are shown them."""
-    return next((it[MADE]["units"] for it in results.records.values() if "units" in it.get(MADE, {})), NONE)
+    typed = next((it[MADE]["units"] for it in results.records.values() if "units" in it.get(MADE, {})), NONE)
+    return {**results.records.get("choice", NONE).get("units", NONE), **typed}
+
+
+def sentence(line: str) -> str:
+    """Return a line of a record as a sentence, with a full stop, and a capital letter unless it begins with a field."""
+    text = line if set("._") & set(line.partition(" ")[0]) else f"{line[:1].upper()}{line[1:]}"
+    return text if text.endswith(".") else f"{text}."
 
 
 def field_name(path: str) -> str:

@@ -10,8 +10,10 @@ from ..experiments.what_if import RUNS
 from ..files import user_path
 from ..output.folder import Results, load_finished
 from .abstract import INFEASIBLE, abstract, badges
+from .choice import NONE_KEEPS, choice
 from .designs import design, requirements
 from .experiments import front, sample, sweep
+from .fit import NOT_CONVERGED, fit
 from .limit_check import repeats_tuning
 from .limits import fails_in_corners_alone, limits
 from .origin import origin, verification
@@ -73,7 +75,7 @@ def review(every: Sequence[Results], title: str = "") -> Page:
     # A run that repeats a scenario of a tuning would say the same a second time.
     made += [(results, limits(results, every)) for results in every if not repeats_tuning(results, every)]
     made += [(results, scenarios(results)) for results in every]
-    made += [(results, tolerances(results)) for results in every]
+    made += [(results, make(results)) for make in (tolerances, choice, fit) for results in every]
     for results in every:
         made += [(results, run(results, first)), (results, diagnosis(results, every))]
     made += [(results, sliders(results)) for results in every]
@@ -81,11 +83,21 @@ def review(every: Sequence[Results], title: str = "") -> Page:
     made += [(results, make(results)) for make in (search, sweep, sample, front) for results in every]
     parts = distinct([(results, section) for results, section in made if section is not None])
     subtitle = f"{first.mechanism.view.title} · {', '.join(str(results.folder) for results in every)}"
-    if first.tuned is None or first.tuned["feasible"] or fails_in_corners_alone(first, every):
-        title = title or f"{first.mechanism.view.title}: design review"
+    if failure := _failure(first, every):
+        title = f"{title or f'{first.mechanism.view.title}, design review'}: {failure}"
     else:
-        title = f"{title or f'{first.mechanism.view.title}, design review'}: {INFEASIBLE}"
+        title = title or f"{first.mechanism.view.title}: design review"
     return Page(title, subtitle, badges(every, every), [*parts, origin(every), verification()], abstract(every))
+
+
+def _failure(first: Results, every: Sequence[Results]) -> str:
+    """Return what the page's title says of a search that has found nothing; "" elsewhere."""
+    if first.tuned is not None:
+        return "" if first.tuned["feasible"] or fails_in_corners_alone(first, every) else INFEASIBLE
+    found = {name: record for name, record in first.records.items() if name in ("choice", "fit")}
+    if "choice" in found and not found["choice"]["feasible"]:
+        return NONE_KEEPS
+    return NOT_CONVERGED if "fit" in found and not found["fit"]["converged"] else ""
 
 
 def distinct(parts: Parts) -> list[PageSection]:

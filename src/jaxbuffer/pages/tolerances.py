@@ -3,6 +3,7 @@
 from ..output.folder import Results
 from .limits import corners_verdict
 from .page import PageSection, Table
+from .records import sentence
 
 
 def tolerances(results: Results) -> PageSection | None:
@@ -10,18 +11,14 @@ def tolerances(results: Results) -> PageSection | None:
     tuned = results.tuned
     if tuned is None or not tuned.get("tolerances"):
         return None
-    lines = [_sentence(line) for line in tuned["corners"]["lines"]]
+    lines = [sentence(line) for line in tuned["corners"]["lines"]]
     spread, holds = tuned.get("spread"), not corners_verdict(tuned)
     # What breaks a limit is a warning, what holds a fact.
     text, warnings = (lines, []) if holds else (lines[-1:], lines[:-1])
     if spread is None:
         return PageSection("Tolerances", text, warnings=warnings)
     table = Table(spread["caption"], spread["headings"], spread["rows"])
-    advice, *others = [_sentence(line) for line in spread["lines"]] or [""]
+    advice, *others = [sentence(line) for line in spread["lines"]] or [""]
     return PageSection(
         "Tolerances", [*text, *([advice] if advice else [])], tables=[table], warnings=[*warnings, *others]
     )
-
-
-def _sentence(line: str) -> str:
-    return f"{line[:1].upper()}{line[1:]}."

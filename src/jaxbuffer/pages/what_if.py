@@ -11,6 +11,7 @@ from ..errors import InputError
 from ..experiments.what_if import RUNS
 from ..experiments.what_if import what_if as fit_around
 from ..experiments.what_if_model import Model
+from ..fields import SCENARIO
 from ..files import user_path, write
 from ..labelled.record import Record, heading
 from ..output.folder import BESIDE, DESIGN, RECORDS, Results
@@ -20,7 +21,7 @@ from ..study.load import load
 from ..tuning.problem import Problem
 from ..value_text import percent_text
 from .page import PageSection
-from .records import Display, display, same
+from .records import Display, display, field_name, same
 
 NONE = "–"
 SOLVED = "solved"  # where any end will do
@@ -98,7 +99,8 @@ def same_design(record: Record, values: dict[str, Any]) -> bool:
 
 def data(record: Record, results: Results) -> dict[str, Any]:
     """Return what the page's template and script need, numbers of quantities with the factor of the unit shown."""
-    shown = [display(results.mechanism, name) for name in record["quantities"]]
+    own = (results.tuned or Record()).get("quantities", {})
+    shown = [display(results.mechanism, name, own) for name in record["quantities"]]
     rows = list(_rows(record, shown))
     models = [[None if it is None else Model.of(dict(it.items())) for it in case["models"]] for case in record["cases"]]
     shares, nominal = np.array(record["shares"]), np.array(record["nominal"])
@@ -130,7 +132,8 @@ def _text(record: Record, results: Results) -> list[str]:
         f"Move a number to see what the design would do then, over {over}. The numbers come from models that are fitted"
         f" to {len(record['shares'])} {name}s of each scenario around the tuned design; their error is the largest of"
         f" {record['apart']} {name}s that were kept apart. A model that misses one of these by more than"
-        f" {percent_text(record['good'])} shows no number. Simulate what you choose."
+        f" {percent_text(record['good'])} shows no number. Simulate what you choose.",
+        f"Held fixed: every other number of the design, and of the scenarios{_sampled(results)}.",
     ]
     failing = [case for case in record["cases"] if not all(case["succeeded"])]
     if failing:
@@ -142,6 +145,13 @@ def _text(record: Record, results: Results) -> list[str]:
             f" from the nearest of them, which is right for at least {right} of those kept apart."
         )
     return lines
+
+
+def _sampled(results: Results) -> str:
+    """Return which fields of the scenarios are drawn, and so have no slider, after a comma; "" where none are."""
+    ranges = (results.tuned or Record()).get("sample", Record()).get("ranges", {})
+    drawn = [field_name(address) for address in ranges if address.startswith(SCENARIO)]
+    return f", each with the {' and '.join(drawn)} that its sample drew" if drawn else ""
 
 
 def _rows(record: Record, shown: Sequence[Display]) -> Iterator[SliderRow]:

@@ -13,6 +13,8 @@ import tomli_w
 
 from ..errors import InputError
 from ..fields import Part, declared, get, metadata, replace, unit_at
+from ..fitting.quantities import recorded_quantities
+from ..labelled.record import heading as heading_of
 from ..mechanisms import all_mechanisms
 from ..mechanisms.mechanism import Mechanism
 from ..tuning.cases import Scatter
@@ -20,7 +22,9 @@ from ..tuning.objective import Objective, SecondObjective
 from ..tuning.settings import Settings
 from ..value_text import interval_text
 from .config import sections, study_tables
+from .fit_toml import FitTable
 from .model import ProblemTable, Scattered, StudyOptions, limit_keys
+from .parts_toml import ChoiceSettings
 from .tables import Keys
 
 WIDTH, LONGEST = 34, 118  # columns before a comment, and of a line
@@ -75,8 +79,42 @@ def example_toml(mechanism: Mechanism) -> str:
         "",
         f"# {heading['tolerances']}",
         _line(f'# {mechanism.defaults.parameters[0]} = "10 %"', TOLERANCE_WORDS),
+        *_choice(mechanism, design, heading),
+        *_fit(mechanism, design),
     ]
     return "\n".join(lines) + "\n"
+
+
+def _choice(mechanism: Mechanism, design: Part, heading: Mapping[str, str]) -> Iterator[str]:
+    """Yield the tables of jaxbuffer choose."""
+    path = mechanism.defaults.parameters[0]
+    section, value = path.partition(".")[0], float(get(design, path))
+    yield f"# {heading['parts'].replace('parts', f'parts.{section}', 1)}"
+    for name, share in (("P1", 1.0), ("P2", 1.2)):
+        words = 'what a part sets together; or file = "parts.csv"' if share == 1.0 else ""
+        yield _line(f"# {name} = {{{path} = {share * value:g}, price = {10.0 * share:g}}}", words)
+    yield f"# {heading['choose']}"
+    yield from _fields(declared(ChoiceSettings))
+    yield f"# {heading['roundings']}"
+    yield _line(f'# {path} = "E24"', f"E3 to E96; or a step in {unit_at(design, mechanism.scenario(), path)}")
+
+
+def _fit(mechanism: Mechanism, design: Part) -> Iterator[str]:
+    """Yield the tables of jaxbuffer fit, for a mechanism whose tests can be fitted."""
+    if mechanism.stepper is not None:
+        return
+    recorded, doc = recorded_quantities(design), {name: known["doc"] for name, known in declared(FitTable).items()}
+    quantity = next((name for name in mechanism.tuned if name in recorded), next(iter(recorded)))
+    path = mechanism.defaults.parameters[0]
+    value = float(get(design, path))
+    yield f"# [fit.parameters]  # {doc['parameters']}"
+    yield _line(f"# {path} = [{0.5 * value:g}, {2.0 * value:g}]", metadata(design, path)["unit"])
+    yield f"# [[fit.tests]]  # {doc['tests']}"
+    yield _line('# file = "test.csv"', 'with a column "time [s]"; beside it time_shift, and scenario.FIELD')
+    yield "# [fit.tests.columns]"
+    yield _line(
+        f'# "{heading_of(quantity, recorded[quantity])}" = {{quantity = "{quantity}"}}', "and noise, gain, filter"
+    )
 
 
 def _fields(keys: Keys, commented: bool = True, own: Mapping[str, Any] = MappingProxyType({})) -> Iterator[str]:

@@ -4,8 +4,11 @@ import dataclasses
 import math
 from collections.abc import Iterator, Mapping
 
+from ..choosing.catalogue import PartsCatalogue
+from ..choosing.choose import selection
 from ..experiments.ranges import ranges
-from ..fields import SCENARIO, Curve, Part, ends_as_typed, field_text, get, metadata, paths, unit
+from ..fields import SCENARIO, Curve, Part, as_displayed, ends_as_typed, field_text, get, metadata, paths, unit
+from ..fitting.fit import checked
 from ..mechanisms.cautions import cautions
 from ..mechanisms.limit import both_sides
 from ..sweeps.grid import Grid, grid
@@ -58,6 +61,7 @@ def explained(study: Config, name: str) -> str:
             f"{path} to {rule if isinstance(rule, str) else _step(study, path, rule)}"
             for path, rule in study.roundings.items()
         ],
+        "fit": _fit(study),
         "sweep": [f"{axis.path} {axis.spanned()}" for axis in swept.axes] if study.sweep else [],
         "sample": _sample(study),
         "commands": _commands(study, name, problem, swept, bool(missing)),
@@ -90,9 +94,49 @@ def _problem(study: Config) -> Problem:
 
 def _parts(study: Config) -> list[str]:
     """Return a line for each catalogue, and one for limits on price and mass."""
-    lines = [f"{it.role}: {len(it.parts)}, each with {', '.join((*it.paths, *it.totals))}" for it in study.parts]
-    at_most = study.selection().at_most if study.parts else {}
-    return lines + [f"{name} of all parts ≤ {bound:g}" for name, bound in at_most.items()]
+    lines = [
+        f"{it.role}: {len(it.parts)}, each with {', '.join((*it.paths, *it.totals))}: {_listed(it)}"
+        for it in study.parts
+    ]
+    if not study.parts:
+        return lines
+    told = study.selection()
+    criterion, _ = selection(told.problem, study.parts, told.objective, told.at_most)
+    return lines + [f"{it.line(criterion.catalogue[it.name])} of all parts" for it in criterion.limits]
+
+
+def _listed(catalogue: PartsCatalogue) -> str:
+    """Return the names of a catalogue's parts, the first ones."""
+    names = [part.name for part in catalogue.parts[:SHOWN]]
+    left = len(catalogue.parts) - len(names)
+    return ", ".join(names) + (f" and {left} more" if left else "")
+
+
+def _fit(study: Config) -> list[str]:
+    """Return a line for each number that is fitted, each test and each of its columns."""
+    table, design = study.fit, study.design
+    if not table.parameters and not table.tests:
+        return []
+    recordings = table.recordings(design, study.scenario, study.folder)
+    parameters, options = dict(table.parameters or {}), study.options
+    variables, tests = checked(design, study.scenario, recordings, parameters, options.duration, options.rtol)
+    lines = []
+    for v in variables:
+        # Bounds in the unit that the start was typed with, where it has one.
+        ends = ends_as_typed(v.low, v.high, _unit(design, v.path), study.units.get(v.path, ""))
+        lines.append(f"{v.path} in {interval_text(*ends)}, {v.scale}, from {_value(design, v.path)}")
+    for test in tests:
+        rows, (first, *_, last) = len(test.times), test.times
+        lines.append(f"{test.recording.name}: {rows} rows from {first:.4g} to {last:.4g} s")
+        for column, sensor in test.sensors.items():
+            shown = as_displayed(sensor.noise or 0.0, test.units[sensor.quantity])
+            noise = "noise estimated" if sensor.noise is None else f"noise {with_unit(*shown, 4)}"
+            lines.append(f"  {column} is {sensor.quantity}, {noise}")
+        for name, it in test.unknowns.items():
+            lines.append(
+                f"  {name} in {interval_text(it.low, it.high, '-' if name.endswith('gain') else 's')}, unknown"
+            )
+    return lines
 
 
 def _step(study: Config, path: str, step: float) -> str:
@@ -215,13 +259,14 @@ def _commands(study: Config, name: str, problem: Problem | None, swept: Grid, mi
     ]
     if study.parts or study.roundings:
         commands.append(f"jaxbuffer choose {name}       {_choice(study)}")
+    if study.fit.tests:
+        count, tests = len(study.fit.parameters or {}), len(study.fit.tests)
+        commands.append(f"jaxbuffer fit {name}          {count} numbers from {tests} test{'s' if tests > 1 else ''}")
     if missing or (study.parts and study.table.variables is None):
         return [*commands, f"jaxbuffer tune {name}         needs [problem.variables] first"]
     if problem is None:
         return [*commands, f"jaxbuffer tune {name}         the default problem; it has no [problem]"]
-    cases = f"{len(problem.cases)} scenario{'s' if len(problem.cases) > 1 else ''}"
-    cases += ", corners of tolerances among them" if problem.corners else ""
-    return [*commands, f"jaxbuffer tune {name}         {len(problem.variables)} variables over {cases}"]
+    return [*commands, f"jaxbuffer tune {name}         {len(problem.variables)} variables over {problem.over}"]
 
 
 def _choice(study: Config) -> str:
@@ -230,7 +275,7 @@ def _choice(study: Config) -> str:
         return f"a tuning, then values near it for {', '.join(study.roundings)}"
     problem, sizes = _problem(study), [len(it.parts) for it in study.parts]
     counts = f"{' × '.join(map(str, sizes))} = {math.prod(sizes)}" if len(sizes) > 1 else str(sizes[0])
-    return f"{counts} combinations over {len(problem.cases)} scenario{'s' if len(problem.cases) > 1 else ''}"
+    return f"{counts} combinations over {problem.over}"
 
 
 def _shown(part: Part, path: str, prefix: str = "") -> str:

@@ -171,7 +171,19 @@ class Problem:
     @property
     def corners(self) -> tuple[Case, ...]:
         """Return those of the cases that are corners of the tolerances; none where there are no tolerances."""
-        return tuple(case for k, case in enumerate(self.cases) if k % (1 + len(self.corner_rows)))
+        return tuple(self.cases[k] for k in self.corner_places)
+
+    @property
+    def over(self) -> str:
+        """Return how many load cases there are, in words: "4 scenarios and 16 corners of their tolerances"."""
+        cases, corners = len(self.drawn), len(self.corner_places)
+        text = f"{cases} scenario{'s' if cases > 1 else ''}"
+        return f"{text} and {corners} corners of their tolerances" if corners else text
+
+    @property
+    def corner_places(self) -> tuple[int, ...]:
+        """Return the places of the corners among the cases: all behind a load case as drawn are its own."""
+        return tuple(k for k in range(len(self.cases)) if k % (1 + len(self.corner_rows)))
 
     @property
     def corner_rows(self) -> Float[np.ndarray, "corners tolerances"]:
