@@ -53,9 +53,13 @@ def test_what_an_earlier_run_left_is_refused_as_its_own_files_are(tmp_path):
     assert names(tmp_path) == {"motion.json", "force.json"}
 
 
-def test_a_record_with_names_of_an_earlier_version_is_refused(tmp_path):
-    (tmp_path / "tuned.json").write_text('{"kind": "probe_cone", "variables": [{"shown_in": "mm"}]}')
-    with pytest.raises(jb.InputError, match=r"tuned\.json was written by an earlier version"):
+@pytest.mark.parametrize(
+    ("name", "entry"),
+    [("tuned", '"variables": [{"shown_in": "mm"}]'), ("choice", '"combinations": 4'), ("fit", '"parameters": {}')],
+)
+def test_a_record_of_an_earlier_version_is_refused(tmp_path, name, entry):
+    (tmp_path / f"{name}.json").write_text(f'{{"kind": "probe_cone", {entry}}}')
+    with pytest.raises(jb.InputError, match=rf"{name}\.json was written by an earlier version"):
         jb.load(tmp_path)
 
 

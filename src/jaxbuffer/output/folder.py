@@ -43,6 +43,7 @@ BEGUN = {  # what a command keeps while it runs, and the files of its results
 }
 # Entries that have other names by now: a page would leave them out and so say less than the result.
 RENAMED = ("must_succeed", "asked", "rows_asked", "shown_in", "borne_out", "standing", "above_floor [-]")
+ADDED = {"choice.json": "warnings", "fit.json": "columns"}  # entries that the first records of these kinds lacked
 BESIDE = {
     "sweep": "sweep.json",
     "motion": "motion.json",
@@ -295,7 +296,8 @@ def _record(file: Path) -> Record | None:
         raise InputError(f"{file} is damaged: {error}") from None
     if not isinstance(record, Record):
         raise InputError(f"{file} is damaged: it holds no record")
-    if any(f'"{name}"' in text for name in RENAMED):
+    lacks = file.name in ADDED and ADDED[file.name] not in record
+    if lacks or any(f'"{name}"' in text for name in RENAMED):
         raise InputError(f"{file} was written by an earlier version of jaxbuffer; run its command again")
     return record
 
