@@ -42,7 +42,8 @@ class Fitted(Saved):
 
     - ``design``: with the fitted numbers; ``start``: that the search began with; ``scenario``: of tests without one.
     - ``parameters``: a `FittedNumber` for each path.
-    - ``nuisance``: by test, what is unknown of its sensors: "time_shift" [s], "COLUMN: gain" [-], "COLUMN: filter" [s].
+    - ``nuisance``: by test, what is unknown of its sensors: "time_shift" [s], "COLUMN: gain" [-], "COLUMN: filter"
+      and "COLUMN: delay" [s].
     - ``residual``: by test and column, the root mean square of measured less fitted, in deviations of the noise [-].
     - ``noise``: by test and column, that deviation in SI units, given or estimated.
     - ``names``: of all unknowns; ``correlation`` of their estimates, a matrix in this order.
