@@ -6,8 +6,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from scipy.stats import qmc
 
-from .intervals import covariance_of
-from .residuals import Block, LeastSquares, Residuals, minimum
+from .residuals import Block, LeastSquares, Residuals, information, minimum
 
 FIRST, GROWTH = 1.0 / 64.0, 1.3  # share of the records to begin with, and by which it grows
 FEWEST = 24  # rows to begin with
@@ -67,7 +66,8 @@ class StagedSearch:
         """
         random = np.random.default_rng(0)
         for _ in range(ROUNDS):
-            away = AWAY * np.linalg.cholesky(covariance_of(best.slopes)) @ random.normal(size=len(best.x))
+            spread = np.linalg.cholesky(np.linalg.inv(information(best.slopes)))
+            away = AWAY * spread @ random.normal(size=len(best.x))
             starts = ((best.x, WIDTHS), (np.clip(best.x + away / math.sqrt(len(away)), 0.0, 1.0), WIDTHS[1:]))
             found = [self._descent(start, 1.0, widths) for start, widths in starts]
             others = [minimum(self.residuals, x, 1.0, tolerance=LAST, most=MOST) for x, _ in found]
