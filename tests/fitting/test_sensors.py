@@ -1,6 +1,7 @@
 """Whole fits where sensors are not known: a gain, and noise that several tests are left to tell."""
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -49,6 +50,8 @@ def test_a_gain_is_found_beside_the_numbers_behind_a_measured_test(tmp_path):
     found = fit.nuisance["gain.csv"][f"{ACTIVE}: gain"]
     # Two and a half deviations at most; a gain that is not looked for would be five away.
     assert abs(found.value - gain) < 2.5 * (found.high - found.low) / 3.92 < 0.5 * (gain - 1.0)
+    rows = re.findall(r"(\S+) +(\S+) to (\S+)", repr(fit))
+    assert len(rows) == 6 and all(len({len(it.partition(".")[2]) for it in row}) == 1 for row in rows)
 
 
 @pytest.mark.slow

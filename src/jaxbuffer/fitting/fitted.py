@@ -12,6 +12,8 @@ from ..labelled.saved import Saved
 from ..tables import table, text
 from ..value_text import unit_text
 
+LONGEST = 8  # decimals of a fitted number in a table
+
 
 class FittedNumber(NamedTuple):
     """A fitted number: its ``value`` with the ends ``low`` and ``high`` of its 95 % interval, in SI units, its
@@ -111,8 +113,9 @@ class Fitted(Saved):
 
 
 def _cells(it: FittedNumber) -> tuple[str, ...]:
-    spread = max(it.high - it.low, 1e-300)
-    digits = max(4, int(np.ceil(np.log10(max(abs(it.value), 1e-300) / spread))) + 3)
     value, symbol = as_displayed(it.value, it.unit)
     low, high = (as_displayed(end, it.unit)[0] for end in (it.low, it.high))
-    return f"{value:.{digits}g}", f"{low:.{digits}g} to {high:.{digits}g}", unit_text(symbol, ""), it.at_bound
+    # Three digits of the interval's width, as many decimals in all three numbers.
+    decimals = 2 - int(np.floor(np.log10(max(high - low, 1e-12 * abs(value), 1e-300))))
+    digits = f"z.{max(decimals, 0)}f" if decimals <= LONGEST else ".6g"
+    return f"{value:{digits}}", f"{low:{digits}} to {high:{digits}}", unit_text(symbol, ""), it.at_bound
