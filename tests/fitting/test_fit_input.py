@@ -44,6 +44,7 @@ def recording(channel=None, times=TIMES, **others):
         (FREE, recording(jb.Channel("stroke", noise=-1.0)), "bench: s: noise = -1 m is out of range"),
         (FREE, recording(jb.Channel("stroke", gain=(1.1, 0.9))), "gain = (1.1, 0.9): the low bound must be below"),
         (FREE, recording(jb.Channel("stroke", filter="1 mm")), "bench: s: filter = '1 mm': mm is a length"),
+        (FREE, recording(jb.Channel("stroke", delay="1 mm")), "bench: s: delay = '1 mm': mm is a length"),
         (FREE, recording(times=100.0 * TIMES), "bench, row 9: the time 9 s is after the end of the run at 8 s"),
         (FREE, recording(time_shift=(0.0, "3 ms", 1.0)), "time_shift: 1 has no unit"),
     ],

@@ -85,3 +85,16 @@ def test_smoothing_keeps_the_information_of_white_noise():
     assert constant == pytest.approx(20_000, rel=0.01)
     # A Gaussian window of four rows averages 4·2√π of them, of which every fourth is kept, scaled by two.
     assert np.var(values) == pytest.approx(4.0 / (4.0 * 2.0 * np.sqrt(np.pi)), rel=0.1)
+
+
+def test_an_impact_that_is_missed_stands_out_of_records_that_are_met_everywhere_else():
+    search, random = StagedSearch(lambda x, share: [], 3000), np.random.default_rng(0)
+    for draw in range(50):
+        values = random.normal(size=(3, 3000))
+        noise = Block(values, np.zeros((3, 3000, 0)))
+        assert search.excess([noise]) < 1.0, draw
+        place = int(random.integers(3000))
+        values[2, place : place + 3] += 9.0
+        # All rows together hardly show it.
+        assert np.mean(values[2] ** 2) < 1.2
+        assert search.excess([noise]) > 1.0, (draw, place)

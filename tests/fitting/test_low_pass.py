@@ -27,3 +27,18 @@ def test_a_sine_behind_a_low_pass_and_its_slope_are_the_closed_form(lag):
     step = 1e-4 * lag
     slope = (answer(nodes, lag + step) - answer(nodes, lag - step)) / (2.0 * step)
     assert np.max(np.abs(sensor.slope(on, inside, found)[:, 0] - slope)) < 1e-3 * np.max(np.abs(slope)) + 1e-4
+
+
+@pytest.mark.parametrize("lag", [0.0, 1e-4, 1e-2, 0.3])
+def test_between_nodes_a_sine_behind_a_low_pass_is_the_closed_form_too(lag):
+    nodes = np.sort(np.append(np.random.default_rng(0).uniform(0.0, 1.0, 2000), 0.0))
+    nodes[5] = nodes[6]
+    times = np.concatenate([nodes, np.random.default_rng(1).uniform(0.0, nodes[-1], 300)])
+    on, between = np.sin(RATE * nodes)[:, None], np.sin(0.5 * RATE * (nodes[1:] + nodes[:-1]))[:, None]
+    found, signal, by_lag = Filtered(nodes, lag).within(times, on, between)
+    lag = max(lag, SHORTEST)
+    assert np.max(np.abs(signal[:, 0] - np.sin(RATE * times))) < 1e-6
+    assert np.max(np.abs(found[:, 0] - answer(times, lag))) < 1e-6
+    step = 1e-4 * lag
+    slope = (answer(times, lag + step) - answer(times, lag - step)) / (2.0 * step)
+    assert np.max(np.abs(by_lag[:, 0] - slope)) < 1e-3 * np.max(np.abs(slope)) + 1e-4

@@ -53,8 +53,8 @@ def test_the_numbers_behind_a_measured_test_are_found_in_their_intervals(name, e
         inside += it.low <= truth <= it.high
         error = 100.0 * abs(it.value / truth - 1.0)
         worst = max(worst, error / max(1.0, 4.0 * bound))
-        # Neither narrower than noise allows, nor wide for safety; a time shift that is unknown costs a little.
-        assert 0.85 * bound < 100.0 * (it.high - it.low) / (2.0 * 1.96) / truth < 1.25 * bound
+        # Neither narrower than noise allows, nor wide for safety; a shift or a delay that is unknown costs some.
+        assert 0.85 * bound < 100.0 * (it.high - it.low) / (2.0 * 1.96) / truth < 1.35 * bound
     assert inside >= 4
     evidence("fit to a test", f"{name}: numbers outside their 95 % intervals, of five", 5 - inside, 1.0, SOURCE)
     claim = f"{name}: error of the worst number over 1 % or four Cramér-Rao deviations"

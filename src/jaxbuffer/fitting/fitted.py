@@ -12,6 +12,8 @@ from ..labelled.saved import Saved
 from ..tables import table, text
 from ..value_text import unit_text
 
+LONGEST = 8  # decimals of a fitted number in a table
+
 
 class FittedNumber(NamedTuple):
     """A fitted number: its ``value`` with the ends ``low`` and ``high`` of its 95 % interval, in SI units, its
@@ -42,7 +44,8 @@ class Fitted(Saved):
 
     - ``design``: with the fitted numbers; ``start``: that the search began with; ``scenario``: of tests without one.
     - ``parameters``: a `FittedNumber` for each path.
-    - ``nuisance``: by test, what is unknown of its sensors: "time_shift" [s], "COLUMN: gain" [-], "COLUMN: filter" [s].
+    - ``nuisance``: by test, what is unknown of its sensors: "time_shift" [s], "COLUMN: gain" [-], "COLUMN: filter"
+      and "COLUMN: delay" [s].
     - ``residual``: by test and column, the root mean square of measured less fitted, in deviations of the noise [-].
     - ``noise``: by test and column, that deviation in SI units, given or estimated.
     - ``names``: of all unknowns; ``correlation`` of their estimates, a matrix in this order.
@@ -115,9 +118,11 @@ def excess_line(inflation: float) -> str:
 
 
 def number_cells(it: FittedNumber) -> tuple[str, ...]:
-    """Return value, interval, unit and bound as they stand in a table, with as many digits as the interval tells."""
-    spread = max(it.high - it.low, 1e-300)
-    digits = max(4, int(np.ceil(np.log10(max(abs(it.value), 1e-300) / spread))) + 3)
+    """Return value, interval, unit and bound as they stand in a table, with as many decimals as the interval tells."""
     value, symbol = as_displayed(it.value, it.unit)
     low, high = (as_displayed(end, it.unit)[0] for end in (it.low, it.high))
-    return f"{value:.{digits}g}", f"{low:.{digits}g} to {high:.{digits}g}", unit_text(symbol, ""), it.at_bound
+    # Three digits of the interval's width, as many decimals in all three numbers.
+    width = max(high - low, 1e-12 * abs(value), 1e-300)
+    decimals = 2 - int(np.floor(np.log10(width))) if np.isfinite(width) else LONGEST + 1
+    digits = f"z.{max(decimals, 0)}f" if decimals <= LONGEST else ".6g"
+    return f"{value:{digits}}", f"{low:{digits}} to {high:{digits}}", unit_text(symbol, ""), it.at_bound

@@ -5,10 +5,9 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from .residuals import LeastSquares, Residuals, smoothed
+from .residuals import WIDEST, LeastSquares, Residuals, information, smoothed
 
 SURE = 1.959963984540054  # deviations of a normal distribution on either side of 95 %
-WIDEST = 1.0  # deviation of an unknown on which the data say nothing, as a share of its range
 CLOSE = 0.97  # correlation from which on data hardly tell two unknowns apart
 TRIES = 3  # steps to an end of a profile interval
 ALIKE = 0.05  # of the rise at the end of an interval, by which it may be off
@@ -33,17 +32,12 @@ class Uncertainty(NamedTuple):
         return self.covariance / np.outer(self.deviations, self.deviations)
 
 
-def covariance_of(slopes: Float[np.ndarray, "residuals unknowns"]) -> Float[np.ndarray, "unknowns unknowns"]:
-    """Return the covariance of unknowns whose residuals have a noise of one."""
-    return np.linalg.inv(slopes.T @ slopes + np.eye(slopes.shape[1]) / WIDEST**2)
-
-
 def uncertainty(residuals: Residuals, best: LeastSquares, inflation: float = 1.0) -> Uncertainty:
     """Return how sure a minimum is, by profiles: an interval ends where the least squares rise by 3.84.
 
     **Arguments:** ``inflation``: of the variance, where residuals exceed the noise [-].
     """
-    covariance = covariance_of(best.slopes)
+    covariance = np.linalg.inv(information(best.slopes))
     least = _sum(residuals, best.x)[0]
     ends = [
         [_end(residuals, best.x, covariance, least, k, side * np.sqrt(inflation)) for k in range(len(best.x))]
@@ -56,7 +50,7 @@ def _sum(residuals: Residuals, x: np.ndarray) -> tuple[float, np.ndarray, np.nda
     """Return the sum of squares at a point, half its gradient and half its Hessian."""
     parts = [smoothed(block, 0.0) for block in residuals(x, 1.0)]
     values, slopes = (np.concatenate(them) for them in zip(*parts, strict=True))
-    return float(values @ values), slopes.T @ values, slopes.T @ slopes + np.eye(len(x)) / WIDEST**2
+    return float(values @ values), slopes.T @ values, information(slopes)
 
 
 def _end(residuals: Residuals, x: np.ndarray, covariance: np.ndarray, least: float, k: int, deviations: float) -> float:

@@ -1,5 +1,7 @@
 """A sensor's first-order low-pass, τ y' = s - y, exact for signals that are parabolas between nodes."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from jaxtyping import Float
 from scipy.linalg import solve_banded
@@ -30,6 +32,17 @@ def _moment(z: np.ndarray, k: int) -> np.ndarray:
     return total
 
 
+def _moved(z: np.ndarray) -> list[np.ndarray]:
+    """Return the derivatives of the `weights` by the logarithm of z."""
+    # A complex step: exact where a difference would cancel.
+    step = 1e-30
+    return [it.imag / step for it in weights(z + 1j * step * z)]
+
+
+def _summed(by: Sequence[np.ndarray], *rows: np.ndarray) -> np.ndarray:
+    return sum((it[:, None] * row for it, row in zip(by, rows, strict=True)), np.zeros_like(rows[0]))
+
+
 class Filtered:
     """The answer of a low-pass with one time constant to signals that are known at nodes and midway between them.
 
@@ -37,7 +50,7 @@ class Filtered:
     """
 
     def __init__(self, nodes: Float[np.ndarray, " nodes"], lag: float) -> None:
-        self.lag = max(lag, SHORTEST)
+        self.nodes, self.lag = nodes, max(lag, SHORTEST)
         self.z = np.diff(nodes) / self.lag
         self.decay, *self.weights = weights(self.z)
 
@@ -49,15 +62,32 @@ class Filtered:
 
     def slope(self, on: np.ndarray, between: np.ndarray, answer: np.ndarray) -> Float[np.ndarray, "nodes columns"]:
         """Return dy/dτ [1/s] at the nodes."""
-        # A complex step: exact where a difference would cancel.
-        step = 1e-30
-        decay, *moved = (it.imag / step for it in weights(self.z + 1j * step * self.z))
+        decay, *moved = _moved(self.z)
         gains = self._gains(on, between, moved) + decay[:, None] * answer[:-1]
         return self._recursion(-gains / self.lag, np.zeros_like(on[0]))
 
+    def within(
+        self, times: Float[np.ndarray, " instants"], on: np.ndarray, between: np.ndarray
+    ) -> tuple[Float[np.ndarray, "instants columns"], ...]:
+        """Return y at any times between the first node and the last, the signals there, and dy/dτ of the first one."""
+        answer = self.answer(on, between)
+        by_lag = self.slope(on[:, :1], between[:, :1], answer[:, :1])
+        k = np.clip(np.searchsorted(self.nodes, times, side="right") - 1, 0, len(self.z) - 1)
+        length = self.nodes[k + 1] - self.nodes[k]
+        x = np.where(length > 0.0, (times - self.nodes[k]) / np.where(length > 0.0, length, 1.0), 1.0)
+
+        def parabola(x: np.ndarray) -> np.ndarray:
+            parts = (1.0 - x) * (1.0 - 2.0 * x), 4.0 * x * (1.0 - x), x * (2.0 * x - 1.0)
+            return _summed(parts, on[k], between[k], on[k + 1])
+
+        signal, z = parabola(x), x * self.z[k]
+        given = answer[k], on[k], parabola(0.5 * x), signal
+        moved = _summed(_moved(z), *(it[:, :1] for it in given))
+        decay = np.exp(-z)[:, None]
+        return _summed(weights(z), *given), signal, decay * by_lag[k] - moved / self.lag
+
     def _gains(self, on: np.ndarray, between: np.ndarray, by: list[np.ndarray]) -> np.ndarray:
-        start, middle, end = (it[:, None] for it in by)
-        return start * on[:-1] + middle * between + end * on[1:]
+        return _summed(by, on[:-1], between, on[1:])
 
     def _recursion(self, gains: np.ndarray, first: np.ndarray) -> np.ndarray:
         """Return y with y_0 = ``first`` and y_{k+1} = decay_k y_k + gains_k."""

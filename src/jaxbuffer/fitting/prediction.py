@@ -17,13 +17,19 @@ FINE = 1e-4  # s, between the shifts that are tried first
 
 
 class SensorModel(NamedTuple):
-    """A channel as numbers: ``quantity``; ``noise`` in its unit, None if unknown; ``gain`` [-] and ``lag`` [s], each a
-    number or unknown."""
+    """A channel as numbers: ``quantity``; ``noise`` in its unit, None if unknown; ``gain`` [-], ``lag`` and ``delay``
+    [s], each a number or unknown."""
 
     quantity: str
     noise: float | None
     gain: float | Variable
     lag: float | Variable
+    delay: float | Variable
+
+    @property
+    def slow(self) -> bool:
+        """Return whether it records later than at once."""
+        return any(isinstance(it, Variable) or it != 0.0 for it in (self.lag, self.delay))
 
 
 class Prediction:
@@ -41,18 +47,24 @@ class Prediction:
         self.sensors = {}
         for column, channel in recording.channels.items():
             where = f"{name}: {column}: "
+            lag = bounds(f"{where}filter", channel.filter, "s", **FILTER)
+            half = 0.5 * float(np.median(np.diff(self.times)))
+            delay = channel.delay
+            if delay is None:
+                delay = (-half, half) if isinstance(lag, Variable) else 0.0
             self.sensors[column] = SensorModel(
                 channel.quantity,
                 noise_of(f"{where}noise", channel, units[channel.quantity]),
                 bounds(f"{where}gain", channel.gain, "-", **GAIN),
-                bounds(f"{where}filter", channel.filter, "s", **FILTER),
+                lag,
+                bounds(f"{where}delay", delay, "s"),
             )
         self.values = np.stack([np.asarray(recording.values[column], float) for column in self.sensors])
         self.unknowns: dict[str, Variable] = {}
         if isinstance(self.shift, Variable):
             self.unknowns[SHIFT] = self.shift
         for column, sensor in self.sensors.items():
-            for kind, given in (("gain", sensor.gain), ("filter", sensor.lag)):
+            for kind, given in (("gain", sensor.gain), ("filter", sensor.lag), ("delay", sensor.delay)):
                 if isinstance(given, Variable):
                     self.unknowns[f"{column}: {kind}"] = given
         self.begin, self.end_time, self.failed = float(self.times[0]), 0.0, False
@@ -69,7 +81,8 @@ class Prediction:
         the test's own unknowns."""
         at = dict(zip(self.unknowns, own, strict=True))
         moments = self.times[: self.rows(share)] - self._value(SHIFT, self.shift, at)
-        run = stepped_run(self.of, numbers, max(float(moments[-1]), 1e-6))
+        early = max(0.0, *(-self._value(f"{column}: delay", it.delay, at) for column, it in self.sensors.items()))
+        run = stepped_run(self.of, numbers, max(float(moments[-1]) + early, 1e-6))
         self.end_time, self.failed = run.end_time, run.failed
         values, slopes, rates, lagging = self._behind_filters(run, moments, at)
         count = slopes.shape[2]
@@ -82,6 +95,8 @@ class Prediction:
             gain = self._value(f"{column}: gain", sensor.gain, at)
             if (place := places.get(f"{column}: filter")) is not None:
                 full[k, :, place] = lagging[k]
+            if (place := places.get(f"{column}: delay")) is not None:
+                full[k, :, place] = -rates[k]
             if (place := places.get(f"{column}: gain")) is not None:
                 full[k] *= gain
                 full[k, :, place] = values[k]
@@ -121,23 +136,22 @@ class Prediction:
         self, run: SteppedRun, moments: np.ndarray, at: Mapping[str, float]
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Return values, slopes by the parameters, rates, and slopes by the filters' time constants."""
-        names = [sensor.quantity for sensor in self.sensors.values()]
-        lags = [self._value(f"{column}: filter", it.lag, at) for column, it in self.sensors.items()]
-        slow = [isinstance(it.lag, Variable) or lag > 0.0 for it, lag in zip(self.sensors.values(), lags, strict=True)]
-        every = sorted(set(names))
-        if not any(slow):
-            known = signals(self.of, run, every, moments)
-            parts = [_plain(known, every.index(name), np.arange(len(moments))) for name in names]
-        else:
+        every = sorted({sensor.quantity for sensor in self.sensors.values()})
+        nodes, place = np.zeros(0), np.arange(len(moments))
+        if any(sensor.slow for sensor in self.sensors.values()):
             nodes, place = _nodes(run, moments)
             known = signals(self.of, run, every, np.concatenate([nodes, 0.5 * (nodes[1:] + nodes[:-1])]))
-            moving = (moments >= run.time[0]) & (moments <= run.time[-1])
-            parts = [
-                _filtered(known, every.index(name), nodes, place, lag, moving)
-                if behind
-                else _plain(known, every.index(name), place)
-                for name, lag, behind in zip(names, lags, slow, strict=True)
-            ]
+        else:
+            known = signals(self.of, run, every, moments)
+        parts = []
+        for column, sensor in self.sensors.items():
+            k = every.index(sensor.quantity)
+            if sensor.slow:
+                lag = self._value(f"{column}: filter", sensor.lag, at)
+                delay = self._value(f"{column}: delay", sensor.delay, at)
+                parts.append(_filtered(known, k, nodes, moments - delay, lag))
+            else:
+                parts.append(_plain(known, k, place))
         values, slopes, rates, lagging = (np.stack(them) for them in zip(*parts, strict=True))
         return values, slopes, rates, lagging
 
@@ -154,14 +168,11 @@ def _nodes(run: SteppedRun, moments: np.ndarray) -> tuple[np.ndarray, np.ndarray
     return every[order], np.argsort(order, kind="stable")[: len(moments)]
 
 
-def _filtered(
-    known: Signals, k: int, nodes: np.ndarray, place: np.ndarray, lag: float, moving: np.ndarray
-) -> tuple[np.ndarray, ...]:
-    """Return value, slopes, rate and slope by the time constant of a signal behind a low-pass."""
-    count = len(nodes)
+def _filtered(known: Signals, k: int, nodes: np.ndarray, times: np.ndarray, lag: float) -> tuple[np.ndarray, ...]:
+    """Return value, slopes, rate and slope by the time constant of a signal behind a low-pass, at any times."""
     columns = np.concatenate([known.values[k][:, None], known.slopes[k]], axis=1)
-    on, between, low_pass = columns[:count], columns[count:], Filtered(nodes, lag)
-    answer = low_pass.answer(on, between)
-    by_lag = low_pass.slope(on[:, :1], between[:, :1], answer[:, :1])
-    rate = (on[place, 0] - answer[place, 0]) / low_pass.lag * moving
-    return answer[place, 0], answer[place, 1:], rate, by_lag[place, 0]
+    low_pass, moving = Filtered(nodes, lag), (times >= nodes[0]) & (times <= nodes[-1])
+    inside = np.clip(times, nodes[0], nodes[-1])
+    answer, signal, by_lag = low_pass.within(inside, columns[: len(nodes)], columns[len(nodes) :])
+    rate = (signal[:, 0] - answer[:, 0]) / low_pass.lag * moving
+    return answer[:, 0], answer[:, 1:], rate, by_lag[:, 0]

@@ -24,6 +24,8 @@ class Channel:
     - ``noise``: standard deviation of the sensor's noise, in the quantity's unit or with one; None: estimated.
     - ``gain``: by which the sensor multiplies [-]: a number, or two bounds of an unknown one.
     - ``filter``: time constant of the sensor's first-order low-pass [s], likewise.
+    - ``delay``: by which the sensor is late besides [s], likewise; None: 0, but unknown within half an interval between
+      rows where the filter is unknown: digital filters are late or early by up to half an interval of their own.
 
     **Example:**
 
@@ -35,6 +37,7 @@ class Channel:
     noise: Any = None
     gain: Bounds = 1.0
     filter: Bounds = 0.0
+    delay: Bounds | None = None
 
 
 @dataclasses.dataclass(frozen=True)

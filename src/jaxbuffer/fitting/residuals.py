@@ -1,14 +1,19 @@
 """Weighted residuals of records, smoothed over some rows, and Levenberg and Marquardt's way to their least squares."""
 
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 from scipy.ndimage import gaussian_filter1d
-from scipy.optimize import least_squares
+from scipy.optimize import OptimizeResult, least_squares
 
+SETTLED = -2  # SciPy's status of a search that its callback ended
 INSIDE = 1e-9  # of the range of an unknown: SciPy begins strictly within bounds
+WIDEST = 1.0  # deviation of an unknown on which the data say nothing, as a share of its range
+LEFT = 1e-3  # by which a sum of squares may still fall where a search ends: 1 is a deviation of an unknown
+FALL = 1e-2  # of a last step, above what a run's own error makes of the sum: it moves only what is hardly known
 
 
 class Block(NamedTuple):
@@ -25,7 +30,7 @@ Residuals = Callable[[np.ndarray, float], list[Block]]
 
 class LeastSquares(NamedTuple):
     """A point of least squares: scaled unknowns ``x``, mean square ``chi`` of the residuals [-], their ``slopes``
-    (residuals, unknowns), and whether the search ``converged``."""
+    (residuals, unknowns), and whether the search ``converged``: the sum falls no further than noise counts."""
 
     x: Float[np.ndarray, " unknowns"]
     chi: float
@@ -45,6 +50,33 @@ def smoothed(block: Block, width: float) -> tuple[np.ndarray, np.ndarray]:
         rows = gaussian_filter1d(rows, width, axis=1, mode="constant", truncate=3.0)[:, ::hop] * np.sqrt(hop)
     rows = rows.reshape(-1, rows.shape[2])
     return rows[:, 0], rows[:, 1:]
+
+
+def information(slopes: Float[np.ndarray, "residuals unknowns"]) -> Float[np.ndarray, "unknowns unknowns"]:
+    """Return the inverse of the covariance of unknowns whose residuals have a noise of one."""
+    return slopes.T @ slopes + np.eye(slopes.shape[1]) / WIDEST**2
+
+
+def left(x: np.ndarray, values: np.ndarray, slopes: np.ndarray) -> float:
+    """Return by how much a sum of squares would fall from x, were it a parabola between bounds of 0 and 1."""
+    gradient = slopes.T @ values
+    free = 2.0 * np.abs(gradient) * np.where(gradient > 0.0, x, 1.0 - x) > LEFT
+    return float(gradient[free] @ np.linalg.solve(information(slopes[:, free]), gradient[free]))
+
+
+def _settling(both: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]) -> Callable[[OptimizeResult], None]:
+    """Return what ends a search once the sum of squares falls no further than noise counts."""
+    least = math.inf
+
+    def check(intermediate_result: OptimizeResult) -> None:  # SciPy goes by the argument's name
+        nonlocal least
+        x = np.asarray(intermediate_result.x)
+        values, slopes = both(x)
+        before, least = least, float(values @ values)
+        if before - least < FALL or left(x, values, slopes) < LEFT:
+            raise StopIteration
+
+    return check
 
 
 def minimum(
@@ -87,5 +119,8 @@ def minimum(
         xtol=1e-10,
         gtol=1e-12,
         max_nfev=most,
+        callback=_settling(both),
     )
-    return LeastSquares(found.x, 2.0 * found.cost / len(found.fun), found.jac, found.status > 0)
+    return LeastSquares(
+        found.x, 2.0 * found.cost / len(found.fun), found.jac, found.status > 0 or found.status == SETTLED
+    )

@@ -24,6 +24,7 @@ COLUMN = {
     "noise": "standard deviation; not set: estimated",
     "gain": "of the sensor, a number or [low, high] [-]",
     "filter": "time constant of its low-pass, a number or [low, high] [s]",
+    "delay": "by which it is late besides [s], likewise; not set: within half an interval where filter is unknown",
 }
 TEST = {
     "file": "the table: commas, semicolons or tabs",
