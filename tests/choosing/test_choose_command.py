@@ -79,13 +79,3 @@ def test_check_says_what_is_chosen_from(study, capsys):
     shown = capsys.readouterr().out
     assert "2 × 2 = 4 combinations over 2 scenarios" in shown and "price ≤ 40 EUR of all parts" in shown
     assert "damper: 2, each with buffer.c_A, price: D14, D45" in shown
-
-
-def test_more_tolerances_than_corners_are_run_are_refused(study, capsys):
-    names = ("c_A", "k_T", "c_T", "cylinder_mass", "cylinder_length", "free_length", "preload_length")
-    tolerances = "".join(f'buffer.{name} = "1 %"\n' for name in names)
-    (study / "study.toml").write_text(f"{STUDY}[tolerances]\n{tolerances}")
-    for command in ("check", "choose"):
-        assert run([command, "study.toml"]) == 2
-        shown = capsys.readouterr().err
-        assert "tolerances: a choice runs every corner, and 7 of them have 128; keep the 6 that matter" in shown

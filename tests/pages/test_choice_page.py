@@ -117,6 +117,6 @@ def test_the_record_is_what_python_has(tmp_path):
     jb.save(made_up_choice(), tmp_path, figures=False)
     record = json.loads((tmp_path / "choice.json").read_text())
     best = record["ranking"][0]
-    assert best["corners"] == {"holding": 8, "run": 8} and best["set_by"]["buffer.k_A"] == "S2"
+    assert best["corners"] == {"holding": 8, "run": 8, "searched": False} and best["set_by"]["buffer.k_A"] == "S2"
     assert best["scenarios"][1]["shifts"] == {"probe.tip_radius": -0.0005}
     assert Results(tmp_path, records={"choice": record}).records["choice"]["tolerances"]["buffer.c_A"]["in_words"]

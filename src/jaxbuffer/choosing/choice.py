@@ -15,6 +15,7 @@ from ..labelled.record import headings
 from ..labelled.saved import Saved
 from ..mechanisms.limit import Limit
 from ..tables import html, table, text
+from ..tuning.corners import SEARCHED
 from ..tuning.evaluation import Evaluation, validity_lines
 from ..tuning.goal import Goal
 from ..tuning.problem import Problem
@@ -205,7 +206,9 @@ def lines(choice: Choice) -> list[str]:
     if choice.misfit:
         made.append(f"one that does not go together: {choice.misfit}")
     if best is not None and (corners := len(choice.problem.corners)):
-        made.append(f"the first holds in {choice.holding(best)} of {corners} corners of the tolerances")
+        which = " that were searched for" if choice.problem.needs_search else ""
+        made.append(f"the first holds in {choice.holding(best)} of {corners} corners of the tolerances{which}")
+        made += [SEARCHED] if which else []
     if choice.optimum is not None:
         made.append(choice.optimum.line(choice.criterion, best.value if best is not None and best.feasible else None))
     made += _rounding(choice)

@@ -2,6 +2,8 @@
 
 import dataclasses
 import hashlib
+import itertools
+import shutil
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from pathlib import Path
@@ -13,6 +15,8 @@ from ..errors import InputError, check_flag, check_type, check_whole
 from ..hybrid import Automatic, Solver, name_of, solver_named
 from ..programs.structure import user_code
 from ..progress import counted
+from ..tuning.corner_search import with_corners, worse_corners
+from ..tuning.evaluation import Evaluator
 from ..tuning.objective import Objective
 from ..tuning.problem import Problem
 from ..tuning.store import Record
@@ -27,7 +31,7 @@ from .criterion import Criterion
 from .enumeration import Enumeration
 from .means import OPTIMUM, TUNED, Means
 from .runs import Runs
-from .store import FOLDER, ChoiceStore
+from .store import FOLDER, ChoiceStore, round_folder
 
 EXAMPLE = "Problem(jb.table2(), [Scenario()], [])"
 
@@ -131,12 +135,48 @@ def ranked(
 ) -> Choice:
     """Enumerate the combinations and run the best ones again at tight tolerance.
 
+    Of more tolerances than have all their corners among the cases, the worst corners of a round's best combination are
+    searched for and join the cases, until none is worse. Every combination is then judged in some of its corners and
+    the best one in its worst: so none is better, if that one was found.
+
     **Arguments:** ``first``: combinations that are judged in any event; the first of them is the result's ``nearest``.
     """
+    if means.path is not None and not means.resume:
+        for folder in means.path.glob(round_folder("*")):  # an earlier choice's, with which none goes on
+            shutil.rmtree(folder, ignore_errors=True)
+    runs, possible = 0, 0
+    for number in itertools.count():
+        choice = _enumerated(criterion, combinations, means, ranking, first, round_folder(number) if number else FOLDER)
+        runs, possible = runs + choice.tally.runs, possible + choice.tally.possible
+        more = _worse_corners(choice, means)
+        if not more:
+            break
+        criterion = dataclasses.replace(criterion, problem=with_corners(criterion.problem, more))
+    return dataclasses.replace(choice, tally=choice.tally._replace(runs=runs, possible=possible))
+
+
+def _worse_corners(choice: Choice, means: Means) -> tuple[tuple[float, ...], ...]:
+    """Return corners in which the best combination is worse than in all that it was run in, if these are not all."""
+    if not choice.problem.needs_search or not choice.feasible:
+        return ()
+    problem = dataclasses.replace(choice.problem, design=choice.design)
+    with Evaluator(problem, means.workers, True, means.executor, means.solver) as evaluator:
+        return worse_corners(problem, evaluator, problem.start())
+
+
+def _enumerated(
+    criterion: Criterion,
+    combinations: Combinations,
+    means: Means,
+    ranking: int,
+    first: Sequence[int],
+    folder: str,
+) -> Choice:
+    """Enumerate the combinations at the cases that the problem has; ``folder``: where the runs are kept."""
     problem, identity = criterion.problem, _identity(criterion, combinations, ranking, means.solver)
     tight = means.tight(problem)
     with means.locked(), Pool(means.executor, means.workers) as pool:
-        store = None if means.path is None else ChoiceStore(means.path / FOLDER, identity, means.resume)
+        store = None if means.path is None else ChoiceStore(means.path / folder, identity, means.resume)
         runs = Runs(problem, combinations, pool, store, means.solver)
         enumeration = Enumeration(
             runs,

@@ -12,7 +12,6 @@ from ..errors import InputError, check_known, check_single
 from ..fields import as_typed, in_unit
 from ..mechanisms.limit import Limit
 from ..mechanisms.quantity import Catalogue, Quantity
-from ..tuning.cases import WHOLE_CORNERS
 from ..tuning.objective import ONE_LIMIT, Objective, quantity_in_words
 from ..tuning.problem import Problem
 from .catalogue import MASS, PRICE, TOTALS
@@ -42,15 +41,8 @@ class Criterion:
     ) -> "Criterion":
         """Return the criterion of a choice. ``at_most``: upper limits on price and mass.
 
-        **Raises:** `InputError` for quantities that are unknown, for price or mass of parts that have none, and for
-        more tolerances than all corners of which are run.
+        **Raises:** `InputError` for quantities that are unknown, and for price or mass of parts that have none.
         """
-        if problem.needs_search:
-            count = len(problem.tolerances)
-            raise InputError(
-                f"tolerances: a choice runs every corner, and {count} of them have {2**count}; keep the"
-                f" {WHOLE_CORNERS} that matter most, then check the chosen design with all of them by jaxbuffer tune"
-            )
         units = total_units(combinations)
         given = problem.objective if objective is None else objective
         catalogue = {

@@ -18,6 +18,11 @@ Key = tuple[int, int]  # a combination's number and a load case's place
 Row = tuple[int, int, np.ndarray]  # code, impacts, values
 
 
+def round_folder(number: int | str) -> str:
+    """Return the folder of a further round of a choice, which has more corners of tolerances; "*" for any."""
+    return f"{FOLDER}-{number}"
+
+
 class Columns(NamedTuple):
     """Numbers of several runs: ``code`` of each outcome, ``impacts``, and ``values`` of the quantities that were asked
     for, in their order and units."""

@@ -85,7 +85,7 @@ def choose(
       choice.csv   the ranking
       choice.png   objective and margins of the best
       choice.txt   the tables
-      choose.runs, choose.optimum, choose.tuned-…  folders, kept up while running; --resume needs them
+      choose.runs…, choose.optimum, choose.tuned-…  folders, kept up while running; --resume needs them
 
     \b
     Example: jaxbuffer choose study.toml --output results/parts

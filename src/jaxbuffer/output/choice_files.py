@@ -83,7 +83,9 @@ def _alternative(choice: Choice, it: Alternative) -> dict[str, Any]:
         "objective": json_number(it.value),
         **{heading(name, known[name].unit): value for name, value in it.totals.items()},
         "set_by": set_by(choice, it),
-        "corners": {"holding": choice.holding(it), "run": len(problem.corners)} if problem.corners else None,
+        "corners": None
+        if not problem.corners
+        else {"holding": choice.holding(it), "run": len(problem.corners), "searched": problem.needs_search},
         "largest_at": choice.label(it.deciding),
         "tuned": it.tuned is not None,
         "margins": [

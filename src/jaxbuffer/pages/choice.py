@@ -69,7 +69,7 @@ def choice_abstract(results: Results, every: Sequence[Results] = ()) -> str:
     if best is not None and record["feasible"]:
         text += f" {_deciding(best)}"
     if best is not None and best["corners"] is not None:
-        text += f" It {_held(best['corners'])} of the tolerances."
+        text += f" Of the tolerances it {_held(best['corners'])}."
     return f"{text} {tally['runs']} of {tally['possible']} {results.mechanism.view.run_name}s were run to find it."
 
 
@@ -137,7 +137,8 @@ def _named(alternative: Record) -> str:
 
 
 def _held(corners: Record) -> str:
-    return f"holds in {corners['holding']} of {corners['run']} corners"
+    searched = " searched for" if corners["searched"] else ""
+    return f"holds in {corners['holding']} of {corners['run']} corners{searched}"
 
 
 def _deciding(best: Record) -> str:

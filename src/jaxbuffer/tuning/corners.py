@@ -13,6 +13,11 @@ from .goal import Goal
 from .problem import Problem
 from .tolerances import moved
 
+SEARCHED = (
+    "the worst corners were searched for along the slopes and from each to its neighbours: no proof that no other"
+    " corner is worse"
+)
+
 
 @dataclasses.dataclass(frozen=True)
 class Corners:
@@ -84,10 +89,7 @@ class Corners:
             parts.append(f"the largest objective there is {shown(self.largest)}, at {where}")
         lines = [f"{which} of the {self.ranges} {self.what}{at}: {'; '.join(parts)}"]
         if self.searched:
-            lines.append(
-                "the worst corners were searched for along the slopes and from each to its neighbours: no proof that no"
-                " other corner is worse"
-            )
+            lines.append(SEARCHED)
         if broken := self.broken[self.worst]:
             lines.append(f"the corner farthest beyond a limit, {label(self.worst)}: {'; '.join(broken)}")
         middle = shown(self.middle) if np.isfinite(self.middle) else "can not be simulated"
