@@ -71,7 +71,7 @@ def test_a_constant_takes_nothing_from_the_others(monkeypatch, tmp_path, capsys)
     from jaxbuffer.cli.entry import run
 
     made = made_up("saltelli", 64, peak_force=lambda shares: 100.0 + shares[:, 0])
-    monkeypatch.setattr(command, "_computed", lambda *asked, **options: (dataclasses.replace(made), False))
+    monkeypatch.setattr(command, "computed_runs", lambda *asked, **options: (dataclasses.replace(made), False))
     (tmp_path / "drop.toml").write_text('kind = "bar_drop"')
     words = ["--over", "impact.stiffness=1e10:1e12", "--count", "64", "--of", "peak_force", "--of", "penetration"]
     out = tmp_path / "out"
