@@ -32,4 +32,4 @@ def test_what_is_of_one_of_several_tests_is_named_by_it(tmp_path):
 
 def test_a_number_at_its_bound_is_told():
     shown = str(made_up_fit())
-    assert "at high bound" in shown and "655.4 to 655.6" in shown and "0.0079 to 0.0081" in shown
+    assert "at high bound" in shown and "655.400 to 655.600" in shown and "0.007900 to 0.008100" in shown

@@ -25,10 +25,10 @@ def page(tmp_path):
 def test_the_numbers_with_their_intervals_and_units(page):
     section, text, rows = section_text(page, "Fit")
     (spring,) = (row for row in rows if row[0] == "buffer.k_A")
-    assert spring == ["buffer.k_A", "N/m", "500", "655.5", "655.4 to 655.6", "the design"]
+    assert spring == ["buffer.k_A", "N/m", "500", "655.500", "655.400 to 655.600", "the design"]
     (shift,) = (row for row in rows if row[0] == "time_shift")
     assert next(row[-1] for row in rows if row[0] == "buffer.c_A") == "at high bound"
-    assert shift == ["time_shift", "s", "–", "0.008", "0.0079 to 0.0081", "the test"]
+    assert shift == ["time_shift", "s", "–", "0.008000", "0.007900 to 0.008100", "the test"]
     (stroke,) = (row for row in rows if row[0] == "stroke [mm]")
     assert stroke == ["stroke [mm]", "stroke", "0.500", "0.02", "mm"]  # 2e-5 m of noise
     assert section.warnings == [
@@ -39,7 +39,7 @@ def test_the_numbers_with_their_intervals_and_units(page):
         "fit converged": "good",
         "residuals at most 0.5 of the noise": "good",
     }
-    assert "buffer.k_A 655.4 to 655.6 N/m" in page.abstract[0]
+    assert "buffer.k_A 655.400 to 655.600 N/m" in page.abstract[0]
 
 
 def test_the_design_says_which_numbers_were_fitted(page):
