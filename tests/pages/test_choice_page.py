@@ -1,12 +1,13 @@
 """The section of a choice: winner, limits, corners, ranking and bound, as they are made up by hand."""
 
 import json
+from types import SimpleNamespace
 
 import pytest
 
 import jaxbuffer as jb
 from jaxbuffer.output.folder import Results, load
-from jaxbuffer.pages.choice import choice_check
+from jaxbuffer.pages.choice import choice_check, chosen_by
 from jaxbuffer.pages.review import review
 from made_up_choice import largest_force, made_up_choice, without_combination
 from pages.test_report_page import Outline, section_text
@@ -120,3 +121,10 @@ def test_the_record_is_what_python_has(tmp_path):
     assert best["corners"] == {"holding": 8, "run": 8, "searched": False} and best["set_by"]["buffer.k_A"] == "S2"
     assert best["scenarios"][1]["shifts"] == {"probe.tip_radius": -0.0005}
     assert Results(tmp_path, records={"choice": record}).records["choice"]["tolerances"]["buffer.c_A"]["in_words"]
+
+
+def test_parts_of_one_name_for_two_roles_are_told_apart():
+    best = {"parts": {"spring": "A1", "damper": "A1"}, "set_by": {"buffer.k_A": "A1", "buffer.c_A": "A1"}}
+    parts = {"spring": [{"name": "A1", "buffer.k_A": 300.0}], "damper": [{"name": "A1", "buffer.c_A": 5.0}]}
+    results = SimpleNamespace(records={"choice": {"ranking": [best], "parts": parts}})
+    assert chosen_by(results) == {"buffer.k_A": "spring A1", "buffer.c_A": "damper A1"}

@@ -103,6 +103,7 @@ def rounded(problem: Problem, rules: Mapping[str, str | float], design: Part, me
     choice = ranked(criterion, combinations, means, ranking, (combinations.number(places),))
     whole = [PartsCatalogue(path, (CataloguePart("continuous", {path: value}),)) for path, value in numbers.items()]
     with Pool(means.executor, means.workers) as pool:
-        runs = Runs(problem, Combinations(design, whole), pool, None, means.solver)
-        (continuous,) = alternatives(criterion, runs, [0], choice.tight).values()
+        # In the same corners of tolerances as the roundings: the choice may have searched for some.
+        runs = Runs(choice.problem, Combinations(design, whole), pool, None, means.solver)
+        (continuous,) = alternatives(choice.criterion, runs, [0], choice.tight).values()
     return dataclasses.replace(choice, continuous=continuous)

@@ -10,7 +10,7 @@ from ..mechanisms.limit import IMPACTS, Limit
 from ..output.folder import Results
 from ..value_text import percent_text, relative_change, table_text, with_unit
 from .limit_check import LimitCheck, required_success
-from .limits import AT_LIMIT, BROKEN, CLOSE, HEADINGS, KEPT, limit_rows
+from .limits import CLOSE, HEADINGS, limit_rows, verdict
 from .page import Cell, PageSection, Table
 from .records import display, ended, figure, sentence, units_of, words
 
@@ -79,9 +79,12 @@ def chosen_by(results: Results) -> Mapping[str, str]:
     best = None if record is None else _best(record)
     if record is None or best is None:
         return {}
-    roles = {name: role for role, name in best["parts"].items()}
-    return {path: name if path == roles.get(name) else f"{roles[name]} {name}" if name in roles else name
-            for path, name in best["set_by"].items()}  # fmt: skip
+    sources = dict(best["set_by"])
+    for role, name in best["parts"].items():
+        (part,) = (it for it in record["parts"][role] if it["name"] == name)
+        # A rounded number's role is its path; what was tuned after the choice is no longer the part's.
+        sources |= {path: f"{role} {name}" for path in part if path != role and sources.get(path) == name}
+    return sources
 
 
 def choice_check(results: Results) -> LimitCheck | None:
@@ -169,7 +172,6 @@ def _limits(record: Record, best: Record, check: LimitCheck) -> Table:
     for limit, symbol in _limits_on_sums(record):
         value = totals[limit.name]
         share = limit.margin(value)
-        verdict = BROKEN if not limit.keeps(value) else AT_LIMIT if share is not None and share < CLOSE else KEPT
         text = [
             f"{limit.name} of all parts",
             symbol,
@@ -178,7 +180,7 @@ def _limits(record: Record, best: Record, check: LimitCheck) -> Table:
             limit.bound_text(),
             percent_text(share, ".3g"),
         ]
-        rows.append([*text, verdict])
+        rows.append([*text, verdict(limit, value, share)])
     over = "largest over all samples, no bound" if "sample" in record else "worst over all scenarios"
     return Table(f"The best combination, {over}, against the limits of its study", HEADINGS, rows)
 

@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ..labelled.record import Record
 from ..mechanisms.limit import IMPACTS, Limit
@@ -105,8 +105,8 @@ def limit_rows(check: LimitCheck) -> list[Row]:
     if success is not None:
         missed, every = check.missed, len(check.outcomes)
         where = check.labels[missed[0]] if missed else "–"
-        verdict = BROKEN if missed else KEPT
-        rows.append([words(success), "-", str(every - len(missed)), where, f"of {every}", "–", verdict])
+        ends = BROKEN if missed else KEPT
+        rows.append([words(success), "-", str(every - len(missed)), where, f"of {every}", "–", ends])
     return rows
 
 
@@ -120,9 +120,14 @@ def _row(check: LimitCheck, limit: Limit) -> Row:
     where = check.labels[values.index(value)]
     share = None if limit.name == IMPACTS else limit.margin(value)  # a whole number has no margin to speak of
     margin = "–" if share is None else percent_text(share, ".3g")
-    close = share is not None and share < CLOSE
-    verdict = BROKEN if not limit.keeps(value) else AT_LIMIT if close else KEPT
-    return [name, symbol, _value(value, limit, shown), where, bound, margin, verdict]
+    return [name, symbol, _value(value, limit, shown), where, bound, margin, verdict(limit, value, share)]
+
+
+def verdict(limit: Limit, value: Any, share: float | None) -> Cell:
+    """Return whether a value keeps a limit, in a cell; ``share``: of the limit, that is left [-]."""
+    if not limit.keeps(value):
+        return BROKEN
+    return AT_LIMIT if share is not None and share < CLOSE else KEPT
 
 
 def _beyond(check: LimitCheck) -> list[Row]:
