@@ -35,6 +35,7 @@ def stacked(values: Sequence[Scalar]) -> Float[Array, " n"]:
 
 
 if TYPE_CHECKING:
+    from diffrax import AbstractERK, AbstractSolver
     from matplotlib.axes import Axes
     from matplotlib.collections import PolyCollection
     from matplotlib.figure import Figure
@@ -49,6 +50,7 @@ else:  # these packages take long to import, and most calls need none of them
         kind.__module__ = module
         return kind
 
+    AbstractERK, AbstractSolver = _named("diffrax", "AbstractERK"), _named("diffrax", "AbstractSolver")
     Axes, PolyCollection = _named("matplotlib.axes", "Axes"), _named("matplotlib.collections", "PolyCollection")
     Figure, Text = _named("matplotlib.figure", "Figure"), _named("matplotlib.text", "Text")
     DataFrame, Dataset = _named("pandas", "DataFrame"), _named("xarray", "Dataset")

@@ -179,7 +179,7 @@ def test_a_named_solver_is_sent_by_its_name(name):
 
 
 def test_another_solver_is_refused():
-    assert name_of(None) is None
+    assert name_of(solver_named(None)) == "automatic"
     with pytest.raises(InputError, match="cannot be sent to another process; name one of automatic"):
         name_of(Automatic(worth=3.0))
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate._ivp import dop853_coefficients as published
 
-from jaxbuffer.hybrid.rungekutta.dop853 import DOP853
-from jaxbuffer.hybrid.rungekutta.tableaus import diagonally_implicit, explicit, one_of
+from jaxbuffer.hybrid.rungekutta import dop853
+from jaxbuffer.hybrid.rungekutta.tableaus import diagonally_implicit, one_of
 
 IMPLICIT = {
     "Kvaerno3": (diffrax.Kvaerno3(), 3),
@@ -18,7 +18,7 @@ IMPLICIT = {
 
 def test_dop853_is_hairers():
     """As SciPy has copied them too."""
-    method, n = explicit(DOP853()), published.N_STAGES
+    method, n = dop853.METHOD, published.N_STAGES
     np.testing.assert_allclose(method.weights[:n, :n], published.A[:n, :n], rtol=1e-15)
     np.testing.assert_allclose(method.weights[n, :n], published.B, rtol=1e-15)
     np.testing.assert_allclose(method.nodes[:n], published.C[:n], rtol=1e-13, atol=1e-15)
@@ -28,7 +28,7 @@ def test_dop853_is_hairers():
 
 def test_dop853_meets_the_conditions_of_order_8():
     """Σ b c^k = 1/(k+1); both estimates are of differences, so that they add up to nothing."""
-    method = explicit(DOP853())
+    method = dop853.METHOD
     b, c = method.weights[-1], method.nodes
     np.testing.assert_allclose([b @ c**k for k in range(8)], 1.0 / np.arange(1.0, 9.0), rtol=1e-12)
     np.testing.assert_allclose(np.sum(method.errors, axis=1), 0.0, atol=1e-13)
@@ -58,7 +58,7 @@ def test_diagonally_implicit_methods_meet_their_conditions(name):
 
 def test_a_method_picked_at_run_time_is_that_method():
     """The shorter one filled up with zeros, its rows of weights below those of the other."""
-    methods = explicit(DOP853()), diagonally_implicit(diffrax.Kvaerno5())
+    methods = dop853.METHOD, diagonally_implicit(diffrax.Kvaerno5())
     longest = len(methods[0].nodes)
     for which, method in enumerate(methods):
         found, n = one_of(methods, jnp.asarray(which)), len(method.nodes)

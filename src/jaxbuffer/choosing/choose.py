@@ -12,7 +12,7 @@ from typing import Any
 from ..block_store import short_hash
 from ..cluster.pool import Pool
 from ..errors import InputError, check_flag, check_type, check_whole
-from ..hybrid import Automatic, Solver, name_of, solver_named
+from ..hybrid import Solver, name_of, solver_named
 from ..programs.structure import user_code
 from ..progress import counted
 from ..tuning.corner_search import with_corners, worse_corners
@@ -232,7 +232,7 @@ def _identity(
     criterion: Criterion, combinations: Combinations, ranking: int, solver: Solver | str | None
 ) -> dict[str, str]:
     """Return what makes a choice the one it is, by name."""
-    problem, used = criterion.problem, Automatic() if solver is None else solver_named(solver)
+    problem, used = criterion.problem, solver_named(solver)
     parts = [(it.role, [dataclasses.astuple(part) for part in it.parts]) for it in combinations.catalogues]
     code = user_code(problem.mechanism, used, problem.design, *(case.scenario for case in problem.cases)) or "none"
     return {
@@ -241,6 +241,6 @@ def _identity(
         "parts": hashlib.sha256(repr(parts).encode()).hexdigest()[:16],
         "objective and limits": repr((criterion.objective, criterion.limits)),
         "ranking": str(ranking),
-        "solver": str(name_of(used)),
+        "solver": name_of(used),
         "code": code,
     }

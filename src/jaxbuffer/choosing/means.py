@@ -58,7 +58,7 @@ class Means:
     def tight(self, problem: Problem) -> float:
         """Return the relative error of the runs that a result is told from [-], as of a tuning."""
         usual = stepper_of(problem.mechanism).tight
-        smooth = self.solver is not None and isinstance(solver_named(self.solver), Diffrax)
+        smooth = isinstance(solver_named(self.solver), Diffrax)
         return max(usual, FINEST_OF_DIFFRAX) if smooth else usual
 
     @contextlib.contextmanager

@@ -57,7 +57,7 @@ class Runs:
         self.computed, self.misfits = 0, dict[int, str]()
         margin = problem.mechanism.tuning.margin
         self.names = tuple(dict.fromkeys([*problem.measured, *([] if margin is None else [margin])]))
-        self._solver = None if solver is None else solver_named(solver)
+        self._solver = solver_named(solver)
 
     def each(
         self, wanted: Sequence[tuple[int, int]], rtol: float | None = None, done: Callable[[int], None] | None = None

@@ -100,7 +100,7 @@ def _moved(
 ) -> Request:
     design, scenario = parts
     design, scenario = with_values(design, scenario, {path: numbers[k] for k, path in enumerate(paths)})
-    return request(mechanism, design, scenario, end, None, (rtol, rtol), options=options_of(keep=room))
+    return request(mechanism, design, scenario, end, tolerances=(rtol, rtol), options=options_of(keep=room))
 
 
 def _separate(numbers: Array, count: int) -> list[Array]:

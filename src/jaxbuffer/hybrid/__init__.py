@@ -1,7 +1,5 @@
 """Time stepping of any hybrid mechanism: solvers, events, sensitivities."""
 
-from .diffrax_problem import DiffraxProblem as DiffraxProblem
-from .diffrax_problem import diffrax_problem as diffrax_problem
 from .event_times import moving as moving
 from .loop.log import Kind as Kind
 from .loop.log import Log as Log
@@ -17,6 +15,7 @@ from .rungekutta.named_solvers import SOLVER_NAMES as SOLVER_NAMES
 from .rungekutta.named_solvers import SOLVERS as SOLVERS
 from .rungekutta.named_solvers import name_of as name_of
 from .rungekutta.named_solvers import solver_named as solver_named
+from .rungekutta.solvers import AUTOMATIC as AUTOMATIC
 from .rungekutta.solvers import Automatic as Automatic
 from .rungekutta.solvers import DiagonallyImplicit as DiagonallyImplicit
 from .rungekutta.solvers import ExplicitRungeKutta as ExplicitRungeKutta

@@ -4,7 +4,7 @@ import equinox as eqx
 
 from .._types import Scalar
 from .rungekutta.controller import Controller, StepTolerance
-from .rungekutta.solvers import Automatic, Solver
+from .rungekutta.solvers import AUTOMATIC, Solver
 
 
 class Options(eqx.Module):
@@ -16,7 +16,7 @@ class Options(eqx.Module):
     it; ``keep``: accepted steps to store for a history, 0 for none.
     """
 
-    solver: Solver = Automatic()
+    solver: Solver = AUTOMATIC
     tolerance: StepTolerance = StepTolerance()
     controller: Controller = Controller()
     event_time: Scalar = 1e-9

@@ -15,7 +15,6 @@ import numpy as np
 from jaxtyping import Array, Bool, Float
 
 from ..errors import InputError
-from .diffeqsolve import run_by_diffeqsolve
 from .event_times import moving
 from .lanes import one_by_one
 from .loop.loop import Result, run
@@ -192,7 +191,11 @@ def _with_rows(result: Result, of: Callable[[Array], Array]) -> Result:
 def _stepper(options: Options) -> Callable[..., Result]:
     """Return the function that steps a run: the loop with events or, where the solver asks for it,
     `diffrax.diffeqsolve`."""
-    return run_by_diffeqsolve if isinstance(options.solver, Diffrax) else run
+    if not isinstance(options.solver, Diffrax):
+        return run
+    from .diffeqsolve import run_by_diffeqsolve  # imports diffrax
+
+    return run_by_diffeqsolve
 
 
 @jax.custom_jvp

@@ -7,7 +7,7 @@ from typing import Any
 from .._types import Scalar
 from ..errors import check_type
 from ..fields import Part
-from ..hybrid import Diffrax, Options, Solver
+from ..hybrid import AUTOMATIC, Diffrax, Options, Solver
 from ..mechanisms.mechanism import TOLERANCES, Mechanism, Request, Tolerances
 
 DEFAULT_TOLERANCE = 1e-6
@@ -26,7 +26,7 @@ def request(
     design: Part,
     scenario: Part,
     duration: Scalar,
-    solver: Solver | None = None,
+    solver: Solver = AUTOMATIC,
     tolerances: Tolerances = (DEFAULT_TOLERANCE, DEFAULT_TOLERANCE),
     stabilisation: Scalar = 20.0,
     options: Options | None = None,
@@ -34,7 +34,7 @@ def request(
     """Make a request of unchecked numbers; ``tolerances``: rtol and atol [-]; the rest as for `simulate`."""
     options = options_of() if options is None else options
     # The options that are shared stay as they are; a solver of one's own goes into a copy.
-    options = options if solver is None else dataclasses.replace(options, solver=solver)
+    options = options if solver is options.solver else dataclasses.replace(options, solver=solver)
     if isinstance(options.solver, Diffrax):  # it has no events to set a memory at; the run's design says so
         design = mechanism.smooth(design, scenario)
     return Request(mechanism, (design, scenario, stabilisation), duration, tolerances, options)

@@ -109,7 +109,7 @@ def simulate(
     check_whole("max_steps", max_steps, 1)
     check_whole("max_events", max_events, 1)
     options = options_of(max_steps, max_events, _kept_steps(history, times))
-    solver = None if solver is None else solver_named(solver)
+    solver = solver_named(solver)
     given = request(mechanism, design, scenario, duration, solver, (rtol, atol), stabilisation, options)
     leaves, traced = jax.tree.leaves(given), False
     # A design of Python's numbers alone, the usual one, goes to the program as it is.

@@ -4,7 +4,7 @@ import jax
 import jax.numpy as jnp
 
 from ..fields import Part
-from ..hybrid import DiffraxProblem, diffrax_problem
+from ..hybrid.diffrax_problem import DiffraxProblem, diffrax_problem
 from ..mechanisms.registry import mechanism_of
 from ..programs.process import check_ready
 from .simulate import check_pair

@@ -11,7 +11,7 @@ from jaxtyping import Array, Float, Int
 
 from .._types import Scalar
 from ..fields import Part, with_values
-from ..hybrid import Solver
+from ..hybrid import AUTOMATIC, Solver
 from ..mechanisms.mechanism import Mechanism, Request
 from ..mechanisms.quantity import IMPACT_UNITS, LOAD_UNITS, of_impact
 from ..mechanisms.run import Run
@@ -51,7 +51,7 @@ def gradients(
     duration: Scalar,
     *,
     rtol: Scalar = DEFAULT_TOLERANCE,
-    solver: Solver | None = None,
+    solver: Solver = AUTOMATIC,
     names: Sequence[str] = (),
 ) -> Gradients:
     """Run the design and scenario with ``addresses`` set to ``values``, and return the run with its derivatives by
@@ -71,9 +71,7 @@ def gradients(
 Inputs = tuple[Any, Any, Array, Array]  # design, scenario, duration [s], rtol [-]
 
 
-def _moved(
-    mechanism: Mechanism, inputs: Inputs, values: list[Array], addresses: Static, solver: Solver | None
-) -> Request:
+def _moved(mechanism: Mechanism, inputs: Inputs, values: list[Array], addresses: Static, solver: Solver) -> Request:
     """Request the run whose ``addresses`` have the ``values``."""
     design, scenario, duration, rtol = inputs
     moved = with_values(design, scenario, dict(zip(addresses.value, values, strict=True)))
@@ -85,7 +83,7 @@ def _stepped(
     inputs: Inputs,
     values: Float[Array, " addresses"],
     addresses: Static,
-    solver: Solver | None,
+    solver: Solver,
     slots: Int[Array, " impacts"] | None,
 ) -> Any:
     """Step the run with a tangent for each address."""
@@ -103,7 +101,7 @@ def _gradients(
     inputs: Inputs,
     values: Float[Array, " addresses"],
     addresses: Static,
-    solver: Solver | None,
+    solver: Solver,
     slots: Int[Array, " impacts"] | None,
     result: Any,
 ) -> Gradients:

@@ -76,7 +76,7 @@ def sensitivity(
     check_choice("certify", certify, CERTIFICATES)
     check_single("duration", duration, "s", one, **POSITIVE)
     check_single("rtol", rtol, "-", one, **TOLERANCES)
-    solver = None if solver is None else solver_named(solver)
+    solver = solver_named(solver)
     # Another process makes the solver for itself, by its name.
     sent = solver if executor is None else name_of(solver)
     task = _Differentiation(mechanism, design, scenario, paths, values, names, duration, sent)
@@ -101,13 +101,12 @@ class _Differentiation(NamedTuple):
     values: np.ndarray
     names: tuple[str, ...]
     duration: Scalar
-    solver: Solver | str | None
+    solver: Solver | str
 
     def gradients_at(self, rtol: float) -> Gradients:
         """Return the run and all its gradients at a tolerance."""
-        solver = None if self.solver is None else solver_named(self.solver)
         at = (self.design, self.scenario, self.paths, self.values, self.duration)
-        return gradients(self.mechanism, *at, rtol=rtol, solver=solver, names=self.names)
+        return gradients(self.mechanism, *at, rtol=rtol, solver=solver_named(self.solver), names=self.names)
 
     def slopes(self, solved: Gradients) -> np.ndarray:
         """Return the gradients asked for (quantities, paths)."""

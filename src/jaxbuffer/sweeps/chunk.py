@@ -31,7 +31,7 @@ class SweepSettings(NamedTuple):
 
     rtol: np.ndarray
     stabilisation: np.ndarray
-    solver: Solver | None
+    solver: Solver
     trust: bool = False
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -41,16 +41,15 @@ class SweepSettings(NamedTuple):
 
 # The same object is returned for equal settings: a process that unpickles many tasks has one solver, and one program.
 @functools.lru_cache(maxsize=8)
-def _settings(rtol: float, stabilisation: float, solver: str | None, trust: bool) -> SweepSettings:
-    named = None if solver is None else solver_named(solver)
-    return SweepSettings(np.asarray(rtol), np.asarray(stabilisation), named, trust)
+def _settings(rtol: float, stabilisation: float, solver: str, trust: bool) -> SweepSettings:
+    return SweepSettings(np.asarray(rtol), np.asarray(stabilisation), solver_named(solver), trust)
 
 
 Chunk = tuple[Any, Any, Any]  # design, scenario and duration [s], each number an array with an entry for each run
 Enabled = Bool[Array, " runs"]  # which of them are stepped: the others fill up the chunk
 
 
-def _request(mechanism: Mechanism, chunk: Chunk, rtol: Any, stabilisation: Any, solver: Solver | None) -> Request:
+def _request(mechanism: Mechanism, chunk: Chunk, rtol: Any, stabilisation: Any, solver: Solver) -> Request:
     return request(mechanism, *chunk, solver, (rtol, rtol), stabilisation)
 
 
@@ -60,7 +59,7 @@ def _stepped(
     enabled: Enabled,
     rtol: Any,
     stabilisation: Any,
-    solver: Solver | None,
+    solver: Solver,
     names: Static,
 ) -> Any:
     """Step each run in time and return its raw result."""
@@ -78,7 +77,7 @@ def solve_chunk(
     enabled: Enabled,
     rtol: Any,
     stabilisation: Any,
-    solver: Solver | None,
+    solver: Solver,
     names: Static,
     result: Any,
 ) -> tuple:

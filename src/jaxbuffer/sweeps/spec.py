@@ -12,7 +12,6 @@ from ..block_store import Identity
 from ..contact import laws_named
 from ..errors import InputError, as_number
 from ..fields import Part, addresses, unit_at, value_at
-from ..hybrid import Automatic
 from ..labelled.arrays import Labelled
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
@@ -95,8 +94,7 @@ class SweepSpec:
         arranged."""
         axes = [] if self.grid is None else self.grid.axes
         values = [(axis.path, axis.unit, axis.values.tolist()) for axis in axes]
-        # No solver is the automatic one, which the command line names and a call in Python leaves out.
-        settings = self.settings._replace(solver=self.settings.solver or Automatic())
+        settings = self.settings
         parts = {
             "design": self.design,
             "scenarios": self.scenarios if self.grid is None else (self.scenarios, values),

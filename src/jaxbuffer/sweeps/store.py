@@ -199,7 +199,7 @@ def _settings(spec: SweepSpec) -> dict[str, Any]:
         "rtol [-]": float(settings.rtol),
         "stabilisation [1/s]": float(settings.stabilisation),
         "duration [s]": duration,
-        "solver": name_of(settings.solver) or "automatic",
+        "solver": name_of(settings.solver),
         "trust": settings.trust,
     }
 

@@ -103,7 +103,7 @@ def sweep(
     check_number("duration", duration, "s", **POSITIVE)
     check_single("rtol", rtol, "-", ONE_FOR_ALL, **TOLERANCES)
     check_single("stabilisation", stabilisation, "1/s", ONE_FOR_ALL, low=0.0)
-    solver = None if solver is None else solver_named(solver)
+    solver = solver_named(solver)
     if workers is not None:
         check_whole("workers", workers, 1)
     check_flag("trust", trust)

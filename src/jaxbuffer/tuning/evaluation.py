@@ -87,7 +87,7 @@ class Evaluator:
         solver: Solver | str | None = None,
     ) -> None:
         self.problem, self.captures, self.slopes = problem, 0, slopes
-        named = None if solver is None else solver_named(solver)
+        named = solver_named(solver)
         # A solver goes to other processes by its name, because one of diffrax's would not equal itself there.
         self._solver = named if executor is None else name_of(named)
         usual = stepper_of(problem.mechanism).tight

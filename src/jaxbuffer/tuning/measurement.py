@@ -121,7 +121,7 @@ def measure(
     quantities to read off; ``paths``: addresses by which they are differentiated; ``end``: what the run must reach
     besides, None for nothing; ``solver``: as for `simulate`.
     """
-    solver = None if solver is None else solver_named(solver)
+    solver = solver_named(solver)
     rest = [name for name in measured if name != PEAK_FORCE]
     margin = [] if mechanism.tuning.margin is None else [mechanism.tuning.margin]
     names, settings = rest + margin, {"duration": duration, "rtol": rtol, "solver": solver}

@@ -13,7 +13,7 @@ from ..block_store import short_hash
 from ..errors import InputError, check_flag, check_type, check_whole
 from ..fields import Part
 from ..files import user_path
-from ..hybrid import Automatic, Solver, name_of, solver_named
+from ..hybrid import Solver, name_of, solver_named
 from ..programs.identity import source_hash
 from ..programs.structure import user_code
 from ..progress import reported
@@ -209,8 +209,7 @@ def _chosen(optimizer: Any, settings: dict[str, Any]) -> tuple[Settings, Any]:
 
 def _identity(problem: Problem, settings: Settings, optimizer: Any, solver: Solver | str | None) -> dict[str, str]:
     """Return what makes a tuning the one it is, by name."""
-    # No solver is the automatic one: naming it makes no other tuning.
-    used = Automatic() if solver is None else solver_named(solver)
+    used = solver_named(solver)
     try:
         name = name_of(used)
     except InputError:  # it has none
@@ -222,7 +221,7 @@ def _identity(problem: Problem, settings: Settings, optimizer: Any, solver: Solv
         VERSION: version(),
         STUDY: problem.fingerprint(),
         **{field.name: repr(getattr(settings, field.name)) for field in dataclasses.fields(settings)},
-        "solver": str(name),
+        "solver": name,
         OPTIMIZER: steps,
         CODE: code,
     }

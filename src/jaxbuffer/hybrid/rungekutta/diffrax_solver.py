@@ -1,8 +1,8 @@
 """A solver that hands the whole run to `diffrax.diffeqsolve`."""
 
-import diffrax
 import equinox as eqx
 
+from ..._types import AbstractSolver
 from ...errors import InputError, check_whole, shown
 from .solvers import Solver
 
@@ -22,6 +22,13 @@ DIFFRAX_METHODS = (
     "Tsit5",
 )
 """Methods of diffrax for a whole run by `diffrax.diffeqsolve`: those for ODEs that estimate their error."""
+
+
+def _kvaerno5() -> AbstractSolver:
+    """Return the default method; diffrax is imported only for those who ask for it."""
+    from diffrax import Kvaerno5
+
+    return Kvaerno5()
 
 
 class Diffrax(Solver):
@@ -45,10 +52,12 @@ class Diffrax(Solver):
     '1831 N'
     """
 
-    method: diffrax.AbstractSolver = eqx.field(static=True, default_factory=diffrax.Kvaerno5)
+    method: AbstractSolver = eqx.field(static=True, default_factory=_kvaerno5)
     max_steps: int = eqx.field(static=True, default=16_384)
 
     def __check_init__(self) -> None:
+        import diffrax
+
         known = tuple(getattr(diffrax, name) for name in DIFFRAX_METHODS)
         if not isinstance(self.method, (diffrax.AbstractERK, diffrax.AbstractDIRK, *known)):
             names = ", ".join(f"diffrax.{name}()" for name in DIFFRAX_METHODS)

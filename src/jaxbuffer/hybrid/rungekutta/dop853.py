@@ -3,11 +3,7 @@
 Coefficients as published by Hairer, Nørsett and Wanner (Solving Ordinary Differential Equations I, 1993, II.5).
 """
 
-from collections.abc import Callable
-from typing import ClassVar
-
-import diffrax
-import numpy as np
+from .tableaus import explicit_of_rows
 
 LOWER = (
     (0.05260015195876773,),
@@ -116,20 +112,6 @@ ERROR_5 = (
 )
 
 
-class DOP853(diffrax.AbstractERK):
-    """The method in diffrax's form. ``tableau.b_error`` is the estimate of order 5, ``second_error`` that of order 3;
-    together they estimate the error as E₅² / √(E₅² + E₃²/100), of order 8 (Hairer's code)."""
-
-    tableau: ClassVar[diffrax.ButcherTableau] = diffrax.ButcherTableau(
-        c=np.array([sum(row) for row in LOWER]),
-        b_sol=np.array(WEIGHTS),
-        b_error=np.array(ERROR_5),
-        a_lower=tuple(np.array(row) for row in LOWER),
-    )
-    second_error: ClassVar[np.ndarray] = np.array(ERROR_3)
-    interpolation_cls: ClassVar[Callable[..., diffrax.ThirdOrderHermitePolynomialInterpolation]] = (
-        diffrax.ThirdOrderHermitePolynomialInterpolation.from_k
-    )
-
-    def order(self, terms: object) -> int:
-        return 8
+METHOD = explicit_of_rows(LOWER, WEIGHTS, (ERROR_5, ERROR_3), order=8.0)
+"""The errors of orders 5 and 3 estimate together that of the step as E₅² / √(E₅² + E₃²/100), of order 8 (Hairer's
+code)."""

@@ -3,12 +3,11 @@
 from collections.abc import Mapping
 from typing import Any
 
-import diffrax
 import jax
 
 from ...errors import InputError, check_choice
 from .diffrax_solver import DIFFRAX_METHODS, Diffrax
-from .solvers import Automatic, DiagonallyImplicit, ExplicitRungeKutta, Solver
+from .solvers import AUTOMATIC, Automatic, DiagonallyImplicit, ExplicitRungeKutta, Solver
 
 SOLVERS: Mapping[str, type[Solver]] = {
     "automatic": Automatic,
@@ -20,23 +19,25 @@ SOLVER_NAMES = (*SOLVERS, *(f"diffrax:{method}" for method in DIFFRAX_METHODS))
 
 
 def solver_named(solver: Any) -> Solver:
-    """Return the solver of a name in `SOLVER_NAMES`; a solver itself stays as it is. **Raises:** `InputError` for all
-    else."""
+    """Return the solver of a name in `SOLVER_NAMES`, the automatic one for None; a solver itself stays as it is.
+    **Raises:** `InputError` for all else."""
     if isinstance(solver, Solver):
         return solver
+    if solver is None or solver == "automatic":
+        return AUTOMATIC
     check_choice("solver", solver, SOLVER_NAMES)
     if solver in SOLVERS:
         return SOLVERS[solver]()
+    import diffrax
+
     return Diffrax(getattr(diffrax, solver.removeprefix("diffrax:"))())
 
 
-def name_of(solver: Solver | None) -> str | None:
+def name_of(solver: Solver) -> str:
     """Return the name by which another process makes a solver for itself: one of diffrax's, pickled, is another one.
 
     **Raises:** `InputError` for a solver that no name makes.
     """
-    if solver is None:
-        return None
     kinds = [name for name, kind in SOLVERS.items() if type(solver) is kind]
     names = kinds or [name for name in SOLVER_NAMES if name not in SOLVERS]
     alike = [name for name in names if _equal(solver, solver_named(name))]

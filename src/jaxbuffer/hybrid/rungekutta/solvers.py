@@ -1,16 +1,14 @@
 """What takes a step: an explicit method, an implicit one, or whichever gets further for its cost."""
 
-import diffrax
 import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from ..._types import Scalar
+from ..._types import AbstractERK, AbstractSolver, Scalar
 from ..sensitivity.augmented_state import Columns
 from ..system import Linearisation
-from . import stages
+from . import dop853, stages
 from . import tableaus as methods
-from .dop853 import DOP853
 from .stages import Field, SecondDerivative, Step
 from .time_transform import TimeTransform
 
@@ -68,16 +66,16 @@ class Solver(eqx.Module):
 
 
 class ExplicitRungeKutta(Solver):
-    """Any explicit method of diffrax, stepped without its general machinery.
+    """DOP853 or any explicit method of diffrax, stepped without its general machinery.
 
-    **Arguments:** ``method``: an instance such as ``DOP853()`` or ``diffrax.Tsit5()``.
+    **Arguments:** ``method``: an instance such as ``diffrax.Tsit5()``; None for DOP853.
     """
 
-    method: diffrax.AbstractERK = eqx.field(static=True, default_factory=DOP853)
+    method: AbstractERK | None = eqx.field(static=True, default=None)
 
     @property
     def methods(self):
-        return (methods.explicit(self.method),)
+        return (dop853.METHOD if self.method is None else methods.explicit(self.method),)
 
 
 class DiagonallyImplicit(Solver):
@@ -86,16 +84,19 @@ class DiagonallyImplicit(Solver):
     An estimate of the error that a stiffly accurate method gives is about the error itself, an explicit one's far above
     it: so that errors add up alike, implicit steps are held to less.
 
-    **Arguments:** ``method``: ``diffrax.KenCarp3()``, ``KenCarp4()``, ``KenCarp5()``, ``Kvaerno4()``, ``Kvaerno5()``…;
-    ``safety_factor``: how many times below the tolerance its estimated error must be.
+    **Arguments:** ``method``: ``diffrax.KenCarp3()``, ``KenCarp4()``, ``KenCarp5()``, ``Kvaerno4()``, ``Kvaerno5()``…,
+    None for ``KenCarp4()``; ``safety_factor``: how many times below the tolerance its estimated error must be.
     """
 
-    method: diffrax.AbstractSolver = eqx.field(static=True, default_factory=diffrax.KenCarp4)
+    method: AbstractSolver | None = eqx.field(static=True, default=None)
     safety_factor: float = 20.0
 
     @property
     def methods(self):
-        return (methods.diagonally_implicit(self.method),)
+        # Imported only where a run is compiled: diffrax takes a fifth of a second start.
+        from diffrax import KenCarp4
+
+        return (methods.diagonally_implicit(KenCarp4() if self.method is None else self.method),)
 
 
 class Automatic(Solver):
@@ -138,3 +139,7 @@ class Automatic(Solver):
             return super().method_for(stiff, step)
         # A step that `choose` cut to just this length stays explicit in spite of rounding.
         return (step > self._longest(stiff) * (1.0 + 1e-9)).astype(int)
+
+
+AUTOMATIC = Automatic()
+"""The solver of whoever names none. One object: making it takes longer than a call's other preparations."""

@@ -3,10 +3,11 @@
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-import diffrax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
+
+from ..._types import AbstractERK, AbstractSolver
 
 
 class Method(NamedTuple):
@@ -28,25 +29,31 @@ class Method(NamedTuple):
     first: int | Int[Array, ""] = 0
 
 
-def explicit(method: diffrax.AbstractERK) -> Method:
-    """Read an explicit method of diffrax, such as ``DOP853()`` or ``diffrax.Tsit5()``."""
-    tableau = method.tableau
-    assert isinstance(tableau, diffrax.ButcherTableau)
-    weights, last = _square(tableau), np.asarray(tableau.b_sol)
-    errors = np.stack([tableau.b_error, getattr(method, "second_error", np.zeros(len(last)))])
-    if not np.allclose(weights[-1], last):  # the end is one more stage
-        weights, errors = _with_end(weights, last), np.pad(errors, ((0, 0), (0, 1)))
+def explicit(method: AbstractERK) -> Method:
+    """Read an explicit method of diffrax, such as ``diffrax.Tsit5()``."""
+    tableau: Any = method.tableau  # type: ignore[attr-defined]
     order = float(method.order(None))  # type: ignore[arg-type]
-    return Method(weights, weights.sum(axis=1), errors, 0.0, order, len(weights))
+    return explicit_of_rows(tableau.a_lower, tableau.b_sol, [tableau.b_error, 0.0 * tableau.b_error], order)
 
 
-def diagonally_implicit(method: diffrax.AbstractSolver) -> Method:
+def explicit_of_rows(
+    lower: Sequence[Sequence[float]], solution: Sequence[float], errors: Sequence[Sequence[float]], order: float
+) -> Method:
+    """Return an explicit method by the rows of its Butcher tableau, the first stage's left out, the weights of its
+    ``solution`` and of its two ``errors``, and the ``order`` of their estimate."""
+    weights, last, errors_of_stages = _square(lower, len(solution)), np.asarray(solution), np.stack(errors)
+    if not np.allclose(weights[-1], last):  # the end is one more stage
+        weights, errors_of_stages = _with_end(weights, last), np.pad(errors_of_stages, ((0, 0), (0, 1)))
+    return Method(weights, weights.sum(axis=1), errors_of_stages, 0.0, order, len(weights))
+
+
+def diagonally_implicit(method: AbstractSolver) -> Method:
     """Read a singly diagonally implicit method of diffrax with an explicit first stage, such as ``diffrax.Kvaerno5()``;
     of an implicit-explicit one, such as ``diffrax.KenCarp5()``, the implicit half."""
-    tableau = method.tableau  # type: ignore[attr-defined]
+    tableau: Any = method.tableau  # type: ignore[attr-defined]
     # diffrax lists the explicit half first.
     tableau = getattr(tableau, "tableaus", [tableau])[-1]
-    square = _square(tableau)
+    square = _square(tableau.a_lower, len(tableau.b_sol)) + np.diag(tableau.a_diagonal)
     nodes, gamma = np.append(square.sum(axis=1), 1.0), float(square[1, 1])
     weights, error = _with_end(np.tril(square, -1), np.asarray(tableau.b_sol)), np.append(tableau.b_error, 0.0)
     order = float(method.order(None))  # type: ignore[arg-type]
@@ -72,13 +79,11 @@ def one_of(methods: Sequence[Method], which: Int[Array, ""]) -> Method:
     return Method(below, *others, longest * which)  # type: ignore[call-arg, arg-type]
 
 
-def _square(tableau: diffrax.ButcherTableau) -> np.ndarray:
-    stages = len(tableau.b_sol)
+def _square(lower: Sequence[Sequence[float]], stages: int) -> np.ndarray:
+    """Return the weights of earlier stages as a square, from the rows of all stages but the first."""
     weights = np.zeros((stages, stages))
-    for i, row in enumerate(tableau.a_lower):
+    for i, row in enumerate(lower):
         weights[i + 1, : i + 1] = row
-    if tableau.a_diagonal is not None:
-        weights += np.diag(tableau.a_diagonal)
     return weights
 
 
