@@ -18,6 +18,7 @@ Made = Mapping[str, Any] | None  # how a result came about (`provenance.made`), 
 FIGURES = {"png": (".png",), "svg": (".svg",), "both": (".png", ".svg"), "none": ()}  # --format, the first by default
 Contents = Mapping[str, Callable[[], str | bytes]]  # a file's name and what makes its content
 Writers = dict[str, Callable[[], str | bytes]]
+OTHER_FORMS = (".mat", ".nc")  # of what a result's JSON and CSV files hold
 # of result files
 ENDINGS = (".csv", ".gif", ".html", ".json", ".mat", ".mp4", ".nc", ".npz", ".png", ".svg", ".toml", ".txt")
 
@@ -50,6 +51,14 @@ def csv_text(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
 def is_figure(name: str) -> bool:
     """Return whether a file is a figure, which shows what other files hold."""
     return name.endswith(FIGURES["both"])
+
+
+def _turn(name: str) -> int:
+    """Return when a file has its turn: first what has all of the numbers, then other forms of them, last the figures.
+
+    The first are written in a moment; netCDF alone takes a second, most of it imports.
+    """
+    return 2 if is_figure(name) else int(name.endswith(OTHER_FORMS))
 
 
 def with_figures(contents: Contents, chosen: str) -> Contents:
@@ -87,7 +96,7 @@ def write_all(
     written_so_far: Callable[[list[Path]], None] = lambda written: None,
 ) -> tuple[list[Path], Exception | None]:
     """Write every file, figures last; return those that were written, and the first error. ``written_so_far`` is called
-    with the others before the first figure is drawn, which takes a while.
+    once all numbers are on disk, before their other forms and the figures are made, which takes a while.
 
     What an earlier result of the same kind left there is removed first, because it would be taken for the new one's. A
     file that cannot be made or written leaves the others alone; the error of a figure that cannot be drawn is an
@@ -103,9 +112,9 @@ def write_all(
         except OSError as error:
             failure = error
     # Figures last: the numbers are on disk where one cannot be drawn.
-    names, first_figure = sorted(contents, key=is_figure), sum(not is_figure(name) for name in contents)
+    names, numbers = sorted(contents, key=_turn), sum(not _turn(name) for name in contents)
     for k, name in enumerate(names):
-        if k == first_figure:
+        if k == numbers:
             written_so_far(written)
         path = folder / name
         try:

@@ -1,5 +1,6 @@
 """The structure of a program's arguments and result: which classes, which static values, and where the arrays are."""
 
+import functools
 import importlib
 from collections.abc import Iterator
 from typing import Any
@@ -40,10 +41,22 @@ def nested(structure: PyTreeDef) -> Any:
 def user_code(*things: Any) -> str:
     """Return a hash of the user's code that numbers of these designs, mechanisms and classes depend on, the same in
     every process; "" where the packages have all of it."""
-    trees = [thing if isinstance(thing, type) else nested(jax.tree.structure(thing)) for thing in things]
-    if not identity.Description(trees).of_user:  # the usual case: a look at all at once, a fifth of a sweep of one run
+    structures = tuple(thing if isinstance(thing, type) else jax.tree.structure(thing) for thing in things)
+    if not _of_user(structures):
         return ""
+    trees = _trees(structures)
     return identity.source_hash(*(part for part in _flat(trees) if identity.Description(part).of_user))
+
+
+# Remembered, because looking takes a third of a sweep of one run, and the code of the packages does not change.
+@functools.lru_cache(maxsize=64)
+def _of_user(structures: tuple[Any, ...]) -> bool:
+    """Return whether any of the user's code belongs to these structures and classes."""
+    return identity.Description(_trees(structures)).of_user
+
+
+def _trees(structures: tuple[Any, ...]) -> list[Any]:
+    return [it if isinstance(it, type) else nested(it) for it in structures]
 
 
 def _flat(parts: Any) -> Iterator[Any]:
