@@ -21,6 +21,7 @@ import typer
 import jaxbuffer as jb
 from jaxbuffer.cluster.connect import connected
 from jaxbuffer.cluster.pool import Pool
+from jaxbuffer.hybrid import AUTOMATIC
 from jaxbuffer.sweeps import chunk
 from jaxbuffer.sweeps.chunk import CHUNK, SweepSettings, columns_of_chunk
 from jaxbuffer.sweeps.grid import Batch, grid
@@ -81,7 +82,7 @@ def sweep_of(captures: int) -> SweepSpec:
         "scenario.approach_speed": {"from": 0.1, "to": 0.3, "count": max(1, captures // 100)},
         "buffer.k_A": {"from": 200.0, "to": 900.0, "count": 100},
     }
-    settings = SweepSettings(np.asarray(TOLERANCE), np.asarray(20.0), None)
+    settings = SweepSettings(np.asarray(TOLERANCE), np.asarray(20.0), AUTOMATIC)
     return SweepSpec(design, scenario, 8.0, grid(over, design, scenario), settings)
 
 

@@ -15,6 +15,7 @@ import xarray as xr
 import jaxbuffer as jb
 from jaxbuffer import InputError
 from jaxbuffer.cluster.connect import connected
+from jaxbuffer.hybrid import AUTOMATIC
 from jaxbuffer.mechanisms.bar_drop import BAR_DROP
 from jaxbuffer.sweeps import sweep as module
 from jaxbuffer.sweeps.chunk import SweepSettings, task_size
@@ -213,7 +214,7 @@ def test_the_same_sweep_begun_anew_in_other_blocks(executor, tmp_path, solved, m
 
 
 def spec(over=OVER):
-    settings = SweepSettings(np.asarray(1e-6), np.asarray(20.0), None)
+    settings = SweepSettings(np.asarray(1e-6), np.asarray(20.0), AUTOMATIC)
     return SweepSpec(BAR, jb.BarDropScenario(), 0.01, grid(over, BAR, jb.BarDropScenario()), settings)
 
 

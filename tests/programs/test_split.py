@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
-from jaxbuffer.hybrid import Options
+from jaxbuffer.hybrid import AUTOMATIC, Options
 from jaxbuffer.mechanisms.mechanism import Request
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 from jaxbuffer.programs.cache import Static, _built, _run, after
@@ -72,9 +72,17 @@ def test_the_time_loop_is_in_the_first_program_alone(asked):
         ),
         _gradients: (
             *(PROBE_CONE, (design, scenario, duration, rtol), jnp.array([500.0]), Static(("buffer.k_A",))),
-            *(None, None),
+            *(AUTOMATIC, None),
         ),
-        solve_chunk: (PROBE_CONE, runs, jnp.array([True, False]), rtol, gain, None, Static(tuple(PROBE_CONE.swept))),
+        solve_chunk: (
+            PROBE_CONE,
+            runs,
+            jnp.array([True, False]),
+            rtol,
+            gain,
+            AUTOMATIC,
+            Static(tuple(PROBE_CONE.swept)),
+        ),
     }[asked]
     arrays, rest = eqx.partition(arguments, eqx.is_array)
     whole = lambda arrays: eqx.combine(arrays, rest)  # noqa: E731

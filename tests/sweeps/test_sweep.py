@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
+from jaxbuffer.hybrid import AUTOMATIC
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 from jaxbuffer.programs.cache import Static
 from jaxbuffer.sweeps.chunk import solve_chunk
@@ -56,7 +57,9 @@ def test_one_program_for_any_number_of_runs():
         np.testing.assert_array_equal(few.peak_force, all_runs.peak_force[-count:])
     assert len(solve_chunk.programs) == 1
     batch = Batch(np.arange(19), jb.table2(), jb.Scenario(approach_speed=speeds), 0.05)
-    result = solve_chunk.first(PROBE_CONE, *batch.chunk(16, 16), np.asarray(1e-6), np.asarray(20.0), None, Static(()))
+    result = solve_chunk.first(
+        PROBE_CONE, *batch.chunk(16, 16), np.asarray(1e-6), np.asarray(20.0), AUTOMATIC, Static(())
+    )
     assert np.all((np.asarray(result.attempts) > 0) == (np.arange(16) < 3))
 
 

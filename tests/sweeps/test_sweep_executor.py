@@ -70,7 +70,7 @@ class Broken(Executor):
 def test_settings_have_one_solver_in_another_process():
     """A solver that differs from the one before would have each call's program compiled anew."""
     for name in ("implicit", "diffrax:Kvaerno5", None):
-        solver = None if name is None else solver_named(name)
+        solver = solver_named(name)
         sent = pickle.dumps(SweepSettings(np.asarray(1e-6), np.asarray(20.0), solver, trust=True))
         here, again = pickle.loads(sent), pickle.loads(sent)
         assert here.solver is again.solver and type(here.solver) is type(solver)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
+from jaxbuffer.hybrid import AUTOMATIC
 from jaxbuffer.run.trust import VERDICTS, relative_changes, verdicts
 from jaxbuffer.sweeps import chunk as chunks
 from jaxbuffer.sweeps.chunk import SweepSettings, columns_of_chunk
@@ -38,7 +39,7 @@ def test_without_trust_nothing_is_said(designs, swept):
 
 def test_a_run_without_numbers_has_no_verdict(designs):
     chunk, mask = Batch(np.arange(3), designs, jb.Scenario(approach_speed=SPEEDS), 8.0).chunk(0, 16)
-    settings = SweepSettings(np.asarray(1e-3), np.asarray(20.0), None, trust=True)
+    settings = SweepSettings(np.asarray(1e-3), np.asarray(20.0), AUTOMATIC, trust=True)
     *_, verdict = columns_of_chunk(chunk, mask & (np.arange(16) != 1), settings)
     assert (verdict[[0, 2]] >= 0).all() and (verdict[np.r_[1, 3:16]] == NO_VERDICT).all()
 
@@ -68,7 +69,7 @@ def test_a_run_that_fails_at_a_tenth_of_the_tolerance_only(bar, monkeypatch):
         return solve(mechanism, chunk, mask & ((rtol > 5e-6) | (np.arange(16) == 0)), rtol, *others)
 
     monkeypatch.setattr(chunks, "solve_chunk", failing)
-    *_, verdict = columns_of_chunk(*call, SweepSettings(np.asarray(1e-5), np.asarray(20.0), None, trust=True))
+    *_, verdict = columns_of_chunk(*call, SweepSettings(np.asarray(1e-5), np.asarray(20.0), AUTOMATIC, trust=True))
     assert verdict[:3].tolist() == [VERDICTS.index("trusted"), VERDICTS.index("unknown"), NO_VERDICT]
 
 
