@@ -168,7 +168,7 @@ def _measured(given: Request) -> tuple[Any, ...]:
 def measured(design: Part, scenario: Part, duration: float, rtol: float = 1e-6) -> tuple[Any, ...]:
     """`_measured` as NumPy arrays; the names of the maxima are `names`."""
     given = request(
-        mechanism_of(design), design, scenario, duration, None, (rtol, rtol), options=options_of(keep=STEPS)
+        mechanism_of(design), design, scenario, duration, tolerances=(rtol, rtol), options=options_of(keep=STEPS)
     )
     return jax.tree.map(np.asarray, _measured(jax.tree.map(lambda x: np.asarray(x, float), given)))
 

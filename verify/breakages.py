@@ -327,8 +327,8 @@ def _tableau() -> None:
 
     square = methods._square
 
-    def broken(tableau):
-        a = square(tableau)
+    def broken(*rows):
+        a = square(*rows)
         a[2, 1] *= 1.001
         return a
 
