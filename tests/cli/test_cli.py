@@ -455,6 +455,29 @@ def test_ctrl_c_ends_a_compilation_at_once(tmp_path):
     assert time.monotonic() - sent < 3.0
 
 
+def test_a_process_ends_with_its_code_and_exit_functions_but_frees_nothing():
+    """What Python frees at its end takes as long as a third of a command."""
+    code = """if True:
+        import atexit, sys
+        from jaxbuffer import cli
+        from jaxbuffer.cli import entry
+
+        class Freed:
+            def __del__(self):
+                print("freed")
+
+        def command(arguments):
+            atexit.register(print, "exit function")
+            print("command", *arguments)
+            sys.exit(3)
+
+        kept, entry.main = Freed(), command
+        cli.main(["simulate"])
+    """
+    ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (ended.returncode, ended.stdout, ended.stderr) == (3, "command simulate\nexit function\n", "")
+
+
 def _started(folder, *arguments, **environment) -> subprocess.Popen:
     source = Path(jaxbuffer.__file__).resolve().parents[1]
     return subprocess.Popen(

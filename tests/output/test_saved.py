@@ -8,6 +8,7 @@ import pytest
 import jaxbuffer as jb
 from computed import stand_in
 from jaxbuffer.experiments.sample import sample
+from jaxbuffer.output.formats import write_all
 from jaxbuffer.sweeps.grid import grid
 from jaxbuffer.sweeps.result import Sweep
 from jaxbuffer.tuning.front import Front
@@ -119,6 +120,16 @@ def test_a_flipped_bit_in_labelled_data_is_found(place, tmp_path):
     file.write_bytes(content)
     with pytest.raises(jb.InputError, match=r"sweep\.nc is damaged or no result of jaxbuffer: its checksum"):
         jb.load(tmp_path)
+
+
+def test_a_result_is_told_once_its_numbers_are_on_disk(tmp_path):
+    """Before the files that take a while: other forms of the numbers, and figures."""
+    order = []
+    names = ("a.png", "a.nc", "a.json", "a.mat", "a.csv")
+    contents = {name: lambda name=name: order.append(name) or "content" for name in names}
+    written, failure = write_all(tmp_path, contents, False, written_so_far=lambda done: order.append("told"))
+    assert failure is None and order == ["a.json", "a.csv", "told", "a.nc", "a.mat", "a.png"]
+    assert [path.name for path in written] == ["a.json", "a.csv", "a.nc", "a.mat", "a.png"]
 
 
 def test_a_page_replaces_no_other_file(tmp_path):
