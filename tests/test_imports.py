@@ -56,9 +56,18 @@ def test_what_a_command_does_takes_the_options_that_its_help_shows():
         assert taken - {"request"} == (shown - {*SHARED} if "request" in taken else shown), name
 
 
-def test_a_capture_needs_neither_optax_nor_matplotlib():
-    modules = loaded_by("from jaxbuffer import simulate, table2, Scenario")
-    assert "jax" in modules and not modules & {"optax", "matplotlib", "scipy"}
+@pytest.mark.parametrize(
+    ("code", "more"),
+    # SciPy's own modules are imported when they are first used: a command may have the package.
+    [
+        ("from jaxbuffer import simulate, table2, Scenario", {"scipy"}),
+        ("import jaxbuffer.cli.commands.simulate", set()),
+    ],
+)
+def test_a_capture_needs_no_optimiser_no_figure_and_none_of_diffrax(code, more):
+    """A program that is compiled already holds the coefficients of diffrax's methods."""
+    modules = loaded_by(code)
+    assert "jax" in modules and not modules & {"optax", "matplotlib", "diffrax", "optimistix", "xarray", *more}
 
 
 def test_every_public_name_is_there_and_listed():
