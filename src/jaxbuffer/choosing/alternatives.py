@@ -20,6 +20,7 @@ def alternatives(criterion: Criterion, runs: Runs, numbers: Sequence[int], tight
     """Run combinations, by their numbers, at every load case, and judge them by the runs at ``tight`` rtol [-]."""
     cases, made = range(len(criterion.problem.cases)), dict[int, Alternative]()
     wanted = [(number, case) for number in numbers for case in cases]
+    # At both tolerances, because the change between them says how sure the ranking is.
     measured, searched = runs.each(wanted, tight), runs.each(wanted)
     for place, number in enumerate(numbers):
         design = runs.combinations.built(number)
@@ -43,6 +44,7 @@ def _alternative(
     totals = {name: sum(part.totals[name] for part in parts if name in part.totals) for name in names}
     objective, constant = criterion.of_runs or problem.objective, criterion.constant(totals)
     goal = Goal(problem, objective)
+    # Where price and mass decide alone, the problem's own objective must add nothing to them.
     value, before = (goal.value(it) if criterion.of_runs else 0.0 for it in (evaluation, searched))
     above = [limit for limit in criterion.limits if not limit.keeps(totals[limit.name])]
     broken = [limit.sentence(totals[limit.name], criterion.catalogue[limit.name]) for limit in above]

@@ -69,10 +69,12 @@ def continuous_optimum(
     if why or not ranges:
         return ContinuousOptimum(none=why or "no number differs between the parts")
     own = criterion.problem
+    # A second objective may raise the first one within its tolerance, and the bound is one on the first.
     problem = dataclasses.replace(
         own, design=_within(start, ranges), variables=(*ranges, *own.variables), objective=objective, then=None
     )
     tuned = tune(problem, **tuning)
+    # No combination is cheaper or lighter than the least of each catalogue, whichever parts those are.
     least = {name: sum(min(part.totals.get(name, 0.0) for part in it.parts) for it in catalogues) for name in TOTALS}
     return ContinuousOptimum(tuned, tuned.objective[1] + criterion.constant(least))
 

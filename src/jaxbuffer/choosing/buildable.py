@@ -96,10 +96,12 @@ def continuous_design(problem: Problem, means: Means) -> Part:
 def rounded(problem: Problem, rules: Mapping[str, str | float], design: Part, means: Means, ranking: int) -> Choice:
     """Choose among the buildable values beside a design's numbers; ``rules``: as of `checked_rules`."""
     numbers = {path: float(get(design, path)) for path in rules}
+    # Without variables, because a rounded value may lie beyond their bounds, where a problem accepts no design.
     problem = dataclasses.replace(problem, design=design, variables=())
     catalogues, places = rounded_catalogues(problem, numbers, rules)
     combinations = Combinations(design, catalogues)
     criterion = Criterion.of(problem, None, None, combinations)
+    # The nearest values are run in any event: the result says what plain rounding costs beside the best one.
     choice = ranked(criterion, combinations, means, ranking, (combinations.number(places),))
     whole = [PartsCatalogue(path, (CataloguePart("continuous", {path: value}),)) for path, value in numbers.items()]
     with Pool(means.executor, means.workers) as pool:

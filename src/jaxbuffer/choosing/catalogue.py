@@ -90,6 +90,7 @@ def read_catalogues(
     catalogues = tuple(_catalogue(role, one, design, folder, f"{where}.{role}") for role, one in given.items())
     owners: dict[str, str] = {}
     for catalogue in catalogues:
+        # A curve counts as the number that it stands for: the design has one of the two, so only one role may set it.
         for path in dict.fromkeys(_stands_for(design, path) for path in catalogue.paths):
             if path in owners:
                 raise InputError(f"{where}.{owners[path]} and {where}.{catalogue.role} both set {path}; keep one")
@@ -113,6 +114,7 @@ def _check_totals(catalogues: Sequence[PartsCatalogue], where: str) -> None:
 def _catalogue(role: str, given: Any, design: Part, folder: Path, where: str) -> PartsCatalogue:
     if isinstance(given, PartsCatalogue):
         return dataclasses.replace(given, role=role)
+    # A part may be called "file" too: it has fields, and only a text after that key names a file.
     if isinstance(given, Mapping) and isinstance(given.get(FILE), str) and len(given) == 1:
         given = folder / given[FILE]
     if isinstance(given, (str, Path)):
@@ -183,6 +185,7 @@ def _read(role: str, rows: list[tuple[str, dict[str, CatalogueCell]]], design: P
 def _check_one_unit(path: str, cells: Sequence[CatalogueCell]) -> None:
     """Raise `InputError` where some of a column's numbers have a unit and others none."""
     numbers = [cell for cell in cells if not isinstance(cell.value, (bool, list))]
+    # Zero is the same in every unit, so it may stand without one. Prices have a check of their own.
     bare = [cell for cell in numbers if type(as_number(cell.value)) is float and float(cell.value) != 0.0]
     typed = [cell for cell in numbers if typed_unit(cell.value)]
     if bare and typed and path != PRICE:
@@ -238,6 +241,7 @@ def _value(cell: CatalogueCell, path: str, design: Part) -> Any:
     if "curve" in metadata(design, path) and not isinstance(value, Curve):
         value = cell.points()
     try:
+        # Put into the design and read back, so that the design's own checks decide what a choice or a curve may be.
         return get(replace(design, {path: value}), path)
     except InputError as error:
         raise error.between(f"{cell.where}: ") from None

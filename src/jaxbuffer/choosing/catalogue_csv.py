@@ -40,12 +40,14 @@ def read_csv(path: Path) -> list[tuple[str, dict[str, CatalogueCell]]]:
     """
     path = user_path(path)
     try:
+        # Spreadsheets put a byte-order mark before UTF-8, which would otherwise become part of the first heading.
         text = path.read_text(encoding="utf-8-sig")
     except OSError as error:
         raise InputError(f"{path}: {(error.strerror or str(error)).lower()}") from None
     except UnicodeDecodeError:
         raise InputError(f"{path} is no text in UTF-8; save it as CSV, UTF-8") from None
     first = next((line for line in text.splitlines() if line.strip() and not line.startswith("#")), "")
+    # The headings alone tell the delimiter, because the points of a curve, in the rows, have commas of their own.
     delimiter = max(DELIMITERS, key=first.count)
     # Lines that are left out stay as empty ones, so that the numbers of the others are the file's.
     lines = ["" if line.startswith("#") else line for line in text.splitlines()]

@@ -127,6 +127,7 @@ class Choice(Saved):
     @property
     def accuracy(self) -> float:
         """Return the largest change of the objective from the problem's tolerance to the tight one, relative [-]."""
+        # Since its variables were tuned a combination is another design than the one searched, and does not compare.
         changes = [relative_change(it.searched, it.value) for it in self.ranked if it.tuned is None]
         return max((abs(change) for change in changes if change is not None), default=0.0)
 
@@ -172,6 +173,7 @@ def margins(problem: Problem, evaluation: Evaluation) -> tuple[LimitMargin, ...]
     known, made = reported(problem, evaluation), []
     for column, limit in Goal(problem, problem.objective).indexed_limits:
         values = known[:, column]
+        # A run without the number keeps no limit, so it counts as the worst.
         worst = int(np.argmax(np.nan_to_num(limit.rows(values), nan=np.inf)))
         made.append(LimitMargin(limit, float(values[worst]), limit.margin(float(values[worst])), worst))
     return tuple(sorted(made, key=lambda it: -np.inf if it.share is None else it.share))
@@ -259,6 +261,7 @@ def _ranking(choice: Choice) -> Table:
         made.add_column(heading)
     made.add_column("left", justify="right")
     for place, it in enumerate(choice.ranked, 1):
+        # Where none is feasible the limits make the order, and how far an objective is above the first says nothing.
         change = relative_change(choice.ranked[0].value, it.value) if choice.feasible and place > 1 else None
         tightest = it.margins[0] if it.margins else None
         made.add_row(
@@ -330,6 +333,7 @@ def ranking_rows(choice: Choice) -> tuple[list[str], list[list[Any]]]:
         row: list[Any] = [place, *it.names, it.feasible, it.value, *(it.totals[name] for name in totals)]
         row.append(choice.label(it.deciding))
         for limit in limits:
+            # Each combination has its tightest margin first, while the columns are in the order of the best one's.
             margin = next(one for one in it.margins if one.limit == limit)
             row += [margin.value, margin.share, choice.label(margin.case)]
         rows.append(row)

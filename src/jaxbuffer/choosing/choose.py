@@ -103,6 +103,7 @@ def choose(
     shown = counted(progress, problem.mechanism.view.run_name)
     means = Means(folder, resume, workers, executor, solver, shown, report, settings)
     if tuned:
+        # Before the enumeration, because a mistake that only the tunings after it would meet costs all its runs.
         problem.check_tunable()
     choice = ranked(criterion, combinations, means, ranking)
     choice = with_optimum(choice, means) if optimum else choice
@@ -146,6 +147,7 @@ def ranked(
             shutil.rmtree(folder, ignore_errors=True)
     runs, possible = 0, 0
     for number in itertools.count():
+        # Corners that join stand among the cases and change their numbers: so each round has a folder of its own.
         choice = _enumerated(criterion, combinations, means, ranking, first, round_folder(number) if number else FOLDER)
         runs, possible = runs + choice.tally.runs, possible + choice.tally.possible
         more = _worse_corners(choice, means)
@@ -157,6 +159,7 @@ def ranked(
 
 def _worse_corners(choice: Choice, means: Means) -> tuple[tuple[float, ...], ...]:
     """Return corners in which the best combination is worse than in all that it was run in, if these are not all."""
+    # Further corners only add limits, so that none of them makes an infeasible choice feasible.
     if not choice.problem.needs_search or not choice.feasible:
         return ()
     problem = dataclasses.replace(choice.problem, design=choice.design)
@@ -190,6 +193,7 @@ def _enumerated(
         enumeration.run()
         best = [int(k) for k in enumeration.best()]
         chosen = best or [int(k) for k in enumeration.nearest() if k not in runs.misfits]
+        # A combination that is asked for may not go together either, and then it has no runs to be judged by.
         told = [k for k in dict.fromkeys([*chosen, *first]) if k not in runs.misfits]
         made = alternatives(criterion, runs, told, tight)
     # Those nearest to the limits stay in their order: how far they are beyond comes before the objective.

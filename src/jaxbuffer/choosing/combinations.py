@@ -54,6 +54,7 @@ class Combinations:
 
     def totals(self, name: str) -> Float[np.ndarray, " combinations"]:
         """Return the sum of price or mass [kg] of every combination."""
+        # A role whose parts have no price or mass adds nothing to the sums of the others.
         columns = [[part.totals.get(name, 0.0) for part in catalogue.parts] for catalogue in self.catalogues]
         return functools.reduce(np.add.outer, map(np.asarray, columns)).ravel()
 
@@ -69,11 +70,13 @@ class Combinations:
 
     def built(self, number: int) -> Part | InputError:
         """Return a combination's design, or why its parts do not go together."""
+        # Kept, because every load case asks for the same design.
         if number not in self._designs:
             values = {path: it for part in self.parts(number) for path, it in part.fields.items()}
             try:
                 self._designs[number] = replace(self.design, values)
             except InputError as error:
+                # Parts that do not go together rule out this combination only, so the error becomes its answer.
                 self._designs[number] = error
         return self._designs[number]
 

@@ -57,6 +57,7 @@ class Criterion:
         check_known(at_most or {}, units, "at_most", lambda name: DESCRIPTIONS[name])
         limits = []
         for name, given_bound in (at_most or {}).items():
+            # The unit of a price may be any word, which nothing converts.
             bound = in_unit(f"at_most.{name}", given_bound, units[name]) if name == MASS else given_bound
             check_single(f"at_most.{name}", bound, units[name] or "-", ONE_LIMIT, low=0.0, low_open=True)
             limits.append(Limit(name, float(bound)))
@@ -80,6 +81,7 @@ class Criterion:
     def allowed(self, combinations: Combinations) -> Bool[np.ndarray, " combinations"]:
         """Return which combinations keep the limits on price and mass."""
         keeps = [limit.keeps(combinations.totals(limit.name)) for limit in self.limits]
+        # The row of ones is for a choice without such limits: of nothing `np.all` would make a single truth.
         return np.all([np.ones(len(combinations), bool), *keeps], axis=0)
 
     def shown(self, value: float) -> tuple[float, str]:

@@ -94,6 +94,7 @@ class Enumeration:
             # The best few of those that were run are completed at once: what they reach drops others.
             self._complete([k for k in chosen if np.any(self.judged.known[k])][: self.ranking])
             self._advance([(number, self._next(number)) for number in chosen if self.open[number]])
+        # None keeps the limits: those told as nearest need numbers at every load case, not only where they were lost.
         if not len(self.best()):
             self._complete(self.nearest())
 
@@ -111,6 +112,7 @@ class Enumeration:
     @property
     def feasible(self) -> Bool[np.ndarray, " combinations"]:
         """Return which were run at every load case and keep all limits."""
+        # The NaN of a case that was not run equals nothing, so only combinations with all their runs count.
         return np.all(self.judged.excess == 0.0, axis=1) & self.allowed
 
     @property
@@ -145,6 +147,7 @@ class Enumeration:
 
     @property
     def _farthest(self) -> Float[np.ndarray, " combinations"]:
+        # A case that was not run proves nothing against a combination.
         return np.max(np.nan_to_num(self.judged.excess, nan=0.0), axis=1)
 
     def _pilots(self) -> list[int]:
@@ -181,6 +184,7 @@ class Enumeration:
         least = 0.0 if self.objective is None else self._least(self.judged.value)
         self.lower = self.constant + least
         broken, complete = self._farthest > 0.0, np.all(self.judged.known, axis=1)
+        # One that may still equal the last one ranked stays open: among equals the order of the catalogues decides.
         self.open &= ~broken & ~complete & (self.lower <= self.threshold)
         self._report(0)
 
@@ -202,6 +206,7 @@ class Enumeration:
             whole = np.all(np.isfinite(known), axis=1)
             worst = np.max(known, axis=1)
             return worst if self.objective.over == "worst" else np.where(whole, self._aggregated(known), -np.inf)
+        # None of these quantities can be negative, so a case that was not run counts as 0 at least.
         return self._aggregated(np.nan_to_num(values, nan=0.0))
 
     def _aggregated(self, values: Float[np.ndarray, "combinations cases"]) -> Float[np.ndarray, " combinations"]:
@@ -209,6 +214,7 @@ class Enumeration:
         objective = self.goal.objective
         # The weights depend on the order of the values alone.
         weights = objective.case_weights(-np.arange(float(self.cases)))
+        # A weight of zero times the infinity that stands for a missing run would be NaN.
         used = weights > 0.0
         return np.asarray(-np.sort(-values, axis=1)[:, used] @ weights[used])
 
@@ -218,6 +224,7 @@ class Enumeration:
         value, excess = self.judged.value[ran], self.judged.excess[ran]
         beaten = value + self.constant[ran, None] > self.threshold
         if self.objective is None or self.objective.over != "worst":
+            # In a mean, be it of the worst share, no single case shows that a combination is beaten.
             beaten[:] = False
         drops = beaten | (excess > 0.0)
         # Among cases that drop as many, the one with the largest objective on the whole.

@@ -37,6 +37,7 @@ class Means:
     def __post_init__(self) -> None:
         if self.resume and self.folder is None:
             raise InputError("resume needs the folder of the choice to go on with")
+        # A choice of roundings tunes first, so that an interrupted one may have begun nothing but that.
         if self.resume and self.path is not None and not any((self.path / it).exists() for it in (FOLDER, OPTIMUM)):
             raise InputError(f"{self.path}: there is no choice to resume; leave out --resume to begin one")
         if self.workers is not None:

@@ -56,6 +56,7 @@ class Runs:
         self.problem, self.combinations, self.pool, self.store = problem, combinations, pool, store
         self.computed, self.misfits = 0, dict[int, str]()
         margin = problem.mechanism.tuning.margin
+        # The margin is read even where nothing limits it: by it a run is judged that does not end as it must.
         self.names = tuple(dict.fromkeys([*problem.measured, *([] if margin is None else [margin])]))
         self._solver = solver_named(solver)
 
@@ -103,6 +104,7 @@ class Runs:
                         due = time.monotonic() + PERIOD
                 yield places.tolist(), rows
         finally:
+            # After an error or an interrupt too, so that runs that are done need not be computed again.
             if self.store is not None:
                 self.store.save()
 
@@ -113,6 +115,7 @@ class Runs:
         most = task_size(len(pairs), workers) if self.pool.given else CHUNK
         for places, (design, scenarios) in stacked(pairs):
             duration = np.full(len(places), float(self.problem.duration or 0.0))
+            # Few runs are shared out among all workers, of whom some would otherwise be idle.
             yield from Batch(places, design, scenarios, duration).parts(max(1, min(most, -(-len(places) // workers))))
 
     def _measurement(self, pair: Any, code: int, impacts: int, values: np.ndarray) -> Measurement:

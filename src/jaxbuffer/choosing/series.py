@@ -56,14 +56,17 @@ def beside(value: float, rule: str | float, count: int = BESIDE) -> list[float]:
     """
     if isinstance(rule, str):
         decade = math.floor(math.log10(value))
+        # The decades beside the number's own too, for what is near one of its ends.
         every = [float(f"{base}e{power}") for power in range(decade - 1, decade + 2) for base in SERIES[rule]]
     else:
         nearest = math.floor(value / rule)
         # Rounded to the digits of the step, so that 3 × 0.1 is 0.3.
         every = [float(f"{k * rule:.12g}") for k in range(nearest - count - 1, nearest + count + 3)]
+    # A value that differs by floating-point error alone is the number itself, and none of its neighbours.
     below = [it for it in every if it < value and not math.isclose(it, value, rel_tol=1e-12)]
     above = [it for it in every if it > value and not math.isclose(it, value, rel_tol=1e-12)]
     exact = [it for it in every if math.isclose(it, value, rel_tol=1e-12)]
+    # Steps down from a small number lead to zero and below, of which nothing is built.
     return [*(it for it in below[-count:] if it > 0.0), *exact, *above[:count]]
 
 

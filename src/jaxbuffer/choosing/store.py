@@ -68,6 +68,7 @@ class ChoiceStore:
             )
         remove_all_drafts(self.path)
         for file in sorted(self.path.glob("*.npz")):
+            # A damaged file counts too: it stays, and no new one takes its name.
             self._next = max(self._next, int(file.stem) + 1)
             self._read(file)
 

@@ -151,6 +151,7 @@ def estimated(
     **Raises:** `InputError` where too few rows are complete, or nothing varies.
     """
     blocks = values.reshape(d + 2, -1)
+    # A row counts whole or not at all, because the estimators subtract its runs from each other.
     blocks = blocks[:, np.all(np.isfinite(blocks), axis=0)]
     rows = blocks.shape[1]
     if rows < LEAST:
@@ -185,6 +186,7 @@ def estimators(blocks: Float[np.ndarray, "d_and_2 rows"]) -> Float[np.ndarray, "
     """Return the first-order and total indices: with f_A, f_B and f_ABi the blocks and V the variance of the first two,
     S_i = mean(f_B (f_ABi - f_A)) / V and T_i = mean((f_A - f_ABi)²) / 2 V."""
     a, b, mixed = blocks[0], blocks[1], blocks[2:]
+    # Of the first two blocks alone: the mixed ones have their numbers from these, and would count them again.
     variance = np.var(blocks[:2])
     first = np.mean(b * (mixed - a), axis=1) / variance
     total = 0.5 * np.mean((a - mixed) ** 2, axis=1) / variance

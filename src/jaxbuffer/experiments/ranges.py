@@ -37,6 +37,7 @@ class Range(Varied):
     low: float
     high: float
     scale: str = SCALES[0]
+    # A range is the same in whichever unit its ends were typed.
     typed: str = dataclasses.field(default="", compare=False)
 
     def at(self, shares: Float[np.ndarray, " n"]) -> Float[np.ndarray, " n"]:

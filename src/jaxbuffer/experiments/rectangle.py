@@ -69,6 +69,7 @@ class SafeRectangle:
         """Return how the runs between the ``scenarios`` do, at those included; None where both fields are not the
         scenario's, or no run lies there. A design that keeps its limits in each scenario may break them in between."""
         prefix, ranges = "scenario.", []
+        # Of a single scenario nothing lies in between.
         inside = np.full(self.safe.shape, len(self.scenarios) > 1)
         for k, (axis, values) in enumerate(zip(self.axes, self.values, strict=True)):
             if not axis.path.startswith(prefix) or not self.scenarios:
@@ -135,6 +136,7 @@ class SafeRectangle:
 
 def _range_words(axis: Axis, part: tuple[float, float]) -> str:
     """Say a range in its unit, angles in degrees besides: "-0.05 … 0.05 rad (-2.86° … +2.86°)"."""
+    # Adding zero makes 0 of -0, which would be shown with its sign.
     low, high, symbol = ends_as_typed(part[0] + 0.0, part[1] + 0.0, axis.unit, axis.typed)
     words = range_text(low, high, symbol, 4, " … ")
     if symbol != "rad":
@@ -186,6 +188,7 @@ def safe_rectangle(swept: Sweep, limits: Limits | None = None, scenarios: Sequen
         # Not `maximum`: a limit on what a run does not have must not hide the others.
         share = np.fmax(share, face(limit.share(values)))
         name, kept = limit.name.replace("_", " "), face(limit.keeps(values))
+        # Before the line below, which would say of a number that is not known that it is beyond its limit.
         reasons[face(np.isnan(values)) & (reasons == "")] = f"{name} not known"
         reasons[~kept & (reasons == "")] = f"{name} {limit.side} its limit"
     share = np.where(face(swept.solved), share, np.nan)
@@ -213,6 +216,7 @@ def _check_limits(swept: Sweep, limits: Limits) -> None:
     for name in limits.names:
         if name not in (known := swept.mechanism.swept):
             raise InputError(f"limits.{name} is no quantity of a sweep{suggest(name, known)}")
+    # A field that the sweep varies counts as there, although the design may have none of its own.
     moved = set() if swept.grid is None else {axis.path for axis in swept.grid.axes}
     limits.check(swept.mechanism, lambda path: path in moved or get(swept.design, path))
 
@@ -222,6 +226,7 @@ def _ends(swept: Sweep, limits: Limits) -> np.ndarray:
     good = swept.solved & limits.ended(swept.mechanism, swept.code)
     named = [f"failed: {it.name}" if it.failed else it.name.replace("_", " ") for it in swept.outcomes]
     words = np.where(swept.done, np.array(named, object), UNDONE)
+    # As objects, because an array of texts would cut off longer reasons that are put into it later.
     return np.where(good, "", words).astype(object)
 
 

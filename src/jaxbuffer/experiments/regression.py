@@ -32,6 +32,7 @@ def fitted(kind: str, places: np.ndarray, values: np.ndarray) -> Pipeline | Gaus
             terms = PolynomialFeatures(2, include_bias=False)
             return make_pipeline(terms, LinearRegression()).fit(places, values)
         ranges = places.shape[1]
+        # Each try of some lengths costs the cube of the number of runs.
         some = _process(ranges).fit(places[:TUNED_ON], values[:TUNED_ON])
         return some if len(values) <= TUNED_ON else _process(ranges, some.kernel_).fit(places, values)
 

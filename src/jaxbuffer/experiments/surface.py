@@ -121,6 +121,7 @@ class Surface:
                 f"response surface: {axis.path} = {value} is outside of what was sampled, {axis}; a surface knows"
                 " nothing there, sample a wider range"
             )
+        # Rounding may leave a value just beyond its end: it counts as at the end, since a surface knows nothing beyond.
         return np.clip(axis.shares(np.clip(given.astype(float), axis.low, axis.high)), 0.0, 1.0)
 
     @property

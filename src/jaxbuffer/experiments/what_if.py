@@ -185,6 +185,7 @@ class _Search:
             return self.every
         (found,) = self.evaluator([self.problem.start()], cases=self.every)
         values, chosen = self._values(found), dict[int, None]()
+        # Rank by rank over all quantities, so that each of them has its own worst cases among the few.
         for rank in range(len(self.every)):
             for column in range(values.shape[1]):
                 chosen[int(np.argsort(-values[:, column], kind="stable")[rank])] = None
@@ -196,6 +197,7 @@ class _Search:
         spread = np.maximum(high - low, 1e-300)
         nominal = np.clip((start - low) / spread, 0.0, 1.0)
         with np.errstate(all="ignore"):
+            # A Sobol' sequence is balanced at powers of two: one is drawn, and cut to the runs that are asked for.
             sequence = scipy.stats.qmc.Sobol(len(low), rng=0).random(1 << (self.runs - 1).bit_length())
         # The design itself is among the runs, so that the page is exact where it begins.
         shares = np.vstack([nominal, sequence[: self.runs - 1]])
@@ -260,6 +262,7 @@ class _Search:
         for first in range(0, len(rows), ROWS):
             block = rows[first : first + ROWS]
             if self.factors or self.tolerances:
+                # Factors and changes are the case's own, so that each row has other cases and is a call of its own.
                 for row in block:
                     found += self.evaluator([row[:count]], cases=[self._built(it, row[count:]) for it in self.cases])
             else:
@@ -267,6 +270,7 @@ class _Search:
             self.report(self.evaluator.captures, self.most)
         succeeded = np.array([it.succeeded for it in found])
         names = [self.problem.names.index(name) for name in self.quantities]
+        # A time that a run waited for in vain has the duration in its place, which no model is to be fitted to.
         waited = np.array([self.problem.known(it.code)[:, names] for it in found])
         values = np.array([self._values(it) for it in found])
         return _Runs(values, succeeded, succeeded[:, :, None] & waited & np.isfinite(values))
@@ -275,6 +279,7 @@ class _Search:
         """Return the case with factors and with changes of the numbers that have tolerances."""
         split = len(self.factors)
         ends = zip(self.tolerances.values(), row[split:].tolist(), strict=True)
+        # Without a change there is no side to take, and that side may have no width to divide by.
         signs = [change / (it.high if change > 0.0 else -it.low) if change else 0.0 for it, change in ends]
         factors = dict(zip(self.factors, row[:split].tolist(), strict=True))
         return moved(_with_factors(case, factors), self.tolerances, signs)

@@ -74,6 +74,7 @@ def fit(
     model = _quadratic(places, smooth, logarithmic)
     if model is None:
         model = _process(places, smooth, logarithmic, rows, runs)
+    # The page has the places of all runs, of which those that are not fitted have a weight of zero.
     everywhere = np.zeros((runs, d))
     everywhere[rows] = places
     predicted = np.array([model.at(place, everywhere) for place in apart])
@@ -87,12 +88,14 @@ def _quadratic(places: np.ndarray, smooth: np.ndarray, logarithmic: bool) -> Mod
     count, d = places.shape
     first, second = np.triu_indices(d)
     terms = np.column_stack([np.ones(count), places, places[:, first] * places[:, second]])
+    # Orthonormal, so that the squared lengths of its rows say how much each run decides its own fitted value.
     basis, triangle = np.linalg.qr(terms)
     if np.min(np.abs(np.diag(triangle))) < 1e-10 * np.max(np.abs(triangle)):  # a range of no width
         return None
     coefficients = np.linalg.solve(triangle, basis.T @ smooth)
     # What each run's value is missed by where it alone is left out of the fit.
     misses = (smooth - terms @ coefficients) / np.maximum(1.0 - np.sum(basis**2, axis=1), 1e-6)
+    # A difference of logarithms is a relative one already.
     scale = 1.0 if logarithmic else max(float(np.max(np.abs(smooth))), 1e-300)
     if np.max(np.abs(misses)) > SMOOTH * scale:
         return None

@@ -46,11 +46,13 @@ class Estimation:
         """Search, and return what is found with its uncertainty."""
         best = self._search()
         best = self._with_noise(best)
+        # The stages look at a run's end only where they miss the noise, so the whole records are checked here.
         self.check_ends(best.x, 1.0)
         blocks = self.blocks(best.x, 1.0)
         # What the model does not describe makes estimates less sure than the noise says.
         free = sum(block.values.size for block in blocks) - len(best.x)
         chi = sum(float(np.sum(block.values**2)) for block in blocks) / max(free, 1)
+        # The mean square of n residuals of noise scatters by √(2/n): a little above one is no sign of a poor model.
         inflation = chi if chi > 1.0 + EXCESS * np.sqrt(2.0 / max(free, 1)) else 1.0
         self.report("how sure each number is")
         known = uncertainty(self.blocks, best, inflation)
@@ -65,6 +67,7 @@ class Estimation:
                 if name == SHIFT:
                     shift = prediction.start_shift(numbers, noise, FIRST)
                     start[-1] = unknown.scaled(shift)
+                    # Before the shift the run is taken to stand still, so shares of the record count from there.
                     prediction.begin = max(prediction.begin, shift)
 
         def told(share: float, chi: float) -> None:
@@ -75,6 +78,7 @@ class Estimation:
 
     def _with_noise(self, best: LeastSquares) -> LeastSquares:
         """Return the minimum with noise that is not known estimated from the residuals."""
+        # Minimum and noise depend on each other: a column with less noise weighs more and moves the minimum.
         for _ in range(AGAIN):
             changed = 0.0
             for prediction, noise, block in zip(self.predictions, self.noise, self.blocks(best.x, 1.0), strict=True):
@@ -85,12 +89,14 @@ class Estimation:
                         noise[k] = found[k]
             if changed < SAME:
                 break
+            # The residuals that are kept are over the noise of before.
             self._last = None
             best = minimum(self.blocks, best.x, 1.0, tolerance=LAST)
         return best
 
     def blocks(self, x: np.ndarray, share: float) -> list[Block]:
         """Return the residuals of the tests, with slopes by all scaled unknowns."""
+        # Searches ask again for the point at which they ended, and a run with derivatives is not to be made twice.
         key = (x.tobytes(), share)
         if self._last is not None and self._last[0] == key:
             return self._last[1]
@@ -102,6 +108,7 @@ class Estimation:
             block = prediction.block(values[:count], values[mine], share, noise)
             slopes = np.zeros((*block.values.shape, len(x)))
             slopes[..., :count], slopes[..., mine] = block.slopes[..., :count], block.slopes[..., count:]
+            # A residual without a number makes its point worse than any other, where NaN would compare as neither.
             residuals = np.where(np.isfinite(block.values), block.values, np.inf)
             found.append(Block(residuals, np.nan_to_num(slopes * stretch, nan=0.0, posinf=0.0, neginf=0.0)))
             first = mine.stop
@@ -193,6 +200,7 @@ def _noise(prediction: Prediction) -> np.ndarray:
             noise.append(sensor.noise)
             continue
         # Impacts are few: the median does not see them. A record without noise has the rounding of its digits.
+        # The second difference of white noise has six times its variance.
         rough = MEDIAN * float(np.median(np.abs(np.diff(values, 2)))) / np.sqrt(6.0) if len(values) > 2 else 0.0
         noise.append(max(rough, 1e-6 * float(np.max(np.abs(values))), 1e-300))
     return np.array(noise)

@@ -109,6 +109,7 @@ def _variable(design: Part, path: str, given: Any) -> Variable:
     if not unit(design, path):
         raise InputError(f"{path} = {start!r} is not a number that can be fitted")
     low, high = float(variable.low), float(variable.high)
+    # A variable is logarithmic by default, and a bound of zero has no logarithm.
     if variable.scale == "log" and low <= 0.0:
         variable = dataclasses.replace(variable, scale="linear")
     limits = limits_of(design, path)
@@ -137,6 +138,7 @@ def _prediction(
             hint = suggest(channel.quantity, units)
             raise InputError(f'{recording.name}: column "{column}": quantity {channel.quantity} is unknown{hint}')
     prediction = Prediction(Parameters(mechanism, design, own, tuple(paths), rtol), recording, units)
+    # With the largest shift the rows are earliest in the run: one that is too late even then has no prediction at all.
     shift = prediction.shift.high if isinstance(prediction.shift, Variable) else prediction.shift
     if (late := int(np.searchsorted(recording.times - shift, duration, side="right"))) < len(recording.times):
         raise InputError(

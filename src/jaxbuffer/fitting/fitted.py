@@ -124,5 +124,6 @@ def number_cells(it: FittedNumber) -> tuple[str, ...]:
     # Three digits of the interval's width, as many decimals in all three numbers.
     width = max(high - low, 1e-12 * abs(value), 1e-300)
     decimals = 2 - int(np.floor(np.log10(width))) if np.isfinite(width) else LONGEST + 1
+    # With "z" a negative number that is rounded to zero is shown without its sign.
     digits = f"z.{max(decimals, 0)}f" if decimals <= LONGEST else ".6g"
     return f"{value:{digits}}", f"{low:{digits}} to {high:{digits}}", unit_text(symbol, ""), it.at_bound

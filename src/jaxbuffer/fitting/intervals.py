@@ -61,11 +61,13 @@ def _end(residuals: Residuals, x: np.ndarray, covariance: np.ndarray, least: flo
     along = covariance[:, k] / covariance[k, k]
     point = x + away * along
     for _ in range(TRIES):
+        # Designs beyond the bounds are not run: there the interval ends, at the latest at its own bound.
         if not np.all((point >= 0.0) & (point <= 1.0)):
             return float(np.clip(point[k], 0.0, 1.0))
         total, gradient, hessian = _sum(residuals, point)
         step = np.zeros_like(x)
         step[others] = -np.linalg.solve(hessian[np.ix_(others, others)], gradient[others])
+        # To the bottom of a parabola the sum falls by half its slope along the step, and `gradient` is half the slope.
         rise = total + gradient @ step - least
         if not rise > 0.0 or abs(rise / deviations**2 - 1.0) < ALIKE:
             break

@@ -74,6 +74,7 @@ class Filtered:
         by_lag = self.slope(on[:, :1], between[:, :1], answer[:, :1])
         k = np.clip(np.searchsorted(self.nodes, times, side="right") - 1, 0, len(self.z) - 1)
         length = self.nodes[k + 1] - self.nodes[k]
+        # Two nodes may coincide, where a step ends at a row's time say: between them is no length to divide by.
         x = np.where(length > 0.0, (times - self.nodes[k]) / np.where(length > 0.0, length, 1.0), 1.0)
 
         def parabola(x: np.ndarray) -> np.ndarray:
@@ -93,4 +94,5 @@ class Filtered:
         """Return y with y_0 = ``first`` and y_{k+1} = decay_k y_k + gains_k."""
         count = len(gains) + 1
         bands = np.stack([np.ones(count), np.append(-self.decay, 0.0)])
+        # The recursion is a system with two diagonals: solved for all columns at once, without a loop over the nodes.
         return solve_banded((1, 0), bands, np.concatenate([first[None], gains]))

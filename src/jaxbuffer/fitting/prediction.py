@@ -51,6 +51,7 @@ class Prediction:
             half = 0.5 * float(np.median(np.diff(self.times)))
             delay = channel.delay
             if delay is None:
+                # Digital filters lead or lag by up to half an interval: with the delay fixed, intervals would not hold.
                 delay = (-half, half) if isinstance(lag, Variable) else 0.0
             self.sensors[column] = SensorModel(
                 channel.quantity,
@@ -81,6 +82,7 @@ class Prediction:
         the test's own unknowns."""
         at = dict(zip(self.unknowns, own, strict=True))
         moments = self.times[: self.rows(share)] - self._value(SHIFT, self.shift, at)
+        # A sensor with a negative delay records what the run does later, so the run must last longer.
         early = max(0.0, *(-self._value(f"{column}: delay", it.delay, at) for column, it in self.sensors.items()))
         run = stepped_run(self.of, numbers, max(float(moments[-1]) + early, 1e-6))
         self.end_time, self.failed = run.end_time, run.failed
@@ -99,6 +101,7 @@ class Prediction:
                 full[k, :, place] = -rates[k]
             if (place := places.get(f"{column}: gain")) is not None:
                 full[k] *= gain
+                # After the others were multiplied: the slope by the gain is the signal before it.
                 full[k, :, place] = values[k]
             else:
                 full[k] *= gain
@@ -121,6 +124,7 @@ class Prediction:
             found = [np.interp(self.times[rows] - shift, moments, it) for it in values]
             return float(np.sum(((np.stack(found) - self.values[:, rows]) / noise[:, None]) ** 2))
 
+        # All are tried: an impact that comes too late meets none of the record's, and a descent would end there.
         return min(np.linspace(low, high, max(int((high - low) / FINE), 2)), key=misfit)
 
     def block(self, numbers: np.ndarray, own: Sequence[float] | np.ndarray, share: float, noise: np.ndarray) -> Block:
@@ -136,6 +140,7 @@ class Prediction:
         self, run: SteppedRun, moments: np.ndarray, at: Mapping[str, float]
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Return values, slopes by the parameters, rates, and slopes by the filters' time constants."""
+        # Sorted, because the names are a part of the compiled program's key, and a set has no order of its own.
         every = sorted({sensor.quantity for sensor in self.sensors.values()})
         nodes, place = np.zeros(0), np.arange(len(moments))
         if any(sensor.slow for sensor in self.sensors.values()):
@@ -171,6 +176,7 @@ def _nodes(run: SteppedRun, moments: np.ndarray) -> tuple[np.ndarray, np.ndarray
 def _filtered(known: Signals, k: int, nodes: np.ndarray, times: np.ndarray, lag: float) -> tuple[np.ndarray, ...]:
     """Return value, slopes, rate and slope by the time constant of a signal behind a low-pass, at any times."""
     columns = np.concatenate([known.values[k][:, None], known.slopes[k]], axis=1)
+    # Beyond the run's ends everything is taken to stand still: neither shift nor delay changes the record there.
     low_pass, moving = Filtered(nodes, lag), (times >= nodes[0]) & (times <= nodes[-1])
     inside = np.clip(times, nodes[0], nodes[-1])
     answer, signal, by_lag = low_pass.within(inside, columns[: len(nodes)], columns[len(nodes) :])

@@ -41,6 +41,7 @@ def recorded_quantities(design: Part, scenario: Part | None = None) -> dict[str,
         names = mechanism.view.names(design)
         units.update({column_name(it.name): it.unit for it in series(history, names)})
 
+    # Traced without numbers: names and units are known before anything is compiled or run.
     jax.eval_shape(at_start)
     return units
 

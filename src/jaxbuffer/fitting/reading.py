@@ -126,10 +126,12 @@ def _table(path: Path) -> CsvTable:
         raise InputError(f"{path} is not text in UTF-8") from None
     except OSError as error:
         raise InputError(f"{path}: {error.strerror}") from None
+    # Numbered before empty lines are dropped, because messages name the file's own lines.
     numbered = [(k, line) for k, line in enumerate(text.splitlines(), 1) if line.strip()]
     if len(numbered) < 3:
         raise InputError(f"{path} needs a line of headings and two rows or more")
     head = numbered[0][1]
+    # A comma may also be a decimal one where tabs or semicolons part the cells, so it is the last to be tried.
     delimiter = "\t" if "\t" in head else ";" if ";" in head else ","
     cells = list(csv.reader((line for _, line in numbered), delimiter=delimiter))
     headings = [cell.strip() for cell in cells[0]]

@@ -104,6 +104,7 @@ def bounds(where: str, given: Bounds, unit: str, **limits: Any) -> float | Varia
             check_number(where, end, unit, **limits)
         if not ends[0] < ends[1]:
             raise InputError(f"{where} = {shown(given)}: the low bound must be below the high one")
+        # Linear, because a shift or a delay may be negative, and a time constant zero.
         return Variable(where, ends[0], ends[1], "linear")
     number = as_number(in_unit(where, given, unit, **limits))
     check_number(where, number, unit, **limits)

@@ -46,6 +46,7 @@ def smoothed(block: Block, width: float) -> tuple[np.ndarray, np.ndarray]:
     """
     rows = np.concatenate([block.values[..., None], block.slopes], axis=2)
     if width > 0.0:
+        # Rows within one width say nearly the same: few of them are kept, and each counts for those that it stands for.
         hop = max(int(width), 1)
         rows = gaussian_filter1d(rows, width, axis=1, mode="constant", truncate=3.0)[:, ::hop] * np.sqrt(hop)
     rows = rows.reshape(-1, rows.shape[2])
@@ -54,12 +55,14 @@ def smoothed(block: Block, width: float) -> tuple[np.ndarray, np.ndarray]:
 
 def information(slopes: Float[np.ndarray, "residuals unknowns"]) -> Float[np.ndarray, "unknowns unknowns"]:
     """Return the inverse of the covariance of unknowns whose residuals have a noise of one."""
+    # A prior as wide as the ranges: without it there is no inverse where the data say nothing of an unknown.
     return slopes.T @ slopes + np.eye(slopes.shape[1]) / WIDEST**2
 
 
 def left(x: np.ndarray, values: np.ndarray, slopes: np.ndarray) -> float:
     """Return by how much a sum of squares would fall from x, were it a parabola between bounds of 0 and 1."""
     gradient = slopes.T @ values
+    # An unknown that gains next to nothing on its way to the bound counts as held by that bound.
     free = 2.0 * np.abs(gradient) * np.where(gradient > 0.0, x, 1.0 - x) > LEFT
     return float(gradient[free] @ np.linalg.solve(information(slopes[:, free]), gradient[free]))
 

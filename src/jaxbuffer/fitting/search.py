@@ -72,6 +72,7 @@ class StagedSearch:
         An impact is over within a few rows: one that falls between others of them than it should makes a minimum of its
         own, hardly higher than the right one.
         """
+        # With a fixed seed the same records give the same fit.
         random = np.random.default_rng(0)
         for _ in range(ROUNDS):
             spread = np.linalg.cholesky(np.linalg.inv(information(best.slopes)))
@@ -80,6 +81,7 @@ class StagedSearch:
             found = [self._descent(start, 1.0, widths) for start, widths in starts]
             others = [minimum(self.residuals, x, 1.0, tolerance=LAST, most=MOST) for x, _ in found]
             other = min(others, key=lambda it: it.chi)
+            # A sum of squares that is lower by less than one, a deviation of one unknown, is no better a minimum.
             if other.chi >= best.chi - 1.0 / len(best.slopes):
                 break
             best = other
@@ -107,6 +109,7 @@ class StagedSearch:
         spread, random = np.linalg.cholesky(np.linalg.inv(information(slopes))), np.random.default_rng(0)
         for factor in FACTORS:
             away = factor * spread @ random.normal(size=len(x)) / math.sqrt(len(x))
+            # Of what the rows hardly tell, a deviation may exceed the whole range: such steps approach `FAR` only.
             yield np.clip(x + away * FAR / (FAR + np.abs(away)), 0.0, 1.0)
         for k, offset in enumerate(qmc.Sobol(len(x), seed=0).random(STARTS)):
             yield np.clip(x + NEAR * (k + 1) / STARTS * (2.0 * offset - 1.0), 0.0, 1.0)
@@ -114,6 +117,7 @@ class StagedSearch:
     def _descent(self, x: np.ndarray, share: float, widths: tuple[float, ...]) -> tuple[np.ndarray, float]:
         """Return the minimum that smaller and smaller windows lead to, and its excess."""
         for width in widths:
+            # Over whole records nothing may hold an unknown where it began: a pull would bias its estimate.
             x = minimum(self.residuals, x, share, width, pull=PULL if share < 1.0 else 0.0).x
         return x, self.excess(self.residuals(x, share))
 

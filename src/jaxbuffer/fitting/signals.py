@@ -135,6 +135,7 @@ def _block(mechanism: Mechanism, parts: Any, numbers: Array, given: Any, chosen:
         return jnp.stack([known[name] for name in names])
 
     states = before[:, 0], after[:, 0]
+    # The run's derivatives are relative to the size of each number, and zero has none.
     sizes = jnp.where(numbers == 0.0, 1.0, jnp.abs(numbers))
 
     def along(move: Array, time: Array, first: Array, last: Array) -> tuple[Array, Array]:

@@ -66,6 +66,7 @@ class Record(dict[str, Any]):
     @classmethod
     def of(cls, record: Mapping[str, Any]) -> "Record":
         """Return a plain record, and all records in it, as `Record`s."""
+        # By way of JSON, whose reader makes a `Record` of every mapping, however deep it lies.
         return record if isinstance(record, cls) else cls.from_json(json.dumps(record))
 
     @classmethod
@@ -74,11 +75,13 @@ class Record(dict[str, Any]):
         return json.loads(text, object_hook=cls)
 
     def __missing__(self, name: str) -> Any:
+        # Asked for again under its own name, what no key has would come back here without end.
         if (key := self._key(name)) == name:
             raise KeyError(name)
         return self[key]
 
     def __contains__(self, name: object) -> bool:
+        # A dictionary's own `in` and `get` do not ask `__missing__`.
         return super().__contains__(self._key(name))
 
     def get(self, name: str, default: Any = None) -> Any:

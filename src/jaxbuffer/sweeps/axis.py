@@ -80,6 +80,7 @@ class Axis(Varied):
 
     listed: Span | tuple[Any, ...]
     scale: str = SCALES[0]  # on which it is drawn
+    # Values are the same in whichever unit they were typed.
     typed: str = dataclasses.field(default="", compare=False)
 
     def __len__(self) -> int:

@@ -125,6 +125,7 @@ def _verdicts(mechanism: Mechanism, here: dict[str, np.ndarray], there: dict[str
     others = (f"peak_{mechanism.view.contact}", "impact_count")
     differs = np.any([here[name] != there[name] for name in others], axis=0)
     index = verdicts(error, here["code"] != there["code"], differs)
+    # A run that fails at the closer tolerance alone has nothing to be compared with.
     return np.where(solved, np.where(there["code"] < failed, index, unknown), NO_VERDICT)
 
 

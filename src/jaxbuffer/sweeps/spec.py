@@ -102,6 +102,7 @@ class SweepSpec:
             "quantities": column_names(self.mechanism),
         }
         hashes = {"version": version()}
+        # Laws that the grid names may be code of the user's own, too.
         choices = [value for axis in axes if not axis.unit for value in axis.values.tolist()]
         used = self.mechanism, settings.solver, self.design, self.scenarios
         if code := user_code(*used, *laws_named(choices)):
@@ -113,6 +114,7 @@ def _hash(part: Any) -> str:
     leaves, structure = jax.tree.flatten(part)
     content = hashlib.sha256(str(structure).encode())
     for leaf in leaves:
+        # One byte order, so that every machine comes to the same hash.
         content.update(repr(leaf).encode() if isinstance(leaf, str) else np.asarray(leaf, "<f8").tobytes())
     return content.hexdigest()[:16]
 
@@ -123,6 +125,7 @@ def _batch(places: np.ndarray | None, design: Part, scenarios: Part, duration: A
     **Raises:** `InputError` for arrays of unequal lengths.
     """
     inputs = jax.tree.map(lambda leaf: np.asarray(leaf, float), (design, scenarios, as_number(duration)))
+    # Without any array there is a single run.
     lengths = {leaf.shape for leaf in jax.tree.leaves(inputs) if leaf.ndim} or {(1,)}
     (*shape,) = next(iter(lengths))
     if len(lengths) > 1 or len(shape) != 1 or shape[0] == 0:

@@ -251,6 +251,7 @@ def is_unfinished(path: Path) -> bool:
     """Return whether a store lacks runs, of which a block may have some only."""
     try:
         count = json.loads((path / CHECKSUM / zarr_format.ARRAY).read_text(encoding="utf-8"))["shape"][0]
+        # Metadata and drafts lie beside the checksums, of which alone the names are numbers.
         if sum(file.name.isdigit() for file in (path / CHECKSUM).iterdir()) < count:
             return True
         described = json.loads((path / "code" / zarr_format.ARRAY).read_text(encoding="utf-8"))

@@ -97,6 +97,7 @@ def summary(sweep: RunTable, title: str, fields: Mapping[str, str], file: str) -
 def _beyond_validity(sweep: RunTable) -> list[str]:
     """Return a line for each limit of validity that runs exceed: how many do, and the worst of them."""
     mechanism, shares = sweep.mechanism, dict[str, np.ndarray]()
+    # Designs that differ in a choice do not go into one design with arrays: each batch has one of each choice.
     for batch in sweep.grid.batches(sweep.design, sweep.scenario):
         places = batch.places
         for limit in mechanism.view.validity(batch.design, sweep.peak_force[places], sweep.penetration[places]):

@@ -75,6 +75,7 @@ def check_codecs(path: Path) -> None:
     try:
         listed = json.loads((path / ALL).read_text(encoding="utf-8"))["metadata"]
         arrays = [it for name, it in listed.items() if name.endswith(ARRAY)]
+        # The list may leave out an array that lies in the store or describe it otherwise, and readers may go by either.
         arrays += [json.loads(file.read_text(encoding="utf-8")) for file in path.glob(f"*/{ARRAY}")]
         for it in arrays:
             codecs = {(codec or {}).get("id") for codec in (it["compressor"], *(it["filters"] or ()))}

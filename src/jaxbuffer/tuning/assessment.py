@@ -40,6 +40,7 @@ def assess(
     ``message``: how it ended, in words, from the best design at tight tolerance; others as of `Tuned`.
     """
     problem, scaled = goal.problem, best.scaled
+    # The start at the tight tolerance too, so that what is gained is none of the search's own error.
     before, after = evaluator([first, scaled], rtol=evaluator.tight)
     # One set of weights for both slopes: which load case is the worst may differ by rounding, which is no error.
     cases = goal.objective.case_weights(after.quantities @ goal.weights(goal.objective))

@@ -84,6 +84,7 @@ class CornerSearch:
     def _climb(self, k: int) -> Place:
         """Return the worst corner in which a target is no better than in its neighbours, from the worst ones known."""
         starts = sorted(self.values, key=lambda place: (self.values[place][k], place))[-CLIMBS:]
+        # The place decides between equals, so that the same corner is found each time.
         return max((self._climb_from(k, place) for place in starts), key=lambda place: (self.values[place][k], place))
 
     def _climb_from(self, k: int, worst: Place) -> Place:
@@ -113,6 +114,7 @@ class CornerSearch:
 
     def _keep(self, places: list[Place], evaluation: Evaluation) -> None:
         values = np.array([target.values(evaluation) for target in self.targets])
+        # A number that is not known counts as the worst, where NaN would compare as neither better nor worse.
         values = np.where(np.isnan(values), np.inf, values)
         self.values |= dict(zip(places, values.T, strict=True))
 

@@ -129,6 +129,7 @@ def run_corners(
     rows = corner_signs(sampled + len(tolerances))
     # Those that a search found, in the middle of what is sampled.
     of_search = np.column_stack([np.zeros((len(problem.signs), sampled)), problem.corner_rows[: len(problem.signs)]])
+    # An empty list has no columns, and so cannot stand below the other rows.
     rows = np.concatenate([rows, [row for row in of_search if not np.any(np.all(row == rows, axis=1))] or rows[:0]])
 
     def bases(signs: np.ndarray) -> list[Case]:
@@ -155,6 +156,7 @@ def corners(problem: Problem, runs: CornerRuns) -> Corners:
         cases=runs.cases[:count],
         broken=tuple(broken[:count]),
         values=values[:count],
+        # The middle of the ranges is among the runs, but is no corner.
         worst=next(k for k in goal.worst_first(evaluation) if k < count),
         ranges=ranges,
         whole=count == len(problem.scenarios) * 2**ranges,

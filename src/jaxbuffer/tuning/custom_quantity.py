@@ -139,6 +139,7 @@ class CustomQuantity:
             return self.value([jnp.asarray(catalogue[parameter].of(run)) for parameter in self.parameters])
 
         description = self.description or self.signature
+        # Signed, since a function of the user's own may return anything: no bound may rely on its being positive.
         return Quantity(self.unit, of, description, name.replace("_", " "), signed=True, tuned=True)
 
     @property

@@ -215,6 +215,7 @@ def gather(
     stacked["margin_slope"] = stacked["margin_slope"] * stretch
     lost = (stacked["code"] >= problem.mechanism.outcomes["failed_steps"]) | ~np.isfinite(stacked["margin"])
     for name in ("peaks_slope", "rest_slope", "margin_slope"):
+        # A search cannot go on from a design without slopes, so its run counts as one without numbers.
         lost |= ~np.all(np.isfinite(stacked[name]), axis=tuple(range(1, stacked[name].ndim)))
     run = _by_field(problem, stacked, lost)
     peak, rest = run["peaks"][:, 0], run["rest"]  # peaks fall, so the first is the largest

@@ -31,6 +31,7 @@ class Ceiling:
     @property
     def scale(self) -> float:
         """Return the size by which its row is made relative [N]."""
+        # A ceiling of zero has no size to be relative to.
         return abs(self.value) or 1.0
 
 
@@ -173,6 +174,7 @@ class Goal:
             excess = np.delete(excess, rows - 1)  # the ceiling's, which is no case's
         # Rows come by constraint, each with an entry for every load case.
         total = np.sum(np.nan_to_num(excess.reshape(-1, len(evaluation.code)), nan=np.inf), axis=0)
+        # A case that breaks no limit but misses its end must not pass for one that keeps all: the least excess says so.
         missed = self.require_success & ~evaluation.succeeded & (total == 0.0)
         return np.asarray(np.where(missed, np.finfo(float).tiny, total))
 

@@ -145,6 +145,7 @@ def measure(
         slots=slots,
         rest=values[: len(rest)],
         margin=own.value,
+        # Not yet in order of height: the first slot is the first impact.
         first=float(peaks[0]),
         peaks_slope=of_peaks[slots],
         rest_slope=slope_rows[: len(rest)],

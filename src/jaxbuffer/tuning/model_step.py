@@ -147,6 +147,7 @@ class _Model(Programme):
         ceiling = () if goal.ceiling is None else goal.ceiling.objective.weights
         used = PEAK_FORCE in (*goal.objective.weights, *goal.problem.limits.at_most, *ceiling)
         used = used or bool(np.any(tangent.by_peak))
+        # A slot without an impact is far below zero, and so would the scale be if there were none at all.
         self.peak_scale = max(float(np.max(tangent.peaks)), 1.0)
         self.peaks = self._peaks(np.maximum(-box[0], box[1])) if used else []
 
@@ -197,6 +198,7 @@ class _Model(Programme):
     def aggregate(self, objective: Objective, scale: float, cost: float) -> Entries:
         """Add min t + cap Σ max(0, f - t), the dual of `Objective.case_weights`, over ``scale``; return its entries."""
         cap, weights = objective.cap(len(self.cases)), self.goal.weights(objective) / scale
+        # No lower bound, because an objective may be negative.
         base = self.add(cost, -np.inf)
         above = [self.add(cost * cap, 0.0) for _ in self.cases]
         for k in self.cases:

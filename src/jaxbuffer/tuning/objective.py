@@ -218,6 +218,7 @@ class Limits:
 
     def with_always(self, always: Mapping[str, float]) -> "Limits":
         """Return these limits with those that a mechanism always has, where it has no lower ones."""
+        # A limit of the user's own replaces the mechanism's: `Problem` accepts none above what always holds.
         return dataclasses.replace(self, at_most={**always, **self.at_most})
 
     def check(self, mechanism: Mechanism, value_at: Callable[[str], Any], own: Iterable[str] = ()) -> None:

@@ -54,6 +54,7 @@ def compose(
             if name == PEAK_FORCE:
                 result.by_peak[:, k] = partial
             else:
+                # The rest lacks the peak force, which is the first of the measured quantities.
                 result.slopes[:, k] += partial[:, None] * rest_slope[:, column - 1]
     return result
 

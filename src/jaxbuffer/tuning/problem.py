@@ -123,6 +123,7 @@ class Problem:
         check_ends(tolerances, self.design, cases, bounds)
         if any(len(row) != len(tolerances) for row in self.signs):
             raise InputError(f"signs: a corner has {len(tolerances)} numbers, one a tolerance")
+        # A case and its corners stand together: `corner_places` tells by that which cases are corners.
         return tuple(it for case in cases for it in (case, *corner_cases([case], tolerances, self.corner_rows)))
 
     def _read_units(self) -> None:
@@ -315,6 +316,7 @@ class Problem:
             if case.shifts or case.values:
                 listed.append(repr(case.shifts) + repr(case.values))
         listed += [f"{address} {it!r}" for address, it in self.tolerances.items()]
+        # The units in which people are shown numbers are left out: they change none.
         rest: tuple[Any, ...] = (self.variables, self.objective, self.limits, self.then, self.duration, self.rtol)
         listed += map(repr, rest)
         listed += [f"{name} [{own.unit}] {own.parameters} {own.identity}" for name, own in self.quantities.items()]

@@ -78,6 +78,7 @@ class Rounds:
         goal, settings = Goal(self.problem, self.problem.objective), self.settings
         own = self.problem.start() if self.begin is None else self.begin
         alone = settings.starts == 1
+        # A lone start is followed in any event and needs its slopes at once; of many, most are only compared.
         points = self.evaluator([own, *anywhere(settings, 0, len(own), settings.starts - 1)], slopes=alone)
         progress = Progress(0, 0, size(goal, points), np.nan, 0, np.inf, points[0], ())
         search = self._search(progress)

@@ -180,6 +180,7 @@ class Search:
         if not np.any(branch.curvature) or merit > branch.restarted - self.settings.tolerance:
             return branch._replace(status=STALLED)
         return branch._replace(
+            # A trust region that has shrunk to its least would stop the search again at once.
             radius=max(branch.radius, RESTART_RADIUS),
             curvature=0.0 * branch.curvature,
             merits=np.full(PATIENCE, np.inf),

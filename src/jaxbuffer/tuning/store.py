@@ -126,6 +126,7 @@ class TuningStore:
                 # The previous state of an earlier run is none of this one's.
                 (folder / PREVIOUS).unlink(missing_ok=True)
                 write(folder / LOG, b"")
+                # An empty state from the beginning, so that a run killed in its first step can be resumed too.
                 self.keep({})
             locked.pop_all()  # until the end of the block
 

@@ -49,6 +49,7 @@ class Target(NamedTuple):
         elif self.limit is None:
             slopes = -evaluation.margin_slope
         elif self.limit.name == IMPACTS:
+            # A count of impacts has no slope: it jumps from one whole number to the next.
             slopes = np.zeros_like(evaluation.margin_slope)
         else:
             slopes = self.limit.slopes(by[:, self.problem.names.index(self.limit.name)])

@@ -70,6 +70,7 @@ class Tolerance:
     def ends(self, value: float) -> tuple[float, float]:
         """Return the lowest and the highest built number for a drawn one."""
         if self.relative:
+            # Of a negative number the low share gives the higher end.
             low, high = sorted((value + value * self.low, value + value * self.high))
             return low, high
         return value + self.low, value + self.high

@@ -122,6 +122,7 @@ def _search(problem: Problem, optimizer: Any, settings: Settings, evaluator: Eva
     if problem.needs_search:
         problem, begin = _with_first_corners(problem, evaluator, store)
     while True:
+        # Corners may have joined the problem's cases, which the evaluator runs by default.
         evaluator.problem = problem
         if optimizer is not None:
             return descend(problem, optimizer, settings, evaluator, store)
@@ -179,6 +180,7 @@ def best_so_far(
     """
     chosen, optimizer = _chosen(optimizer, settings)
     _, state, lines = read_state(user_path(folder), _identity(problem, chosen, optimizer, solver))
+    # Whether a design is feasible is judged in the corners that the run had got to.
     if SIGNS in state:
         problem = with_corners(problem, state[SIGNS])
     stage, goal = 0, Goal(problem, problem.objective)
