@@ -13,6 +13,7 @@ from .options import plain, verb
 from .overrides import WITH_QUANTITIES
 from .studies import check, compare, fields, init, report, reproduce, schema
 
+# In rich's markup a unit in brackets, [kg] say, would be a style and not be shown.
 app = typer.Typer(add_completion=True, rich_markup_mode=None, pretty_exceptions_enable=False)
 
 

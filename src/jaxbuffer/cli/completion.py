@@ -46,9 +46,11 @@ def pending(words: Sequence[str]) -> tuple[str, str]:
     value, rest = "", list(words)
     if rest[-1:] == ["="] and len(rest) > 2 and not rest[-2].startswith("--"):
         value, rest = f"{rest[-2]}=", rest[:-2]
+    # Bash cuts --contact.law=VALUE up too: there the sign stands between the option and its value.
     if rest[-1:] == ["="]:
         rest.pop()
     option = rest[-1] if rest else ""
+    # The values of all other options, whose names have no point in them, are completed by typer.
     known = option in JOINED if value else "." in option
     return (option, value) if option.startswith("--") and known else ("", "")
 
@@ -127,9 +129,11 @@ def names(words: Sequence[str]) -> Mapping[str, Any]:
     kind, known = FOLDERS[0], _all_names()
     for word in words:
         if word.endswith(".toml"):
+            # A study that is still being written may be no TOML yet: then fields are those of the usual mechanism.
             with contextlib.suppress(OSError, ValueError):
                 kind = tomllib.loads(Path(word).expanduser().read_text(encoding="utf-8")).get("kind", kind)
     nothing: Mapping[str, Any] = {"fields": {}, "quantities": {}}
+    # The file may give anything as its kind, a list say, which is no key.
     return known.get(kind, nothing) if isinstance(kind, str) else nothing
 
 
@@ -157,6 +161,7 @@ def _all_names() -> dict[str, Any]:
     from .commands.names import all_names
 
     try:
+        # A warning would be printed into the prompt that is being completed.
         with warnings.catch_warnings(action="ignore"):
             known = all_names()
     except InputError:
@@ -164,6 +169,7 @@ def _all_names() -> dict[str, Any]:
     if kept is not None:
         with contextlib.suppress(OSError):
             kept.parent.mkdir(parents=True, exist_ok=True)
+            # The names of an earlier state are not read again.
             for former in kept.parent.glob("names-*.json"):
                 former.unlink(missing_ok=True)
             write(kept, json.dumps(known))
@@ -173,6 +179,7 @@ def _all_names() -> dict[str, Any]:
 def _state() -> str:
     """Return a hash of what the names depend on: the package's files, and which packages bring mechanisms."""
     facts: list[Any] = [version(), sorted((it.name, it.value) for it in entries())]
+    # By sizes and times of the files: to read all of them would be felt at every key press.
     facts += sorted(_stamps(SOURCES))
     return hashlib.sha256(repr(facts).encode()).hexdigest()[:16]
 

@@ -25,6 +25,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     except Exception:  # a bug: Python's own exit code would say that limits are broken
         traceback.print_exc()
         code = FAILED
+    # After a signal a failure has the signal's exit code; a command that was done all the same keeps its 0.
     if code == INTERRUPTED or (code and ENDING.first is not None):
         ENDING.leave()
     # Flushed here, where a failure can still become an exit code.
@@ -38,6 +39,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 def run(arguments: Sequence[str]) -> int:
     """Run the command line; errors become one line on stderr and an exit code."""
     try:
+        # Outside its standalone mode typer raises what it would print over several lines before it ends the process.
         code = app(list(arguments), prog_name="jaxbuffer", standalone_mode=False, obj=tuple(arguments))
     except InputError as error:
         return fail(error, BAD_INPUT)
@@ -57,6 +59,7 @@ def run(arguments: Sequence[str]) -> int:
         none = "; 'jaxbuffer COMMAND --help' says what it needs" if "Missing argument" in message else ""
         return fail(f"{message.rstrip('.')}{quotes}{none}", BAD_INPUT)
     finally:
+        # Also after an error: a folder that was made for results which never came is removed with its lock.
         Lock.release_all()
     if code == INTERRUPTED:
         print("interrupted", file=sys.stderr, flush=True)

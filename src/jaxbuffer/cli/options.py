@@ -108,6 +108,7 @@ def verb(
         option: inspect.Parameter(
             option,
             inspect.Parameter.KEYWORD_ONLY,
+            # None tells an option that was left out, which must not replace what the study says.
             default=False if option in ("force", "as_json") else None,
             annotation=annotation,
         )
@@ -118,9 +119,11 @@ def verb(
     context = inspect.Parameter("ctx", inspect.Parameter.POSITIONAL_OR_KEYWORD, annotation=typer.Context)
 
     def command(ctx: typer.Context, **options: Any) -> int:
+        # Before the imports of JAX, which belong to the time that a result's record tells.
         begun, words = time.perf_counter(), ctx.find_root().obj or ()
         options = _as_meant(options)
         general = {option: options.pop(option) for option in shared}
+        # The options are part of the key, because other ones may need other programs.
         with _programs_loading(" ".join([name, *sorted(it for it in general if general[it])])):
             request = _imported("request", "CommandLine")(ctx.obj, words, begun, **general)
             return _imported(module or name, name)(request, **options)

@@ -117,6 +117,7 @@ class Command(Plain):
             return super().parse_args(ctx, rest)
         except Exception as error:
             option = getattr(error, "option_name", "")
+            # By name, since some versions of typer have a copy of click's classes and others import click itself.
             unknown = type(error).__name__ == "NoSuchOption" and not getattr(error, "possibilities", None)
             if not unknown or not (alike := fields_like(option)):
                 raise
@@ -139,6 +140,7 @@ def fields_like(option: str) -> list[str]:
     name = option.lstrip("-").replace("-", "_")
     every = [addresses(mechanism.design(), mechanism.scenario()) for mechanism in all_mechanisms()]
     exact = ([path for path in known if path.rpartition(".")[2] == name] for known in every)
+    # One or two letters are part of many fields' names.
     partly = ([path for path in known if name in path.rpartition(".")[2]] for known in every if len(name) > 2)
     near = ([path] for known in every if (path := nearest(name, known)))
     # The closest kind of likeness counts, within it the first mechanism: a capture's.
@@ -152,6 +154,7 @@ def check_words(words: Sequence[str], repeatable: Collection[str]) -> None:
     for name in options:
         if name not in repeatable and options.count(name) > 1:
             raise InputError(f"{name} is given twice; keep one")
+    # An empty word, such as a shell variable that is not set, is named after the option before it.
     for before, word in zip(["an argument", *words], words, strict=False):
         if not word or (word.startswith("--") and word.endswith("=")):
             name = word.rstrip("=") or (before if before.startswith("--") else "an argument")
@@ -170,6 +173,7 @@ def split(arguments: Sequence[str], unfinished: bool = False) -> tuple[list[str]
             rest += [word, *words]
         elif name.startswith("--") and "." in name:
             path = name.removeprefix("--")
+            # A field at the very end lacks its value like one before an option, and is refused in the same words.
             given = value if equals else next(words, "--")
             if unfinished:
                 continue

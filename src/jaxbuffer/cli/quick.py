@@ -14,4 +14,5 @@ def prepare() -> None:
     try:
         ctypes.CDLL(None).mallopt(M_TOP_PAD, TOP_PAD)
     except (AttributeError, OSError, TypeError):
+        # Other C libraries have no mallopt, and it is for speed alone.
         return

@@ -28,6 +28,7 @@ class Ending:
         if self.first is None:
             self.number, self.first = number, time.monotonic()
             raise KeyboardInterrupt
+        # Quick repetitions must not cut short what is being saved.
         if time.monotonic() - self.first > PATIENCE:
             os._exit(128 + number)
 
@@ -37,9 +38,11 @@ class Ending:
 
         Registered first, so that it runs last: threads have ended by then, and the other exit functions have run.
         """
+        # Without a code this is no exit of a command, and Python ends as it always does.
         if not isinstance(self.code, int):
             return
         with contextlib.suppress(OSError):
+            # `os._exit` drops what is still in Python's buffers.
             sys.stdout.flush()
             sys.stderr.flush()
         os._exit(self.code)

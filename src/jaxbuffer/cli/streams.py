@@ -51,8 +51,10 @@ def prepare() -> None:
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:  # closed by whoever started this process
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
+        # A stream that somebody has put in its place, as notebooks do, need not have `reconfigure`.
         if isinstance(stream := getattr(sys, name), io.TextIOWrapper):
             stream.reconfigure(errors="jaxbuffer.plain")
+    # Stdout stays as it is: a result that could not be printed is an error.
     sys.stderr = Heedless(sys.stderr)  # type: ignore[assignment]
     warnings.showwarning = lambda message, *_, **__: note(message)
 

@@ -54,12 +54,14 @@ def frames_of(run: Run) -> Frames:
     times, steps, at = [], [], 0.0
     for start, stop in [*sorted(slow), (busy, busy)]:
         for first, last, step in ((at, start, even), (start, stop, (stop - start) / SLOW)):
+            # The last pair is no impact: its step of zero would be none of a range.
             part = np.arange(first, last, step) if last > first else np.zeros(0)
             times.append(part)
             steps.append(np.full(len(part), step))
         at = stop
     if busy < end:  # what follows the last contact is long and slow: it is shown faster
         even = (end - busy) / EVEN
+        # Half a step short, because the end itself is added below.
         times.append(np.arange(busy, end - 0.5 * even, even))
         steps.append(np.full(len(times[-1]), even))
     # A range leaves out its end. A frame is slower by the time for which it is shown over the time that it spans.
@@ -125,6 +127,7 @@ def _gif(stage: "Stage", frames: Frames, report: Report) -> bytes:
         stage.show(k, slower)
         canvas.draw()
         picture = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
+        # Dithering would make areas of one colour grainy, and grain compresses badly.
         film.append(picture.quantize(dither=Image.Dither.NONE))
         report(k + 1, len(frames.times))
     content, shown = io.BytesIO(), [1000 // RATE] * (len(film) - 1) + [1000 * STILL // RATE]  # ms
@@ -159,6 +162,7 @@ class Stage:
         self.meshes = at.run.mechanism.view.meshes(at.run, at.times)
         width = (6.6 if detail is None else 6.7 + row) + (BAR if self.meshes else 0.0)
         tall = row + 2.9
+        # A layout engine would move the axes from frame to frame, as titles and labels change.
         self.figure = blank(width, tall, layout=None)
         low, top = 2.2 / tall, row / tall
         self.whole = self.figure.add_axes((0.7 / width, low, 5.2 / width, top))
@@ -189,12 +193,14 @@ class Stage:
         self.whole.clear()
         whole(self.whole, self.at, k)
         if self.meshes:
+            # Above the filled parts, and below contact arrows and bending that is drawn larger.
             coloured(self.whole, self.meshes[k], self.colour, self.ends).set_zorder(2.5)
         end = float(np.asarray(self.at.run.history.time)[-1])  # type: ignore[union-attr]
         self.whole.set_title(f"{clock(self.at.times[k], end, 2)}, {speed_in_words(slower)}", family="monospace")
         if self.detail is not None:
             self.detail.clear()
             closer(self.detail, self.at, k)
+        # Without the time, which the clock above tells with more digits.
         self.force.set_title(caption(self.at, k).split(", ", 1)[1])
         self.cursor.set_xdata([self.at.times[k], self.at.times[k]])
 
@@ -217,6 +223,7 @@ def _curves(axes: Axes, run: Run) -> Any:
         axes.legend(loc="upper left", ncols=len(names))
     room = 0.01 * (time[-1] - time[0])
     axes.set_xlim(time[0] - room, time[-1] + room)
+    # A run without a contact has no force to scale by.
     axes.set_ylim(0.0, 1.25 * max(float(force.max(initial=0.0)), 1e-12))
     axes.set_xlabel("time [s]")
     axes.set_ylabel("force [N]")

@@ -43,6 +43,7 @@ def choice_record(choice: Choice) -> dict[str, Any]:
         **limits_record(problem.limits, problem.quantities),
         "limits_on_sums": {heading(it.name, criterion.catalogue[it.name].unit): it.bound for it in criterion.limits},
         "tally": choice.tally._asdict() | {"spared": choice.tally.spared},
+        # A page shows warnings in a place of their own, and would say them twice.
         "lines": [line for line in lines(choice) if line not in warnings],
         "warnings": warnings,
         **scatter_record(problem),
@@ -112,6 +113,7 @@ def _design(choice: Choice) -> str:
     told, scenarios = [choice.message], list[Part]()
     if choice.best is not None:
         told += [f"{path}: {name}" for path, name in set_by(choice, choice.best).items()]
+        # `simulate` takes the first scenario of a study, which should be the one with the largest force.
         worst_first = np.argsort(-choice.best.evaluation.peak_force, kind="stable")
         scenarios = [choice.problem.scenarios_met[k] for k in worst_first]
     return tuned_toml(choice.design, choice.problem, "\n".join(told), scenarios)

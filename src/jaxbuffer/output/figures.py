@@ -45,6 +45,7 @@ def run_figure(run: Run) -> Figure:
     to_end = any(panel.to_end for panel in mechanism.view.panels(run))
     # Steps are long in flight and few in an impact: lines through them alone would have corners.
     run = between_steps(run, to_end)
+    # Asked again, so that their curves go through the instants between the steps too.
     others = mechanism.view.panels(run)
     touched = float(run.peak_force) > 0.0  # else there is no peak to look at
     rows = math.ceil((1 + touched + len(others)) / COLUMNS)
@@ -121,6 +122,7 @@ def _draw(axes: Axes, time: np.ndarray, panel: Panel, window: Window) -> None:
         )
         colours = [curve(k)["color"] for k in range(len(parts))]
         for k, area in enumerate(axes.stackplot(over, *parts, colors=colours, labels=names)):
+            # matplotlib draws hatching in the colour of the edge, which itself has no width here.
             area.set(hatch=hatch(k), edgecolor="white" if hatch(k) else "none", linewidth=0.0)
         room = 1.0 + 0.15 * math.ceil(len(parts) / COLUMNS)  # for the legend
         axes.set_ylim(0.0, room * float(np.max(np.sum(parts, axis=0))))
@@ -151,6 +153,7 @@ def _level(axes: Axes, level: Level) -> None:
             level.label, place, (0, 2), axes.get_yaxis_transform(), "offset points",
             color=RED if level.limit else INK, ha="right", va="bottom", fontsize=8,
         )  # fmt: skip
+        # A level may be the highest of all that is drawn, and its name stands above it.
         axes.margins(y=0.12)
 
 

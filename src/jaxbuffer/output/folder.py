@@ -170,6 +170,7 @@ def load(folder: str | Path) -> Results:
         warnings.warn(two, stacklevel=2)
     # A tuned design comes before those of other records: it is the result, they may be of the start.
     design = load_study(folder / DESIGN).design if (folder / DESIGN).is_file() else None
+    # What only ever stands beside a result, such as the force over time, is none by itself.
     if run is None and sweep is None and design is None and not records.keys() - BESIDE.keys():
         nothing = f"{folder} holds no results of {', '.join(COMMANDS[:-1])} or {COMMANDS[-1]}; {MAKE}"
         raise InputError(unfinished(folder) or nothing)
@@ -280,6 +281,7 @@ def _dataset(file: Path) -> Dataset:
 def _writer(arrays: Path) -> str:
     """Return which version wrote the arrays of a sweep, which this one does not read."""
     try:
+        # A pickle could run any code, and folders come from others (docs/security.md).
         with np.load(arrays, allow_pickle=False) as stored:
             return f"jaxbuffer {json.loads(str(stored['sweep']))['jaxbuffer']}, an earlier state of it"
     except Exception:  # zip files and arrays fail in many ways; all mean the same

@@ -75,6 +75,7 @@ def check_folder(folder: Path, option: str = "folder") -> None:
     parent = next(p for p in (folder, *folder.absolute().parents) if p.exists())
     if not parent.is_dir():
         raise InputError(f"{parent} is a file; {option} needs a folder")
+    # A file can be made in a folder only where that may be both written and entered.
     if not os.access(parent, os.W_OK | os.X_OK):
         raise InputError(f"{folder}: no permission to write there")
 

@@ -18,6 +18,7 @@ def laws_figure(comparison: Comparison) -> Figure:
         every = {"markevery": (int(count * (0.1 + 0.03 * k)), max(count // 4, 1))}  # each law's at places of its own
         loops.plot(1e6 * entry.impact.penetration, entry.impact.force, **drawn, **every)
         pulses.plot(1e3 * entry.impact.time, entry.impact.force, **drawn, **every)
+        # A law without a restitution delivers the same whatever is asked, which no curve needs to show.
         if hasattr(entry.law, "restitution"):
             delivered.plot(CURVE, entry.curve, **line(k))
             delivered.plot(ASKED, entry.delivered, linestyle="", color=drawn["color"], **marked)

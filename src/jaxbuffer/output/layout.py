@@ -22,6 +22,7 @@ def fit(figure: Figure) -> None:
     for _ in range(ROUNDS):
         # Only a figure that is laid out knows where its texts end; the engine measures them without drawing anything.
         engine.execute(figure)
+        # Not `or`: each round does both.
         if not _wrap_all(figure) | _thin_out(figure):
             break
     # Without an engine, saving the figure neither moves its axes again nor fits it a second time.
@@ -119,6 +120,7 @@ def _thin_out(figure: Figure) -> bool:
             ticks = [tick for tick in axis.get_major_ticks() if begin <= tick.get_loc() <= end]
             # a colour bar has its labels on the other side
             sides = [tick.label1 if tick.label1.get_visible() else tick.label2 for tick in ticks]
+            # The upright boxes around turned labels overlap where the labels themselves do not.
             labels = [label for label in sides if label.get_text() and label.get_rotation() == 0.0]
             ends = sorted((getattr(box, low), getattr(box, high)) for box in (it.get_window_extent() for it in labels))
             if any(after[0] < before[1] for before, after in itertools.pairwise(ends)):

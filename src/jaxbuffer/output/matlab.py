@@ -74,5 +74,6 @@ def _arrays(data: Dataset) -> dict[str, Any]:
 def _content(values: dict[str, Any]) -> bytes:
     file = io.BytesIO()
     # Columns, as MATLAB has the numbers of a history.
+    # A name may have 63 characters in MATLAB, of which scipy allows 31 unless it is told.
     scipy.io.savemat(file, values, long_field_names=True, oned_as="column")
     return HEADER + file.getvalue()[len(HEADER) :]

@@ -77,6 +77,7 @@ def magnifications(run: Run, drawing: Drawing, wide: float) -> list[tuple[Band, 
 def _round(factor: float) -> float:
     """Return the largest of 1, 2, 5, 10, 20… that is not above a factor."""
     power = 10.0 ** math.floor(math.log10(factor))
+    # Rounding may leave a factor that is round a hair below itself.
     return power * max(step for step in (1.0, 2.0, 5.0) if step * power <= factor * (1.0 + 1e-9))
 
 
@@ -174,6 +175,7 @@ def whole(axes: Axes, at: Scene, k: int) -> dict[str, Any]:
         named[f"bending of the {band.part} × {times:g}"] = line
     forces(axes, at.drawing, frames, _instant(at, k), *_arrows(at, 0.2 * (right - left)))
     detail = at.drawing.detail
+    # A frame nearly as large as the picture would not show where the detail is.
     if detail is not None and (h := _half(at, k)) < 0.2 * (right - left):
         x, y = detail.centre.at(frames)
         axes.plot([x - h, x + h, x + h, x - h, x - h], [y - h, y - h, y + h, y + h, y - h], ":", color=GREY, zorder=3)
@@ -216,6 +218,7 @@ def telling_times(run: Run, count: int = PANELS) -> Float[np.ndarray, " times"]:
     end, busy = float(np.asarray(run.history.time)[-1]), last_contact(run)
     peaks: list[float] = []
     for pulse in sorted(pulses(run), key=lambda pulse: -pulse.force):
+        # Two places stay free, for the start and the end.
         if len(peaks) < count - 2 and all(abs(pulse.peak - other) > APART * busy for other in peaks):
             peaks.append(pulse.peak)
     chosen = list(peaks)
@@ -228,6 +231,7 @@ def telling_times(run: Run, count: int = PANELS) -> Float[np.ndarray, " times"]:
 
 def _arrows(at: Scene, longest: float) -> tuple[float, float]:
     """Return the length [m] of an arrow for 1 N, and of the longest."""
+    # A run in which nothing touches has a peak of zero.
     return longest / max(at.peak, 1e-300), longest
 
 

@@ -74,6 +74,7 @@ def motion_record(run: Run) -> dict[str, Any]:
         "paces": [speed_in_words(float(slower)) for slower in paced.slower],
         "frames": _rounded(at.frames),
         "forces": [_forces(at, k) for k in range(len(at.times))],
+        # The page's script divides by it, also where nothing touches.
         "largest": max(at.peak, 1e-12),
         "contacts": [*run.mechanism.view.names(run.design).contacts],
         "bounds": _rounded([corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)]),

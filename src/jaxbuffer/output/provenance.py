@@ -81,6 +81,7 @@ def _here() -> dict[str, Any]:
 
 def processor() -> str:
     """Return the processor's name as the system tells it, its architecture where it tells none."""
+    # On Linux `platform.processor` tells the architecture at most.
     lines = CPUINFO.read_text(errors="replace").splitlines() if CPUINFO.is_file() else []
     names = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
     return next(names, "") or platform.processor() or platform.machine() or "unknown"

@@ -80,6 +80,7 @@ def save(
     if not figures:
         contents = {name: it for name, it in contents.items() if not (formats.is_figure(name) or name in OF_FIGURES)}
     if any(map(formats.is_figure, contents)):
+        # Said before anything is written, not when figures are drawn at the end.
         style.require_matplotlib()
     formats.check_folder(folder)
     formats.check_free(folder, [*sorted(contents), *(path.name for path in stale(folder, contents))], force)

@@ -81,6 +81,7 @@ def indices_figure(indices: Indices) -> Figure:
             )
         axes.set_yticks(places, [indices.paths[k] for k in order])
         axes.axvline(0.0, color="black", linewidth=0.8)
+        # An index lies between 0 and 1, but its estimate and the ends of its interval need not.
         axes.set_xlim(min(0.0, 1.05 * float(it.first_interval.min())), max(1.0, 1.05 * float(it.total_interval.max())))
         through = f", from {it.rows} rows of runs"
         if (surface := indices.surfaces.get(name)) is not None:

@@ -138,6 +138,7 @@ def forces(
 
 def bounds(drawing: Drawing, frames: Frames) -> Float[np.ndarray, "2 2"]:
     """Return the lower left and the upper right corner of a drawing [m]."""
+    # Without any shape the places of the bodies say what there is to see.
     points = np.concatenate([outline(shape, frames) for shape in drawing.shapes] or [frames[:, :2]])
     return np.array([points.min(axis=0), points.max(axis=0)])
 

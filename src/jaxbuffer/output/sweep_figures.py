@@ -82,6 +82,7 @@ def _lines(swept: Sweep, along: int, by: list[int]) -> Figure:
                     axes.plot(x[here], heights, marker, color=colour, markersize=7, label=outcome, **edge)
         axes.set_ylim(0.0, 1.03 * axes.get_ylim()[1])
         _scaled(axes, axis)
+        # By name, since every line adds the marks of the same outcomes.
         handles = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
         label(axes, title, _name(axis), y, legend=bool(handles) and not by)
     _remove(grid, len(mapped))
@@ -167,6 +168,7 @@ def _slices(swept: Sweep, moving: list[int]) -> Figure:
     """Draw maps over the two longest fields; the values of the others are spread over the panels."""
     # Maps are over numbers only; choices are among what is spread over the panels.
     numbers = [k for k in moving if swept.grid.axes[k].unit]
+    # The other fields then make the fewest slices, of which only some are drawn.
     across, up = sorted(sorted(numbers, key=lambda k: -len(swept.grid.axes[k]))[:2])
     others = [k for k in moving if k not in (across, up)]
     every = list(itertools.product(*(range(len(swept.grid.axes[k])) for k in others)))
@@ -328,6 +330,7 @@ def _border(axes: Axes, safe: np.ndarray, right: np.ndarray, top: np.ndarray) ->
     for i in range(m):
         for j in range(n):
             if i + 1 < m and safe[i, j] != safe[i + 1, j]:
+                # Only the first piece has the name: each would have an entry in the legend.
                 axes.plot([right[i + 1]] * 2, top[j : j + 2], label=name, **style)
                 name = ""
             if j + 1 < n and safe[i, j] != safe[i, j + 1]:

@@ -295,6 +295,7 @@ def _number(axes: Axes, points: Sequence[int], x: np.ndarray, y: np.ndarray) -> 
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
     groups: list[list[int]] = []
     for k in range(len(points)):
+        # In their order along the front only neighbours can be too near each other.
         last = groups[-1][-1] if groups else k
         near = abs(x[k] - x[last]) < NEAR * (right - left) and abs(y[k] - y[last]) < NEAR * (high - low)
         if groups and near:

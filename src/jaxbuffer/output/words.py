@@ -88,6 +88,7 @@ def scaled(axes: Axes, which: str, scale: str, low: float, high: float) -> None:
     # Over less than two decades powers of ten alone would be too few.
     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 100.0 * low else (1.0,)))
     axis.set_major_formatter("{x:g}")
+    # Over less than a decade matplotlib labels minor ticks too, which would crowd the axis.
     axis.set_minor_formatter(NullFormatter())
 
 

@@ -131,6 +131,7 @@ def _of_run(results: Results, others: Sequence[Results]) -> list[Cell]:
         larger = [text] if (text := record.get("larger_force")) else []
         text = ", ".join([words(record["outcome"]), *phrases, f"peak force {record['peak_force']:.4g} N", *larger])
         cells.append(Cell(text, mark))
+        # A run of --trust off has no verdict, which is nothing to warn of.
         verdict = (record.get("trust") or {}).get("verdict", "trusted")
         cells += [] if verdict == "trusted" else [Cell(f"numbers: {verdict}", TRUST.get(verdict, "unsure"))]
     if derived is not None and derived["certificate"] is not None:
@@ -241,6 +242,7 @@ def _run(results: Results, every: Sequence[Results]) -> str:
     text = f"At {label} the {mechanism.view.run_name} ends after {record['end_time']:.4g} s: {reason}."
     if record.get("peak_force") is not None:
         text += f" Its largest contact force is {record['peak_force']:.4g} N{_larger(record)}."
+    # The paragraph of a folder's tuning tells its limits, so that of its run need not.
     counts = limit_counts(results, every) if results.tuned is None else None
     if counts is None:
         return text
@@ -293,12 +295,14 @@ def _sample(results: Results, every: Sequence[Results]) -> str:
     if record is None:
         return ""
     left = record["runs"] - record["done"]
+    # A sample's record counts computed runs only; of an interrupted one the others are told as well.
     counts = {**record["outcomes"], **({OPEN: left} if left else {})}
     text = f"{_ended(mechanism, counts)} in a sample of {len(record['ranges'])} numbers{reached(results, counts)}."
     # Indices of a surface that is not to be trusted are no fact; shares add up for first-order indices alone.
     doubtful = {it["quantity"] for it in record["surfaces"] if not it["trusted"]}
     known = [row for row in record["indices"] if row["from"] == "runs" or row["quantity"] not in doubtful]
     for name, rows in by_quantity(known).items():
+        # An index that is not known is never the largest.
         row = max(rows, key=lambda row: -np.inf if (alone := row["first_order"]) is None else alone)
         text += f" The {title(mechanism, name)} is scattered most by {row['number']}: {_share(row)}."
     return text
@@ -317,6 +321,7 @@ def _front(results: Results, every: Sequence[Results]) -> str:
     record, mechanism = results.records.get("front"), results.mechanism
     if record is None:
         return ""
+    # Dominated points would widen the ends between which the front trades.
     points = [point for point in record["points"] if point["status"] in ON_FRONT]
     text = f"{len(points)} of {len(record['points'])} tuned designs are on the front of"
     text += f" {' and '.join(map(words, record['objectives']))}."

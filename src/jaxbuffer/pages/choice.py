@@ -81,6 +81,7 @@ def chosen_by(results: Results) -> Mapping[str, str]:
         return {}
     sources = dict(best["set_by"])
     for role, name in best["parts"].items():
+        # Names are unique within a catalogue, not among several.
         (part,) = (it for it in record["parts"][role] if it["name"] == name)
         # A rounded number's role is its path; what was tuned after the choice is no longer the part's.
         sources |= {path: f"{role} {name}" for path in part if path != role and sources.get(path) == name}
@@ -192,6 +193,7 @@ def _ranking(results: Results, record: Record) -> Table:
     first, totals = ranked[0], [(name, unit) for name, unit, _ in _sums(ranked[0])]
     rows: list[Row] = []
     for place, it in enumerate(ranked, 1):
+        # Against a combination that breaks limits, and may be low because of that, a difference says nothing.
         change = relative_change(first["objective"], it["objective"]) if place > 1 and it["feasible"] else None
         tightest = it["margins"][0] if it["margins"] else None
         sums = {name: value for name, _, value in _sums(it)}

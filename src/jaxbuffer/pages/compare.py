@@ -47,6 +47,7 @@ def comparison(every: Sequence[Results]) -> Page:
     parts = [PageSection(table.caption, tables=[table]) for table in tables]
     if all(results.tuned is not None for results in every):
         every_limit = [tables[-1], *limited_by_scenario(every)]
+        # Tables of other limited quantities are folded below that of the peak force, and share its key to the colours.
         parts[-1] = dataclasses.replace(parts[-1], text=[COLOURS], tables=every_limit)
     parts += _with_differences(distinct(_limits(every)), every)
     if curves := _forces(every):
@@ -107,6 +108,7 @@ def limit_tables(every: Sequence[Results]) -> list[Table]:
 def _forces(every: Sequence[Results]) -> list[dict[str, Any]]:
     """Return the force of each folder's run, or of its tuning's worst scenario with the tuned design."""
     records = [(results, results.records["force"]) for results in every if "force" in results.records]
+    # The last curve is that of the tuned design, and of a run the only one.
     named = [(results, record["scenario"], record["curves"][-1]) for results, record in records]
     return [{**curve, "name": f"{results.folder} ({scenario})"} for results, scenario, curve in named]
 
@@ -272,6 +274,7 @@ def _cells(results: Results, every: Sequence[Results], name: str) -> Mapping[str
     cases = _cases(results)
     safe = [True] * len(cases) if check is None else check.keeping
     sides = [limit for (limited, _), limit in limits.items() if limited == name]
+    # A quantity that only another folder limits may not be among this one's.
     values = [case["after"].get(name) for case in cases]
     beyond = [any(not it.keeps(value) for it in sides) for value in values]
     names = [_case(results.mechanism, case) for case in cases]

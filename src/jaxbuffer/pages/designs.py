@@ -72,6 +72,7 @@ def _scenarios(
     # Those of tolerances are listed by themselves.
     built = dict.fromkeys(path for case in cases for path in case.get("factors", {}) if not toleranced)
     for path in built:
+        # A case that does not mention a number has it as drawn.
         factors = [case.get("factors", {}).get(path, 1.0) for case in cases]
         rows.append(["as built, of the drawn", path, f"{min(factors):.4g} to {max(factors):.4g}"])
     return rows
@@ -107,6 +108,7 @@ def design(results: Results) -> PageSection | None:
     sources = {
         **dict.fromkeys(results.records.get("fit", Record()).get("parameters", ()), "fitted"),
         **chosen_by(results),
+        # Last, because what was tuned after a choice is no longer the part's.
         **dict.fromkeys(tuned, "tuned"),
     }
     typed = units_of(results)

@@ -39,6 +39,7 @@ def sweep(results: Results) -> PageSection | None:
     if envelope is None:
         return PageSection(title, text, figures, tables)
     between = envelope.get("between")
+    # Safe only where all runs between the scenarios are known: those of an interrupted sweep may be missing.
     safe = between and not between["unsafe_runs"] and between["runs"] == between.get("total_runs", between["runs"])
     warnings = [between["words"]] if between and not safe else []
     text += [between["words"]] if between and safe else []
@@ -189,6 +190,7 @@ def _surfaces(mechanism: Mechanism, record: Record) -> Table:
     for surface in record["surfaces"]:
         for kind, error in surface["cross_validated"].items():
             taken = kind == surface["kind"]
+            # The verdict is on the kind of surface that was taken; the others are there for comparison.
             mark = ("good" if surface["trusted"] else "bad") if taken else ""
             errors = [f"{table_text(error['rms'])}{unit_text(surface['unit'])}", percent_text(error["relative"], ".3g")]
             errors.append(percent_text(error["explained"], ".4g"))

@@ -62,6 +62,7 @@ def fit_abstract(results: Results, every: Sequence[Results] = ()) -> str:
     record = results.records.get("fit")
     if record is None:
         return ""
+    # Numbers of a search that has not ended are not quoted: they would be read as the result.
     if not record["converged"]:
         return f"{_counts(record)}: {NOT_CONVERGED}, so that its numbers are no result."
     numbers = (f"{path} {_interval(it)}" for path, it in record["parameters"].items())

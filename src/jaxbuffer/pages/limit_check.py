@@ -88,6 +88,7 @@ def limit_check(results: Results, every: Sequence[Results] = (), side: str = "af
     name = "" if limiting is results else str(limiting.folder)
     success = required_success(results, source)
     if results.tuned is None:
+        # Limits may be on own quantities, which the record has apart, and on the number of impacts, which it lists.
         values = Record(record | record.get("limited", {}) | {IMPACTS: len(record[IMPACTS])})
         label = mechanism.view.label(scenario_of(mechanism, record["scenario"]))
         return LimitCheck(mechanism, source, name, [label], [values], [record["outcome"]], success)

@@ -24,6 +24,7 @@ Row = list[str | Cell]
 def _value(value: float | None, limit: Limit, shown: Display) -> str:
     """Return a value beside its limit: with as many digits as tell it from a bound that it breaks."""
     text = shown.text(value)
+    # Only a broken bound that reads like the value needs more digits: 25 mm beyond 25 mm.
     if value is None or limit.keeps(value) or text != with_unit(shown.factor * limit.bound, ""):
         return text
     return limit.told_apart(value, factor=shown.factor)
@@ -45,6 +46,7 @@ def limits(results: Results, every: Sequence[Results] = (), named: bool = False)
     )
     where = f"{results.folder}: " if named else ""
     tables = [Table(f"{where}{caption}", HEADINGS, limit_rows(check))]
+    # A run's warnings stand in its own section, and it has one scenario alone to break a limit in.
     if results.tuned is None:
         return PageSection("Limits", tables=tables)
     warnings = [f"{line[:1].upper()}{line[1:]}." for line in results.tuned["outside_validity"]]

@@ -65,6 +65,7 @@ def _settings(records: Sequence[tuple[str, Record]]) -> Table:
         settings = made.get("settings", {})
         time = _time(made["wall_time"]) if "wall_time" in made else UNRECORDED
         time += ", the rest of a run that was interrupted" if made.get("resumed") else ""
+        # Without the offset, as the heading says that times are in UTC.
         finished = made.get("finished", UNRECORDED).partition("+")[0].replace("T", " ")
         rows.append([result, finished, time, *(table_text(settings.get(name)) for name in names)])
     return Table("When, how long, how exactly", ("result", "finished (UTC)", "wall time", *names), rows)

@@ -42,6 +42,7 @@ class Table:
     def numeric(self) -> list[bool]:
         """Return which columns hold numbers, which stand to the right."""
         texts = [[_cell(value).text for value in column] for column in zip(*self.rows, strict=True)]
+        # Empty cells say nothing of a column, and a column of nothing else holds no numbers.
         return [any(map(NUMBER.match, column)) and all(NUMBER.match(t) for t in column if t) for column in texts]
 
     def as_text(self) -> str:

@@ -119,6 +119,7 @@ def figure(results: Results, stem: str, caption: str) -> list[Figure]:
 def _inline(svg: str, prefix: str) -> str:
     """Return an SVG file as part of a page: without its head, no larger than it was drawn, its identifiers made its
     own."""
+    # Within HTML the declaration of XML and the document's type would be errors.
     svg = svg[svg.index("<svg") :]
     svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
     # Several figures in one page may have the same identifiers, and would show each other's parts.

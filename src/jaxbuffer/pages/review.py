@@ -70,6 +70,7 @@ def report(
 
 def review(every: Sequence[Results], title: str = "") -> Page:
     """Return one page of all folders together: the first one's design, then what each of them holds."""
+    # The tuned design is the page's, wherever its folder stands: other folders may be of the start.
     first = next((results for results in every if results.tuned), next((f for f in every if f.records), every[0]))
     made = [(first, requirements(first, every)), (first, design(first))]
     # A run that repeats a scenario of a tuning would say the same a second time.

@@ -62,6 +62,7 @@ def once(names: Sequence[str], *runs: Mapping[str, Any]) -> list[str]:
 def forces(results: Results, caption: str) -> list[dict[str, Any]]:
     """Return the force over time of a folder, to be read off, if it has it."""
     record = results.records.get("force")
+    # A tuning has no curves where its worst scenario could not be run again.
     if record is None or not record["curves"]:
         return []
     return [{"caption": caption, "axis": FORCE, "curves": record["curves"]}, *record.get("more", ())]

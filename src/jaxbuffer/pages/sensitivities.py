@@ -88,6 +88,7 @@ def _until_broken(results: Results, of_quantity: Rows, source: Record | None) ->
     if source is None or results.sensitivity is None:
         return []
     rows: list[list[str | Cell]] = []
+    # Only of quantities with elasticities, which a relative change to the limit is told from.
     for limit in limits_of(results.mechanism, source, of_quantity):
         shown, value = display(results.mechanism, limit.name), results.sensitivity[limit.name]
         verdict = None if limit.keeps(value) else Cell("broken here", "bad")
@@ -103,6 +104,7 @@ def _smallest(value: float, limit: Limit, rows: Sequence[Record]) -> Cell:
     # Without a value or an elasticity no relative change leads to the limit.
     known = [row for row in rows if value and row["elasticity"]]
     changes = [((limit.bound / value - 1.0) / row["elasticity"], row["parameter"]) for row in known]
+    # Where none is known the default lies beyond what is told, and the text is the same.
     change, path = min(changes, key=lambda it: abs(it[0]), default=(math.inf, ""))
     if abs(change) > FAR:
         return Cell(f"no number alone by less than {percent_text(FAR, 'g')}")

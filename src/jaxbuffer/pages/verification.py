@@ -19,6 +19,7 @@ TELLING = ("cli", "output", "pages", "papers")  # folders that show numbers and 
 def sources() -> str:
     """Return a digest of the program text, without the folders that only show numbers."""
     digest = hashlib.sha256()
+    # Sorted, and with "/" in names below: the digest must not depend on the file system.
     for path in sorted(PACKAGE.rglob("*.py")):
         inside = path.relative_to(PACKAGE)
         if inside.parts[0] not in TELLING:

@@ -85,6 +85,7 @@ def what_if(results: Results) -> PageSection | None:
     if record is None or tuned is None:
         return None
     now = {v["path"]: v["value"] for v in tuned["variables"]}
+    # A tuning that was resumed or made anew leaves the models of the design before in its folder.
     if not same_design(record, now):
         again = f"jaxbuffer report {results.folder} --what-if makes one of this design"
         return PageSection("What if", warnings=[f"what_if.json is of another design than the tuned one; {again}."])
@@ -205,6 +206,7 @@ def deciding(side: str, values: Sequence[float | None], errors: Sequence[float |
     sure = [k for k, (value, error) in known if value is not None and error is not None and error <= good]
     best = max(sure, key=lambda k: sign * (values[k] or 0.0), default=None)
     for value, error in zip(values, errors, strict=True):
+        # So bad a model cannot rule its scenario out, and 1 - e below stays well above zero.
         if value is None or error is None or error >= DOUBTFUL:
             return None
         ends = [sign * value / (1.0 + error), sign * value / (1.0 - error)]
@@ -226,6 +228,7 @@ def room(row: SliderRow, value: float) -> str:
 def number(value: float, error: float) -> str:
     """Return a number with as many digits as its error leaves: 3, or 4 where that is small."""
     digits = 4 if error <= SURE else 3
+    # Without an exponent, as the page's script writes numbers.
     return np.format_float_positional(float(f"{value:.{digits}g}"), trim="-")
 
 

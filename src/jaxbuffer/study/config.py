@@ -88,6 +88,7 @@ class Config:
                 check_pair(mechanism, self.design, scenario)
             except InputError as error:
                 raise error.between(f"[[scenarios]] number {i} ({mechanism.view.label(scenario)}): ") from None
+        # A tuning has one load case at least, and what reads this need not ask.
         if not self.scenarios:
             object.__setattr__(self, "scenarios", (self.scenario,))
 
@@ -129,7 +130,9 @@ class Config:
     def selection(self) -> Selection:
         """Read what parts are chosen by: without [problem.variables] nothing else is to be tuned."""
         given, table = self.table.objective, self.table
+        # Some part may bring a latch, with which runs last longer: then all combinations are run for as long.
         study = self.varying([path for catalogue in self.parts for path in catalogue.paths])
+        # No run has a price or a mass: the choice adds them to what the runs of a combination give.
         if given is not None and set(given.weights) & set(TOTALS):
             weights = {name: weight for name, weight in given.weights.items() if name not in TOTALS}
             of_runs = dataclasses.replace(given, weights=weights) if weights else None

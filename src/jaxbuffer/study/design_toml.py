@@ -33,6 +33,7 @@ def design_toml(
         blocks += ["", f"[{section}]", *_lines(getattr(design, section), f"{section}.", units)]
     for scenario in scenarios:
         blocks += ["", heading, *_lines(scenario, SCENARIO, units)]
+    # Without a comment the file would begin with an empty line.
     return "\n".join(blocks).lstrip("\n") + "\n"
 
 
@@ -48,6 +49,7 @@ def _lines(part: eqx.Module, prefix: str, units: Mapping[str, str]) -> list[str]
             points = points_text(value, f"{prefix}{name}", units)
             lines.append(f"{name} = {points}  # " + (f"{x}, {y}" if '"' in points else f"{x} {first}, {y} {second}"))
             continue
+        # A number may be an array of JAX without dimensions, which the writer of TOML does not know.
         written = as_written(float(value), symbol, units.get(f"{prefix}{name}", "")) if symbol else value
         entry = tomli_w.dumps({name: written}).rstrip()
         lines.append(entry if isinstance(written, str) else f"{entry}{unit_text(symbol, '  # ')}")

@@ -68,6 +68,7 @@ def save_design(
     for scenario in listed:
         check_pair(mechanism, design, scenario)
     for part in (design, *listed):
+        # An array is many designs at once, for which a file has no room.
         for name in (*paths(part), *point_paths(part)):
             if unit(part, name) and get(part, name) is not None:
                 check_single(name, get(part, name), unit(part, name), "save each design to a file of its own")

@@ -46,6 +46,7 @@ def own_mechanism(name: str) -> str:
         raise InputError(f"--own {name}: there is a mechanism of this name; take another one")
     # No module: whoever imported it would register an example among the mechanisms.
     text = Path(__file__).with_name("example_mechanism.txt").read_text(encoding="utf-8")
+    # The template has its name as that of the mechanism, as a constant and as a class.
     for form in (str.lower, str.upper, lambda word: word.title().replace("_", "")):
         text = text.replace(form("example"), form(name))
     return text
@@ -208,5 +209,6 @@ def _line(entry: str, comment: str) -> str:
     line = f"{entry:{WIDTH}}  # {comment}" if comment else entry
     if len(line) <= LONGEST:
         return line
+    # Behind two signs an explanation stays a comment where the # of all lines below a heading is taken away.
     above = textwrap.wrap(comment, LONGEST - 5, break_on_hyphens=False)
     return "\n".join([*(f"## {'  ' if k else ''}{part}" for k, part in enumerate(above)), entry])

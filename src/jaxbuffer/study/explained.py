@@ -33,6 +33,7 @@ def explained(study: Config, name: str) -> str:
     **Raises:** `InputError` where its problem can't be tuned.
     """
     mechanism = study.mechanism
+    # A study that is not to be tuned may start outside the default bounds: that is said, and no error.
     usable, missing = _variables_with_start(study)
     problem = _problem(study) if (study.table or study.tolerances) and not missing else None
     if study.table and missing and usable:  # everything else of the problem
@@ -210,6 +211,7 @@ def _variables(problem: Problem) -> list[str]:
 def _variables_with_start(study: Config) -> tuple[Mapping[str, Variable], list[str]]:
     """Return, for a study without bounds of its own, the default ones that hold the start, and a line for each
     other."""
+    # Bounds of the study's own that do not hold its start are an error, which `read_problem` raises.
     if study.table.variables is not None or study.parts:
         return {}, []
     design, usual = study.design, default_variables(study.mechanism, study.design)

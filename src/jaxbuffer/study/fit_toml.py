@@ -50,6 +50,7 @@ class TestTable:
         study's own."""
         own = replaced(scenario, self.fields, SCENARIO)
         return read_recording(
+            # Relative to the study and not to the current folder, so that the study can be used from anywhere.
             folder / user_path(self.file),
             self.channels,
             time=self.time,

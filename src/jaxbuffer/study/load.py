@@ -45,6 +45,7 @@ def loads(content: bytes, name: str | Path) -> Config:
         raise InputError(f"{name} is not valid TOML: {no_toml(text, error)}") from None
     try:
         units = dict(_typed_units(data))
+        # A message tells a range in the unit that was typed, wherever the error is raised.
         with errors_in_typed_units(units):
             return dataclasses.replace(_config(data, Path(name).parent), units=units)
     except InputError as error:
@@ -56,6 +57,7 @@ def _config(data: dict[str, Any], folder: Path) -> Config:
     parts = sections(mechanism)
     known = (*parts, "kind", *tables)
     for name in data:
+        # Here rather than in `read_keys`, which would pass over a table that it is not asked for.
         if name not in known:
             raise InputError(f"[{name}] is unknown{no_table(name, known)}")
     data = _with_tolerances(data, (*parts, "scenario"))
@@ -79,6 +81,7 @@ def _config(data: dict[str, Any], folder: Path) -> Config:
     texts = {path: value for path, value in typed.items() if isinstance(value, str)}
     values = {tables[name]["field"]: value for name, value in read.items()}
     config = Config(names.design, folder=folder, texts=texts, given=frozenset(typed), **values)
+    # As listed in the file: `Config` has put [scenario] in the place of a list that is not there.
     check_table(config.table, names.design, names.scenario, read.get("scenarios", ()))
     return config
 
@@ -92,6 +95,7 @@ def _with_tolerances(data: dict[str, Any], parts: Iterable[str]) -> dict[str, An
             if not isinstance(given, Mapping):
                 continue
             where = f"{part}.{name}"
+            # A part has no tables of its own, so a table there can only be a number with its tolerance.
             if set(given) != set(TOLERANCED):
                 raise InputError(f'{where} = {shown(given)}; write {name} = {{value = …, tolerance = "10 %"}}')
             table[name], of_numbers[where] = given["value"], given["tolerance"]
@@ -114,6 +118,7 @@ def _typed_units(value: Any, path: str = "") -> Iterator[tuple[str, str]]:
             yield from _typed_units(inner, f"{path}.{name}".lstrip("."))
     elif path == "scenarios" and isinstance(value, list):
         for inner in value:
+            # All scenarios share the addresses of [scenario], by which messages and figures look a unit up.
             yield from _typed_units(inner, "scenario")
     elif isinstance(value, list) and value and all(isinstance(point, list) and len(point) == 2 for point in value):
         for k, column in enumerate(zip(*value, strict=True)):  # of a curve

@@ -43,6 +43,7 @@ WITHIN = {  # tables that stand within another one, or are called otherwise
 def no_file(path: Path) -> str:
     """Suggest the file that a missing one may mean, or how to begin."""
     folder = path.parent
+    # Without quotes the shell cuts -4 deg up, and its second word is taken for the study.
     if not path.suffix:
         return '; a study ends in .toml, and a value with its unit needs quotes: "-4 deg"'
     near = nearest(path.name, [file.name for file in folder.glob("*.toml")]) if folder.is_dir() else None
@@ -80,6 +81,7 @@ def no_table(name: str, known: Iterable[str]) -> str:
     if (within := WITHIN.get(first.lower())) and within.partition(".")[0] in names:
         return f"; did you mean [{within}]?"
     part, meaning = SYNONYMS.get(first.lower(), ("", ""))
+    # Another name counts only where the mechanism has the part that it means.
     if part not in names:
         return suggest(first, names)
     return f"; did you mean [{part}] ({meaning})?"

@@ -163,6 +163,7 @@ def _read_problem(where: str, given: Any, names: StudyNames) -> ProblemTable:
     check_known(as_table(where, given), keys, where)
     # First, since objectives and limits may name them.
     own = read_keys(f"{where}.", given, {"quantities": keys.pop("quantities")}, names)
+    # Price and mass are among the own ones already, where the study has parts.
     names = names._replace(own={**names.own, **{name: it.unit for name, it in own.get("quantities", {}).items()}})
     return ProblemTable(**own, **read_keys(f"{where}.", given, keys, names))
 

@@ -56,6 +56,7 @@ def apply_options(settings: T, typed: Mapping[str, str]) -> T:
 def _typed(owner: eqx.Module, path: str, text: str) -> Any:
     """Read what was typed for a field: "2" is a whole number where it takes such, "[[1, 2], [3, 4]]" the points of a
     curve."""
+    # As TOML spells them; "True" stays a text, which the check of the field refuses.
     value = text == "true" if text in ("true", "false") else literal(text)
     known = metadata(owner, path)
     if "curve" in known:

@@ -89,6 +89,7 @@ def limits(table: ProblemTable, mechanism: Mechanism) -> Limits:
         at_most = {name: it for name, it in table.constraints.at_most.items() if name not in TOTALS}
         return dataclasses.replace(table.constraints, at_most=at_most)
     names = StudyNames(mechanism.design(), mechanism.scenario())
+    # Read like a study's own, since a mechanism gives its limits in the same form.
     read: Limits = LIMITS.read("problem.constraints", mechanism.defaults.limits, names)
     return read
 

@@ -27,6 +27,7 @@ def _with_tolerances(keys: Keys, names: StudyNames) -> Schema:
     """Return the schema of a table whose numbers may stand with their tolerances."""
     schema = keys_schema(keys, names)
     for name, known in keys.items():
+        # Only numbers can have a tolerance.
         if "unit" in known:
             schema["properties"][name]["anyOf"].append(toleranced_schema(known))
     return schema

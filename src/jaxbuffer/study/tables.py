@@ -110,6 +110,7 @@ def replaced(module: T, values: Mapping[str, Any], prefix: str = "", folder: Pat
         symbol = unit(module, path)
         limits = metadata(module, path)["limits"] if symbol else {}
         checked[path] = read_number(prefix + path, value, symbol, **limits) if symbol else value
+        # A text that begins with a brace is a mesh itself, as JSON; any other names a file beside the study.
         if isinstance(value, str) and "mesh" in metadata(module, path) and not value.startswith("{"):
             checked[path] = str(folder / user_path(value))
     return replace(module, checked)
@@ -168,6 +169,7 @@ class PathTable(NamedTuple):
             if name and path in whole:
                 nested.setdefault(section, {})[name] = whole[path]
         sections = {section: object_schema(inner) for section, inner in nested.items()}
+        # An editor sees a path as a table in a table or, in quotes, as one key: it must know both.
         return object_schema(sections | whole, **({"patternProperties": patterns} if patterns else {}))
 
 

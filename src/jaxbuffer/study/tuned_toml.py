@@ -35,6 +35,7 @@ def tuned_toml(
     search.
     """
     assert problem.duration is not None
+    # As drawn: what tolerances make of them follows from [tolerances], which is written too.
     listed = tuple(scenarios) or tuple(case.scenario for case in problem.drawn)
     duration = _entry({"duration": as_written(problem.duration, "s", problem.units.get("options.duration", ""))})
     options = ["", "[options]", f"{duration}  # s", f"rtol = {float(problem.rtol)!r}"]
@@ -52,6 +53,7 @@ def tuned_toml(
         *options,
     ]
     changed = [] if settings is None else _keys(settings, declared(Settings))
+    # The design ends with a line break, so the empty line that the parts begin with is there already.
     return "\n".join([whole, *parts[1:], *(["", "[tune]", *changed] if changed else [])]) + "\n"
 
 
@@ -133,6 +135,7 @@ def _sampled(problem: Problem) -> list[str] | None:
             typed = problem.units.get(grid_address(name), "")
             symbol = unit(problem.design if of_design else bases[0].scenario, name)
             written = [as_written(value, symbol, typed) for value in values] if symbol else values
+            # Values of which some have a unit and others none are refused where they are read.
             if len({isinstance(it, str) for it in written}) > 1:
                 written = values
             key = f'"{name}"' if of_design else name

@@ -110,6 +110,7 @@ def value_schema(known: Known) -> Schema:
 def number_schema(known: Known) -> Schema:
     """Return the schema of a number in its field's range."""
     limits, schema = known.get("limits", {}), Schema(type="number")
+    # JSON has no infinity: a side without an end is left out.
     if (low := limits.get("low", -math.inf)) > -math.inf:
         schema["exclusiveMinimum" if limits.get("low_open") else "minimum"] = low
     if (high := limits.get("high", math.inf)) < math.inf:
@@ -126,6 +127,7 @@ def key_schema(name: str, known: Known) -> Schema:
 
 def _read_bounds(where: str, path: str, given: Any, design: Part) -> Variable:
     """Read the bounds of a design variable: [low, high] or [low, high, scale]."""
+    # The design does not know such a path, and would call a field unknown that there is.
     if path.startswith(SCENARIO):
         table = where.removesuffix(f".{path}")
         raise InputError(f"{table}: {path} is the scenario's; only numbers of the design can be tuned")
@@ -182,6 +184,7 @@ def _read_choices(where: str, name: str, given: Any, part: Part) -> list[Any]:
             check_choosing(grid_address(name), value, metadata(part, name))
         except InputError as error:
             raise error.between("problem.grid: ") from None
+        # The same combinations would be run, and weighed in a mean, twice.
         if given.count(value) > 1:
             raise InputError(f"{where} names {value} twice; keep one")
     return list(given)

@@ -19,6 +19,7 @@ def animate(request: CommandLine, scenario_number: str | None, kind: str | None)
     if request.output is None:
         raise InputError("animate needs --output DIR, the folder for its file, or the file")
     ending = request.output.suffix.removeprefix(".").lower()
+    # A folder may be called like a film, and is then the folder for it.
     if ending in OTHER_FILMS and not request.output.is_dir():
         check_choice("format", ending, FORMATS)
     if ending in FORMATS and not request.output.is_dir():

@@ -46,6 +46,7 @@ def choose(
     folders = (FOLDER, OPTIMUM, *(f"{TUNED}-{k + 1}" for k in range(study.choosing.tuned)))
     names = ("design.toml", "design.mat", "choice.json", "choice.csv", "choice.png", "choice.txt")
     files = request.files(*names, resumable=folders, resume=resume)
+    # Where [tune] is as by default, the tunings beside a choice have quicker settings (`means.QUICK`).
     settings = {name: getattr(study.tuning, name) for name in declared(Settings)} if study.tuning != Settings() else {}
     try:
         with executor_at(scheduler) as (executor, _):
@@ -62,6 +63,7 @@ def _parts(study: Config) -> Callable[[Means], Choice]:
     """Return the choice of parts of a study, which is checked now."""
     told, settings = study.selection(), study.choosing
     criterion, combinations = selection(told.problem, study.parts, told.objective, told.at_most)
+    # Said now, and not after all combinations have been run.
     if settings.tuned:
         told.problem.check_tunable()
 

@@ -36,11 +36,13 @@ class Output:
         # Said before anything is computed, not when figures are drawn at the end.
         if any(map(is_figure, names)):
             require_matplotlib()
+        # Before the lock, which makes the folder.
         check_folder(folder, "--output")
         Lock(folder).lend()
         begun = [str(folder / name) for name in resumable if (folder / name).exists()]
         goes_on = "--resume goes on, " if begun else ""
         ways = f"{goes_on}--force overwrites, another --output keeps {{}}"
+        # What is left of an earlier result is removed when this one is written, and so needs --force as well.
         left = [path.name for path in stale(folder, names)]
         check_free(folder, [*names, *resumable, *left], self.force, ways)
         if begun and not resume:
@@ -91,6 +93,7 @@ class _Telling:
         shown = [self._text().rstrip("\n")] if self._told is None else []
         lines = [f"wrote {path}" for path in written[len(self._told or ()) :]]
         self._told = list(written)
+        # The first error is the one that is told, and another attempt could replace it.
         if self.failure is not None:
             return
         try:

@@ -97,6 +97,7 @@ def sweeping(
         if begin is None:
             begin, first = time.monotonic(), done
         seconds = time.monotonic() - begin
+        # The first report has nothing before it to tell a rate from.
         if seconds <= 0.0 or done <= first:
             return ""
         per_second = (done - first) / seconds
@@ -105,6 +106,7 @@ def sweeping(
     def line(done: int, count: int) -> None:
         nonlocal due
         text = rate(done)
+        # The last report always has its line: a log would else end before all is done.
         if done == count or time.monotonic() >= due:
             due = time.monotonic() + PERIOD
             _line(", ".join(filter(None, (f"{done} of {count} done", text))))
@@ -127,6 +129,7 @@ def _bar(text: str, total: int | None, *columns: ProgressColumn) -> Iterator[Cal
     That a program is being compiled is said in the place of the description for as long as it takes, or once on a line
     of its own.
     """
+    # On stderr, so that a result can be piped, --json above all.
     console, before = Console(stderr=True), ""
 
     def say(expected: float | None) -> None:
@@ -145,6 +148,7 @@ def _bar(text: str, total: int | None, *columns: ProgressColumn) -> Iterator[Cal
         with watched(say):
             yield None
         return
+    # Gone at the end, so that the result alone stays on the terminal.
     with Progress(SPINNER, *columns, console=console, transient=True) as progress:
         task = progress.add_task(text, total=total)
         with watched(show):
@@ -165,6 +169,7 @@ def _interruptible(work: Callable[[], T]) -> T:
     # A daemon, so that the process may end while a compiler is still at work in it.
     thread = threading.Thread(target=run, daemon=True)
     thread.start()
+    # The setting holds for every thread that is started, and others need no such stack.
     threading.stack_size(before)
     while thread.is_alive():
         # Not for good: Python delivers a signal only while the main thread runs.

@@ -20,6 +20,7 @@ def report(folders: list[Path], html: Path | None, title: str, what_if: bool, ru
     """Make a page of folders of results and print their summaries."""
     if runs is not None and not what_if:
         raise InputError("--runs are those of --what-if; give both")
+    # The page shows what the folder holds, so the models must lie there first.
     if what_if:
         _make_sliders(folders, runs)
     page = review([loaded(folder) for folder in folders], title)

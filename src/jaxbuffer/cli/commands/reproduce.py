@@ -33,6 +33,7 @@ def reproduce(output: Path, paper: str, published: bool, force: bool, figures: s
     studied = counting(runs(chosen.studies), lambda done: run_paper(chosen, done))
     rows = [row for result in studied for row in result.rows]
     failed = [row for row in rows if str(row["outcome"]).startswith("failed")]
+    # Claims cannot be judged over runs that have no result.
     if failed:
         return fail("; ".join(f"{row['study']}, {row['case']}: {row['outcome']}" for row in failed))
     verdicts = verdicts_of([claim for part in chosen.parts for claim in part.claims], studied)

@@ -39,6 +39,7 @@ class CommandLine:
         """Return the study with everything the command line overrides."""
         study = apply_overrides(load(self.config), self.fields)
         options = given(solver=self.solver, rtol=self.rtol, duration=self.duration)
+        # A duration that is typed holds for whatever a sweep makes of the design.
         usual = study.usual_duration and self.duration is None
         study = dataclasses.replace(study, options=apply_options(study.options, options), usual_duration=usual)
         process.check_ready()  # before a folder is made
@@ -70,12 +71,14 @@ class CommandLine:
         """Return the study for runs that vary the numbers at some ``paths``, once it is said which others have no
         effect. **Raises:** `InputError` for a path that the command line sets, too; ``where`` its values are."""
         check_swept_once(self.fields, paths, where)
+        # Not of the geometry, which is that of the study's own numbers and may be what is varied.
         say_cautions(study.design, (study.scenario,), paths, geometry=False, units=study.units)
         return study.varying(paths)
 
     def made(self, study: Config, resumed: bool = False) -> dict[str, Any]:
         """Return what is known by now of how the result came about, for its record."""
         options, read = study.options, None
+        # A study that came through a pipe cannot be read a second time.
         if self.config is not None and self.config.is_file():
             read = self.config.read_text(encoding="utf-8", errors="replace")
         duration = options.duration if options.duration is not None else study.mechanism.duration(study.design)

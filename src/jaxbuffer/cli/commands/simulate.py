@@ -75,6 +75,7 @@ def study_constraints(study: Config) -> Constraints | None:
     if of_study is None:
         return None
     of_study.check(study.mechanism, lambda path: get(study.design, path), own)
+    # Own quantities that nothing limits are not loaded, because loading them runs a file (docs/security.md).
     if not set(of_study.names) & set(own):
         return Constraints(of_study, {})
     return Constraints(of_study, own_quantities(own, study.mechanism, study.folder))

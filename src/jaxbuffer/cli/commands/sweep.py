@@ -32,6 +32,7 @@ def sweep(request: CommandLine, over: list[str] | None, scheduler: str | None, r
     drawn = () if limits is None else ("envelope.png",)
     names = (*drawn, *(f"sweep.{kind}" for kind in ("csv", "png", "txt", "nc", "json")))
     files = request.files(*names, resumable=(STORE,), resume=resume)
+    # The command writes the files itself, because `save` would write them without figures.
     work = partial(compute, study.design, study.scenario, study.options.duration, over=spans, save=False)
     swept, interrupted = computed_runs(work, len(grid), request, study, scheduler=scheduler, resume=resume, trust=trust)
     # Interrupted before its first run: there is nothing to save.
@@ -52,6 +53,7 @@ def _limits(study: Config, over: Grid) -> Limits | None:
     own = study.table.quantities or ()
     of_study.check(mechanism, lambda path: path in varied or get(study.design, path), own)
     moving = [axis for axis in over.axes if len(axis) > 1]
+    # A rectangle has two sides, each along numbers: choices have no order.
     if len(moving) != 2 or not all(axis.unit for axis in moving):
         return None
     in_sweeps = lambda sides: {name: limit for name, limit in sides.items() if name in mechanism.swept}  # noqa: E731

@@ -48,6 +48,7 @@ def tune(request: CommandLine, scheduler: str | None, resume: bool, **search: st
 
 def keep_best(problem: Problem, settings: Mapping[str, Any], files: Output) -> int:
     """Save the best design that the search has found, as far as its folder knows."""
+    # Designs are read back from the folder's log: without one none is left to save.
     if files.folder is None:
         return interrupted(None)
     try:
