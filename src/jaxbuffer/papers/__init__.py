@@ -17,6 +17,7 @@ PAPERS = {
 
 def paper_named(name: str) -> Paper:
     """Return the paper of a name in `PAPERS`."""
+    # A paper imports its mechanisms and figures, so that only the one that is asked for is loaded.
     paper = importlib.import_module(f".{name}", __name__).PAPER
     assert isinstance(paper, Paper)
     return paper

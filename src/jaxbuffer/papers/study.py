@@ -71,6 +71,7 @@ class Claim(NamedTuple):
 
 def simulated(case: StudyCase) -> Run:
     """Simulate a case with its history."""
+    # A case's own options come last, because some ask for a history of more rows.
     return simulate(case.design, case.scenario, **{"history": True, **case.options})
 
 

@@ -36,6 +36,7 @@ def _table(paper: Paper, results: Studied) -> str:
     heads = [f"{name.replace('_', ' ')} [{unit}]" if (unit := units[name]) else name for name in shown]
     lines = [f"| {' | '.join(heads)} |", "|" + "---|" * len(heads)]
     for row in results.rows:
+        # What a run does not have is a word, `NONE`.
         cells = [v if isinstance(v := row[name], str) else f"{v:.5g}" for name in shown]
         lines.append(f"| {' | '.join(cells)} |")
     return "\n".join(lines)

@@ -43,8 +43,10 @@ class Cover(NamedTuple):
         both begin at x = 0 or at a wall on the left. A node on a wall counts where its strip's middle is."""
         x, width = above[:, 0], jnp.abs(boundary_areas(at)[:, 1])
         x = jnp.where(x < 0.0, jax.lax.cummin(x, reverse=True), jax.lax.cummax(x))  # walls that lean out over it
+        # On the axis of a half the first node's strip goes on in the mirror image; on a wall it is on one side alone.
         first = jnp.where(at[0, 0] < -width[0], 0.5 * width[0], 0.0)
         places = at[:, 0].at[-1].add(-0.5 * width[-1]).at[0].add(first)
+        # A place beyond the wall's first or last node goes on in line with its last two.
         after = jnp.clip(jnp.searchsorted(x, places, side="right"), 1, len(wall) - 1)
         near = jnp.stack([after - 1, after], axis=1)
         share = (places - x[near[:, 0]]) / (x[near[:, 1]] - x[near[:, 0]])
@@ -59,11 +61,13 @@ class Cover(NamedTuple):
         """Return the volume by which liquid and wall would overlap at each node [m²]; ``raised``: of the liquid that
         has gone up through the surface [m²]."""
         moved = jnp.sum(self.shares * displacement[self.wall, 1], axis=1)
+        # A wall that comes up from the surface does not pull it along.
         return jnp.maximum(raised - self.width * (self.gap + moved), 0.0)
 
     def push(self, pressure: Float[Array, " pairs"], structure: int) -> Float[Array, "structure 2"]:
         """Return what the ``pressure`` [Pa] on its surface does to the wall [N]."""
         up = (self.width * pressure)[:, None] * self.shares
+        # Which nodes are above follows from positions that may be traced: no gather can be prepared (see `added_at`).
         return jnp.zeros((structure, 2)).at[self.wall, 1].add(up)
 
 

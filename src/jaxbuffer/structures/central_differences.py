@@ -45,6 +45,7 @@ def advance(system: FiniteElementSystem, state: State, step: Scalar, near: Near)
         residual = _with_liquid(residual, system, liquid, pressure, resistance, positions)
     if system.gas is not None:
         residual = residual + system.gas.push(positions)
+    # Contacts come last, because what closes a pair within the step depends on all other forces (M140).
     layers, contacts, pressing = _pressing(system, state, positions, residual, step, near)
     velocity = state.velocity + step * (system.inverse_mass * (residual + pressing))
     # Velocities stand half a step beside the displacements: their mean is that of the instant.
@@ -55,6 +56,7 @@ def advance(system: FiniteElementSystem, state: State, step: Scalar, near: Near)
         kinetic=0.5 * jnp.sum(mass * state.velocity * velocity),
         stored=_sum(resistances, "stored"),
         plastic=_sum(resistances, "plastic"),
+        # This instant's forces have done half of their work over the step before, and do half over the next one (M127).
         contact=state.contact_work - 0.5 * step * jnp.sum(pressing * state.velocity),
         liquid=_liquid_energy(system, state, pressure, wet.impulse) + holes.kinetic,
         potential=-jnp.sum(constant * state.displacement),
@@ -109,6 +111,7 @@ def _with_liquid(
     static, nodes = system.static_pressure, len(positions)
     if liquid.follows:
         forces = forces + liquid.push(pressure, nodes, positions)
+        # On the wall at rest the static pressure is a constant force, whose work is known in closed form.
         forces = forces if static is None else forces + liquid.push(static, nodes)
     else:
         forces = forces + liquid.push(pressure if static is None else pressure + static, nodes)
@@ -206,6 +209,7 @@ def march(
         return (done < blocks) & jnp.all(jnp.isfinite(state.displacement)) & ~until(observations)
 
     first: Any = (jnp.asarray(0), start, observations)
+    # JAX's own `while_loop` has no reverse derivative.
     if backwards:
         _, state, observations = eqxi.while_loop(going, body, first, kind="checkpointed", checkpoints=KEPT)
     else:

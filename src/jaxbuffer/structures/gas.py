@@ -26,6 +26,7 @@ class Gas(eqx.Module):
 
     def share(self, positions: Float[Array, "nodes 2"]) -> Float[Array, ""]:
         """Return V/V0, the share of the volume at the start [-]."""
+        # The liquid keeps its volume: the gas alone takes what the wall encloses less or more.
         return 1.0 + (enclosed(positions[self.wall]) - self.whole) / self.volume
 
     def overpressure(self, positions: Float[Array, "nodes 2"]) -> Float[Array, ""]:

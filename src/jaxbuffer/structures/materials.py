@@ -196,6 +196,8 @@ class Plastic(Material):
         bulk = self.elastic.lame + 2.0 * shear / 3.0
         p11, p22, p12 = (history.plastic[..., k] for k in range(3))
         volume = strain[..., 0] + strain[..., 1]
+        # Flow keeps the volume: across the plane -p11 - p22 has flowed, and where nothing is strained the elastic part
+        # is minus that.
         elastic = (strain[..., 0] - p11, strain[..., 1] - p22, p11 + p22, 0.5 * strain[..., 2] - p12)  # 11, 22, 33, 12
         trial = [2.0 * shear * (part - volume / 3.0) for part in elastic[:3]] + [2.0 * shear * elastic[3]]
         squared = 1.5 * (trial[0] ** 2 + trial[1] ** 2 + trial[2] ** 2 + 2.0 * trial[3] ** 2)

@@ -97,6 +97,7 @@ class Perforated(NamedTuple):
         """Return the liquid's forces on the plate [N]."""
         on_plate = (1.0 - self.holes.carried) * self.jump(pressure) + self.holes.carried * resistance
         rows = self.shares.T @ (self.area * on_plate) / self.plate.shape[1]
+        # An upright plate is pushed along its normal alone.
         sideways = added_at(self.plate.ravel(), jnp.repeat(rows, self.plate.shape[1]), structure)
         return jnp.stack([sideways, jnp.zeros(structure)], axis=1)
 
@@ -120,6 +121,7 @@ class Perforated(NamedTuple):
         after = before + step * (self.jump(pressure) - resistance) / (self.density * self.holes.inertia)
         first, last = (s - self.holes.carried * self.moved(v) for s, v in zip((before, after), velocity, strict=True))
         lost = 0.5 * step * self.area * resistance
+        # The flows half a step before and after, not a square, as in M127: with them the sum of energies is constant.
         kinetic = 0.5 * self.density * self.holes.inertia * jnp.sum(self.area * before * after)
         return Through(after, kinetic, jnp.sum(lost * first), jnp.sum(lost * (first + last)))
 

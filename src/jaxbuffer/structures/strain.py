@@ -18,6 +18,7 @@ def logarithmic(c11: Array, c22: Array, c12: Array) -> Float[Array, "*batch 3"]:
     """
     mean, half = 0.5 * (c11 + c22), 0.5 * (c11 - c22)
     squared = (half * half + c12 * c12) / (mean * mean)
+    # For small strains 1 - s² loses the digits of s², which `log1p` keeps.
     isotropic = jnp.log(mean) + 0.5 * jnp.log1p(-squared)  # ½ ln det C
     turned = _artanh_over_argument(squared) / mean
     return 0.5 * jnp.stack([isotropic + turned * half, isotropic - turned * half, 2.0 * turned * c12], axis=-1)

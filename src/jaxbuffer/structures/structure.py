@@ -74,6 +74,7 @@ class Plane(eqx.Module):
             return alive[:, None, None] * answer.stress[..., :3], answer
 
         forces, answer = nodal_forces(self.quads, here, self.material.coupling(), stress_of)
+        # A deleted element stands undeformed here: it would flow backwards, and its plastic work would go on growing.
         since = PlasticHistory(
             *(jnp.where(_beside(alive, new) > 0.0, new, old) for new, old in zip(answer.history, history, strict=True))
         )

@@ -88,6 +88,7 @@ class FiniteElementSystem(eqx.Module):
         fastest = jnp.max(jnp.stack([jnp.max(group.fastest()) for group in self.elements])) ** 2
         added = [layer.fastest(self.inverse_mass) ** 2 for layer in self.layers]
         for contact in self.contacts:
+            # The other methods have no stiffness, so that they do not shorten the step.
             if contact.method == "penalty":
                 added.append(self._penalties(contact))
         if self.liquid is not None:

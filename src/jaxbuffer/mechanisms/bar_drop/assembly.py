@@ -56,6 +56,7 @@ def bar_drop(design: BarDrop, scenario: BarDropScenario, stabilisation: Scalar =
         elements=(Sensor(deepest, (ball,), least=0.0, name="penetration"), *bending),
         # speed of the bar's middle when it is level
         size=(1e-3, jnp.sqrt(1.5 * scenario.gravity * scenario.height)),
+        # The bar's middle falls by half of the height.
         energy_size=0.5 * mass * scenario.gravity * scenario.height,
         memory_time=design.impact.memory_time,
     )

@@ -38,6 +38,7 @@ def drawing(design: BarDrop, bodies: tuple[str, ...] = ()) -> Drawing:
     frames, surface = 1 + bool(plate.modes), struck
     if bar.modes:
         rod = Band(stations(frames), wide, "bar")
+        # In the order in which `with_bending` appends them: the bar's stations, then the plate's.
         frames, end = frames + len(rod.stations), Spot(rod.stations[-1])
     if plate.modes:
         slab = Band(stations(frames), thick, "plate")
@@ -64,6 +65,7 @@ def with_bending(design: BarDrop, history: Any) -> Float[np.ndarray, "steps fram
     if design.bar.modes:
         frames = with_stations(frames, history, bodies, design.bar.bent, BAR)
     if design.plate.modes:
+        # A history has all modal coordinates in one row, the bar's first.
         before = design.bar.bent.modes.size if design.bar.modes else 0
         frames = with_stations(frames, history, bodies, design.plate.bent, PLATE, before)
         frames[:, -len(stations(0)) :, 1] -= 0.5 * float(design.plate.thickness)  # the frame lies in the plate's top

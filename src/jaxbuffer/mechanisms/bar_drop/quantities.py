@@ -26,6 +26,7 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "plate_deflection": Quantity(
         "m",
+        # Times the peak, so that the zero has the shape of many runs and is NaN where a run failed.
         lambda run: run.maxima.get("plate_deflection", 0.0 * run.peak_force),
         "largest deflection of the plate under the ball, 0 for a rigid plate",
         "plate deflection",

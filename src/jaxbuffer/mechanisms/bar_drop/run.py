@@ -36,6 +36,7 @@ def dropped(mechanism: Assembled, solved: Solved) -> BarDropRun:
     height = jnp.where(rises, height, 1.0)
     speed = jnp.sqrt(3.0 * scenario.gravity * height)
     approach = solved.common["impacts"].approach_speed[0]
+    # Without a touchdown there is no speed to divide by, and the answer is NaN below.
     restitution = speed / jnp.where(approach > 0.0, approach, 1.0)
     return BarDropRun(
         **solved.common,

@@ -25,6 +25,7 @@ def label(scenario: BarDropScenario, among: Any = ()) -> str:
 
 def validity(design: BarDrop, peak_force: Any, penetration: Any = None) -> list[ValidityLimit]:
     """Return how near the deepest penetrations [m] come to the contact law's limit, and modes to being too few."""
+    # A peak that the damper makes does not tell how deep the ball went, and nothing follows from it.
     if penetration is None:
         return []
     share = np.asarray(penetration) / (DEEP * np.asarray(design.bar.ball_radius))
@@ -91,6 +92,7 @@ def bent(run: BarDropRun, body: str) -> Panel:
 
 def names(design: BarDrop) -> Names:
     """Return what the parts of a design are called."""
+    # The weld of a plate that bends comes behind the hinge, and so do its multipliers.
     supports = {"plate x": "N", "plate y": "N", "plate moment": "N m"} if design.plate.modes else {}
     return Names(
         bodies=("bar",),

@@ -214,10 +214,12 @@ def tip_in_cone(design: Design, scenario: Scenario, probe: Masses) -> BallContac
 
 def first_contact(tip: BallContact, scenario: Scenario, kin: Kinematics) -> tuple[Array, Array]:
     """Return which flanks are touched at t = 0, and the contacts' memory there [m/s]."""
+    # Damping is divided by the memory, which therefore has a least value (M36).
     slowest = slowest_touchdown(scenario.approach_speed)
     if scenario.start == "free":  # nothing touches, and the memory is at its floor (M170)
         return jnp.zeros(FLANKS), jnp.full(FLANKS, slowest)
     approach = tip.evaluate(kin).approach.approach_speed
+    # The start lies on the lower flank alone (M64); a tip that moves off it does not touch it either.
     touching = jnp.where((jnp.arange(FLANKS) == LOWER) & (approach > 0.0), 1.0, 0.0)
     return touching, jnp.maximum(approach, slowest)
 

@@ -103,6 +103,7 @@ def loss_factor(hysteresis: Scalar) -> Float[Array, ""]:
         early = 0.6 * middle > still * taken_up(middle, still)
         return jnp.where(early, low, middle), jnp.where(early, middle, high)
 
+    # Fifty halvings of a bracket of length one leave less than rounding.
     w, _ = jax.lax.fori_loop(0, 50, halved, (jnp.zeros(()), jnp.ones(())))  # the factor is stationary there
     factor = (2.0 * taken_up(w, damping)) ** 0.6 * (1.0 + damping * w)
     return jnp.where(hysteresis < 1e-4, 1.0 - 0.4 * hysteresis, factor)

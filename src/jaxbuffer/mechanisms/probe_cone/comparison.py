@@ -70,6 +70,7 @@ def compare_laws(
     def law(name: str, restitution: float) -> ContactLaw:
         # Only Adams' law may have an exponent of its own; the others keep Hertz's.
         own = {} if name == "adams" else {"contact.exponent": 1.5}
+        # A smooth memory would refuse the laws whose force jumps at touchdown.
         chosen = {"contact.law": name, "contact.restitution": restitution, "contact.memory": "event"} | own
         return tip_on_flanks(replace(design, chosen)).law
 

@@ -55,6 +55,7 @@ def _miss(design: Design, scenario: Scenario) -> Iterator[str]:
     rim = float(cone.throat_radius) + length * np.sin(angle)
     x, y = _flight(design, scenario, mouth - radius - float(scenario.standoff))
     past = np.flatnonzero(x > mouth)
+    # A tip that does not get to the mouth in that time does not miss it for certain.
     if not past.size:
         return
     before = slice(0, int(past[0]) + 1)
@@ -85,6 +86,7 @@ def _flight(design: Design, scenario: Scenario, start: float) -> tuple[np.ndarra
     if scenario.has("thrust"):
         for_time, push = float(scenario.thrust_time), float(scenario.thrust) / float(design.active.mass)
         pushing = np.minimum(time, for_time)
+        # ½ a t² while it pushes, and from then on at the speed a τ that it has given: one formula for both.
         pushed = push * pushing * (time - 0.5 * pushing)
     axis = tilt + float(scenario.active_rate) * time
     x = first[0] + speed * time + pushed * np.cos(tilt) + behind * (np.cos(axis) - np.cos(tilt))

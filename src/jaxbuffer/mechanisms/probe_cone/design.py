@@ -169,6 +169,7 @@ class Scenario(Part):
     def in_range(self) -> Iterator[Bool[Array, ""]]:
         yield from super().in_range()
         if self.start != "free":
+            # A traced number of a free start is refused as `check_together` refuses one that is known.
             for name in OF_FREE_START:
                 yield inside(getattr(self, name), low=0.0, high=0.0)
 
@@ -181,6 +182,7 @@ def check_fit(design: Design, scenario: Scenario) -> None:
     """
     check_type("design", design, Design, "the design first, such as jb.table2(), then the scenario")
     check_type("scenario", scenario, Scenario, "the design first, then a scenario, such as jb.Scenario()")
+    # A free start touches nothing, so that M64 has nothing to rule out.
     if scenario.start == "free":
         return
     cone, tip = design.cone, design.probe.tip_radius

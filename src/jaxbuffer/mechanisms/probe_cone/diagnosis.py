@@ -85,6 +85,7 @@ def turned_round(capture: Capture, motion: Course) -> Turn | None:
     count = min(int(log.count), int(log.room))
     kind, which, time = (np.asarray(x)[:count] for x in (log.kind, log.which, log.time))
     approach = np.asarray(motion.approach)[:count]
+    # Stops and latches have touchdowns too, under numbers behind those of the flanks.
     touched = (kind == Kind.TOUCHDOWN) & (which < len(CONTACTS))
     approaching = np.flatnonzero(approach > 0.0)
     # They never approach, or still do, or nothing touches before they part: no impact turned them round.

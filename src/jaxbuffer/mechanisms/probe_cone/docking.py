@@ -40,6 +40,7 @@ def end_of(mechanism: Assembled, log: Log) -> EvaluatedState:
 def latched(mechanism: Assembled, end: EvaluatedState) -> Bool[Array, ""]:
     """Return whether the latches began to close before the run's ``end``."""
     closing = [mechanism.evaluated(end, latch.name).since > 0.0 for latch in mechanism.all_of(Latch)]
+    # A design without latches has nothing to stack.
     return jnp.any(jnp.stack(closing)) if closing else jnp.asarray(False)
 
 
@@ -53,6 +54,7 @@ def crossing(mechanism: Assembled, log: Log, end: EvaluatedState, code: Int[Arra
     if not mechanism.all_of(Latch):
         return PlaneCrossing(end, log.time[last], code == Outcome.captured)
     which = mechanism.contact_names.index("latch")
+    # Slots behind the count may hold anything.
     mine = (log.kind == Kind.TOUCHDOWN) & (log.which == which) & (jnp.arange(log.kind.shape[0]) < log.count)
     slot, listed = jnp.argmax(mine), jnp.any(mine)
     row = log.rows[slot, 0]
@@ -100,6 +102,7 @@ def docking(
         lateral_miss_rate=rate * known,
         attitude_miss=(probe.angle - cone.angle) * known,
         attitude_miss_rate=(probe.spin - cone.spin) * known,
+        # The small number keeps the slope finite where nothing has pushed the passive vehicle.
         impulse=jnp.sqrt(push.dot(push) + 1e-30),
     )
 
@@ -155,6 +158,7 @@ def _stretched(mechanism: Assembled, end: EvaluatedState, latch: Latch) -> Scala
     pull = force * (-1.0 / size)
     blocks = {P: at.held.along(pull), T: at.opposite.along(-pull)}
     mass = mechanism.system.effective_mass(end.kin, mechanism.system.direction(blocks))
+    # What already comes back stretches the latches no further.
     speed = jnp.maximum(at.velocity.dot(pull), 0.0)
     return jnp.sqrt(size**2 + latch.stiffness * mass * speed**2)
 

@@ -23,6 +23,7 @@ def scenario_label(scenario: Scenario, among: Sequence[Scenario] = ()) -> str:
     passive rate too where those differ ``among`` several. Of a free start and a thrust, what is not at its default."""
     angle = np.degrees(float(scenario.misalignment))
     speed = float(scenario.approach_speed)
+    # Two speeds that are alike in four digits are told apart by nine.
     alike = any(f"{other.approach_speed:.4g}" == f"{speed:.4g}" and other.approach_speed != speed for other in among)
     label = f"{with_unit(speed, 'm/s', 9 if alike else 4)}, {degrees_text(angle)}"
     for name, shown in (("contact_distance", "mm"), ("passive_rate", "deg/s")):

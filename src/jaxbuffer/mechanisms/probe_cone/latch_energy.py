@@ -16,6 +16,7 @@ REFERENCE_SPEED = 0.1  # m/s, of M182
 def closing_energy(capture: Capture) -> Float[Array, ""]:
     """Return what the closing of the latches put in [J], 0 without latches (M176)."""
     stored = capture.energy.stored
+    # What is put in counts as stored below zero, so that the sum of all energies does not change.
     return -stored[CLOSING] if CLOSING in stored else 0.0 * capture.end_time
 
 

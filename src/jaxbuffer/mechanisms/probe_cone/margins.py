@@ -59,6 +59,7 @@ def stroke_margin(
     else:
         force = buffer.k_A * buffer.longest_stroke + buffer.c_A * speed
     for stop in mechanism.all_of(EndStop):
+        # A rebound stop is at the other end of the stroke, and does not push there.
         if not stop.rebound:
             closed = mechanism.closed_switches(log.active[last], stop.name)
             force = force + stop.force(mechanism.evaluated(at, stop.name), closed)

@@ -49,6 +49,7 @@ def _energy(capture: Capture) -> Panel:
     history: Any = capture.history
     energy = history.energy
     parts = {
+        # Rounding may leave less than none of it, which a stack of curves cannot show.
         "relative motion": np.maximum(relative_motion(history), 0.0),
         "springs": energy.spring,
         "lost in dampers": energy.axial_damper + energy.torsional_damper,

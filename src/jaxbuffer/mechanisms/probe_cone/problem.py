@@ -41,6 +41,7 @@ def unfinished(problem: Any, evaluation: Any) -> list[str]:
     column = {name: evaluation.quantities[:, k] for k, name in enumerate(problem.names)}
     needed = np.where(evaluation.succeeded, column["arrest_stroke"], -np.inf)
     worst = int(np.argmax(needed))
+    # Where no scenario ends in a capture, nothing is known of what one leaves.
     if not evaluation.succeeded[worst]:
         return []
     left = f"{energy_text(column['energy_left'][worst])}, {percent_text(column['relative_energy'][worst], '.3g')},"

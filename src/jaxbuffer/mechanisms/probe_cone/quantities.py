@@ -20,6 +20,7 @@ DEGREES = ("deg", 180.0 / math.pi)
 
 def _loss(name: str) -> Callable[[Any], Any]:
     """Return how the energy lost in a place is read off, which not every design has."""
+    # Times a loss that every capture has, so that the zero has the shape of many runs and is NaN where one failed.
     return lambda capture: capture.energy.lost.get(name, 0.0 * capture.energy.friction)
 
 

@@ -83,6 +83,7 @@ def _line(design: Design, entry: TableValue, ratio: float) -> str:
     """Return a line such as "cone.offset 96 mm: why; grown with the mass 670 mm"."""
     value, symbol = float(np.max(np.asarray(get(design, entry.path)))), unit(design, entry.path)
     text = f"{entry.path} {with_unit(*as_typed(value, symbol, entry.shown))}: {entry.why}"
+    # A number that goes with no vehicle's mass, or with one near the model's, has nothing to be grown by.
     if entry.power == 0.0 or 1.0 / FAR < ratio < FAR:
         return text
     grown = float(f"{value * ratio**entry.power:.2g}")
@@ -91,6 +92,7 @@ def _line(design: Design, entry: TableValue, ratio: float) -> str:
 
 def _restitution(design: Design) -> Iterator[str]:
     nominal, law = float(np.max(np.asarray(design.contact.restitution))), tip_on_flanks(design).law
+    # A law without a restitution does not miss the one that is asked for.
     if not hasattr(law, "restitution"):
         return
     delivered = float(law.delivered_restitution(MASS, SPEED))

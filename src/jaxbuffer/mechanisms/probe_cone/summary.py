@@ -171,6 +171,7 @@ def _margin(capture: Capture) -> str:
         return _bottomed(capture)
     if capture.outcome in (Outcome.held, Outcome.latched):
         return f"{1e3 * float(capture.stroke_margin):.6g} mm of stroke left before the buffer's end"
+    # The margin is the lesser of two (M75): equality tells that it is the stroke's.
     if margin == float(capture.stroke_margin):
         return f"{1e3 * margin:.6g} mm of stroke left before the buffer's end"
     return (

@@ -55,6 +55,7 @@ class Throat(Element):
         moves = frame.unturn(centre.velocity - frame.velocity)
         return ThroatState(
             before=self.plane - tip.x,
+            # The cone turns with its vehicle: to the relative velocity comes that of its turning axes.
             receding=-jnp.asarray(moves.x + frame.spin * tip.y),
             tip=tip,
             off_rim=jnp.abs(tip.y) - (cone.throat_radius + cone.length * jnp.sin(cone.half_angle)),

@@ -20,6 +20,7 @@ def names(design: Design) -> Names:
     return Names(
         bodies=("active", "cylinder", "probe", "passive"),
         contacts=CONTACTS,
+        # Multipliers are named by their places, in the order of the joints' rows (M15).
         multipliers={**hinge, "prismatic moment": "N m", "prismatic force": "N"},
         others={
             "tip_spin": "rad/s",

@@ -78,6 +78,7 @@ def drive(design: SliderCrank, scenario: SliderCrankScenario) -> Element:
 def pin_in_bush(pin: PinInBush, body: int, point: Point, end: Point) -> list[BallContact]:
     """Return the contact of a pin with play: round, the ball on ``body`` at ``point`` in the bush at the rod's ``end``,
     or by components, the rod's end between the four sides of a square on the body."""
+    # A square hole has the slider's directions, and so is on the slider; the round bush is on the rod.
     if pin.by_components:
         return [BallContact(ROD, body, in_contact(pin, side, -1.0), end, point) for side in flanks(pin.bush_radius)]
     return [BallContact(body, ROD, in_contact(pin, Hole(0.0, 0.0, pin.bush_radius), 1.0), point, end)]
@@ -141,6 +142,7 @@ def ideal_motion(
     cos, sin = jnp.cos(theta), jnp.sin(theta)
     # The rod leans so that the piston pin is on the x-axis.
     sine = -crank.length * sin / rod.length
+    # The rod is longer than the crank (`check_fit`), so that this is above zero, and the rod never stands across.
     cosine = jnp.sqrt(1.0 - sine * sine)
     angle, spin = jnp.arcsin(sine), -crank.length * omega * cos / (rod.length * cosine)
     (rear, below), _ = rod.ends

@@ -130,6 +130,7 @@ class Rod(Part):
         """Return the rod in modes of a free bar or shape, whose axes keep its centre of mass and angular momentum."""
         if self.shape is not None:
             return self.form
+        # Two of the modes are those of the ends; `free_bar` counts the modes beyond them.
         return free_bar(self.bar, self.modes - 2, damping_ratio=self.damping_ratio)
 
     @property
@@ -254,5 +255,6 @@ def valid(design: SliderCrank, scenario: SliderCrankScenario) -> Bool[Array, ""]
     """Return whether design and scenario fit and each number is in its range, for numbers known only inside compiled
     code."""
     fit = inside(design.crank.length, high=design.rod.length, high_open=True, **POSITIVE)
+    # A motor brings a crank up from rest; a drive that keeps a speed of zero moves nothing.
     steady = inside(abs(scenario.crank_speed), low=0.0, low_open=design.drive.kind == "speed")
     return all_of([*design.in_range(), *scenario.in_range(), fit, steady])

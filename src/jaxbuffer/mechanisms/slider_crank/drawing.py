@@ -132,6 +132,7 @@ def closer(pin: PinInBush, touch: Touch, motion: Motion, magnified: int) -> tupl
     """Return a pin in its bush with the play drawn larger, and the frames for it: behind those of ``motion``
     (``magnified`` of them) the pin's, whose centre is as many times farther from the bush's as the play is larger."""
     bush, clearance = float(pin.bush_radius), float(pin.clearance)
+    # A play that is larger than that is drawn as it is.
     times = max(PLAY * bush / clearance, 1.0)
     name = pin.section.replace("_", " ")
     hole = touch.carrier

@@ -28,6 +28,7 @@ def journal_path(run: Run, pin: str = "piston_pin") -> Float[np.ndarray, "steps 
     check_choice("pin", pin, PINS)
     if run.history is None:
         raise InputError("this run has no history; simulate it with history=True")
+    # A pin without play has no contact to record its place: it is in the middle of its bush.
     if getattr(run.design, pin).joint == "pinned":
         return np.zeros((len(run.history.time), 2))
     return np.stack([np.asarray(run.history.others[f"{pin}_{axis}"]) for axis in ("x", "y")], axis=1)

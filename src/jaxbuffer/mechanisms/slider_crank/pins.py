@@ -150,6 +150,7 @@ class PinInBush(Part):
             assert isinstance(by_materials, SphereInSphere)
             stiffness = by_materials.stiffness if self.stiffness is None else self.stiffness
             return BluntImpact(stiffness, self.exponent, self.viscous, self.ramp_depth, self.onset_depth)
+        # The hysteresis follows from the restitution alone, whatever the stiffness is.
         return by_materials if self.stiffness is None else GivenStiffness(self.stiffness, by_materials.hysteresis)
 
     def check_together(self) -> None:

@@ -52,6 +52,7 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "rod_deflection": Quantity(
         "m",
+        # Times the peak, so that the zero has the shape of many runs and is NaN where a run failed.
         lambda run: run.maxima.get("rod_deflection", 0.0 * run.peak_force),
         "largest deflection of the rod's middle off the line through its ends, 0 for a rigid rod",
         "rod deflection",

@@ -54,6 +54,7 @@ def eccentricity(pin: PinInBush, contact: BallContact) -> list[Element]:
 
 def slider_acceleration(kin: Kinematics, acceleration: Array, numbers: None) -> Scalar:
     """Return the size of the slider's acceleration [m/s²]."""
+    # The guide lets the slider move along its line alone.
     return jnp.abs(acceleration[3 * SLIDER])
 
 

@@ -96,6 +96,7 @@ def placed_mesh(text: str, names: tuple[str, str]) -> Any:
     from ...multibody.flexible import boundary  # scikit-fem takes long to import
 
     mesh = mesh_of(text)
+    # A slider does not turn: its mesh stays as it is, along the slider's line.
     if names != ROD:
         return mesh
     (x0, y0), (x1, y1) = (boundary(mesh, name).point for name in names)
@@ -110,6 +111,7 @@ def _middle(text: str, names: tuple[str, str], modes: int) -> tuple[np.ndarray, 
     (x0, y0), (x1, y1) = planar.points
     middle = np.array([0.5 * (x0 + x1), 0.5 * (y0 + y1)])
     node = int(np.argmin(np.linalg.norm(planar.nodes - middle[:, None], axis=0)))
+    # A rod's pins lie along x; a slider's attachments may lie above each other, with no share of x between them.
     share = (planar.nodes[0, node] - x0) / (x1 - x0) if names == ROD else 0.5
     ends = planar.motions[:, 1]
     deflection = planar.shapes[1, node] - (1.0 - share) * ends[0] - share * ends[1]

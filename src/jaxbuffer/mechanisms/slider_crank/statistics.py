@@ -72,6 +72,7 @@ def turn_statistics(run: Run) -> TurnStatistics:
     if overflown(run):
         raise InputError(f"the log lists {int(run.impacts.count)} of {int(run.impact_count)} impacts; raise max_events")
     starts = turn_starts(run)
+    # The last entry is the end of the last whole turn, and the first turn is left out.
     turns = len(starts) - 2
     if turns < LEAST_TURNS:
         raise InputError(f"statistics need {LEAST_TURNS} whole turns after the first; this run has {max(turns, 0)}")
@@ -105,6 +106,7 @@ def turn_starts(run: Run) -> Float[np.ndarray, " turns"]:
     speed = np.append(float(np.asarray(scenario.crank_speed)), np.asarray(log.rates)[:count, 0, 2])[first]
     between = np.linspace(0.0, 1.0, POINTS_BETWEEN, endpoint=False)
     times = np.append((time[:-1, None] + np.diff(time)[:, None] * between).ravel(), time[-1])
+    # A crank may turn either way.
     turned = np.abs(scipy.interpolate.CubicHermiteSpline(time, angle - angle[0], speed)(times)) / (2.0 * np.pi)
     # The small number keeps a last turn that is whole but for rounding.
     return np.interp(np.arange(int(turned[-1] + 1e-9) + 1), turned, times)
@@ -126,6 +128,7 @@ def contact_shares(run: Run, starts: Float[np.ndarray, " turns"]) -> Float[np.nd
 
 def _mean(values: list[float] | np.ndarray, unit: str) -> Mean:
     by_turn = np.asarray(values, float)
+    # A turn without an impact has no peak: its NaN is left out of mean and error.
     known = by_turn[np.isfinite(by_turn)]
     mean = float(np.mean(known)) if known.size else np.nan
     return Mean(mean, standard_error(known), unit, by_turn)

@@ -46,6 +46,7 @@ def bending_validity(design: SliderCrank, peak_force: Any, penetration: Any) -> 
 
 def contact_validity(design: SliderCrank, peak_force: Any) -> list[ValidityLimit]:
     """Return how near the peak forces [N] come to the contact laws' limits alone."""
+    # A limit follows from the materials: IMPACT, and a stiffness that is given, have none.
     limits = [pin.by_materials.limit_force for pin in loose(design) if pin.law != ADAMS and pin.stiffness is None]
     if not limits:
         return []
@@ -90,6 +91,7 @@ def with_modes(run: Run, text: str) -> str:
     lines = text.splitlines()
     below = next((k + 1 for k, line in enumerate(lines) if line.startswith("  time of the peak")), len(lines))
     parts, time = bending_parts(run.design), None
+    # Without an impact no force rises that the modes could be too slow for.
     if parts and int(run.impact_count):
         time = rise_time(run.design, float(run.peak_force), float(np.asarray(deepest(run))))
     return "\n".join([*lines[:below], *mode_lines(parts, time), *lines[below:]])

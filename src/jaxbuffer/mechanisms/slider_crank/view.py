@@ -12,6 +12,7 @@ OTHERS = {"drive_torque": "N m", "braking_torque": "N m", "slider_acceleration":
 
 def names(design: SliderCrank) -> Names:
     """Return what the contacts of a design are called, in order, and its observables."""
+    # Contacts are named by their places, in the order in which `slider_crank` puts them together.
     contacts: tuple[str, ...] = ()
     if design.piston_pin.joint == "clearance":
         contacts += SIDES if design.piston_pin.by_components else ("piston",)

@@ -23,6 +23,7 @@ from .numbering import Numbering
 from .section import Section, section
 
 SOLID = 10.0  # stiffness of the solid cushion over that of the soft one
+# With two a bent wall would begin to yield only at 1.73 times the moment at which its faces do (see `Quads.of`).
 ACROSS = 4  # integration points from one side of an element to the other
 
 
@@ -66,7 +67,9 @@ def assembled(design: TankDrop, scenario: TankDropScenario) -> TankModel:
     mesh = section(design, scenario.fill)
     whole = design.mesh.extent == "whole"
     nodes, factor = len(mesh.positions), (1.0 if whole else 2.0) * design.tank.length
+    # The rigid bodies come last, so that a slice at the slider's number parts the wall's nodes from them.
     slider, baffle = nodes, nodes + 1
+    # Half of a section stands for a symmetric drop: `check_fit` and `valid` refuse an angle there.
     angle = scenario.angle if whole else 0.0
     under = RigidPlane(slider, (jnp.sin(angle), -jnp.cos(angle)) if whole else (0.0, -1.0))
     above = _above(design, mesh, under)
@@ -78,6 +81,7 @@ def assembled(design: TankDrop, scenario: TankDropScenario) -> TankModel:
         quads, density = _with_ribs(design, quads)
     wall = Plane(quads, material)
     liquid = static = None
+    # Slider and baffle are corners of no element: their lumped mass is zero, and its inverse would be infinite.
     mass = jnp.repeat(quads.lumped_mass(density)[:nodes, None], 2, axis=1)
     if design.contents.kind != "none":
         liquid = _liquid(design, mesh)
@@ -101,6 +105,7 @@ def assembled(design: TankDrop, scenario: TankDropScenario) -> TankModel:
         None,
         liquid,
         static,
+        # A full tank has no air: the volume that its pressure depends on would be zero.
         _air(design, mesh) if design.contents.air == "trapped" and not mesh.numbers.full else None,
     )
     half = None
@@ -116,6 +121,7 @@ def _above(design: TankDrop, mesh: Section, under: RigidPlane) -> Scalar:
         return design.tank.height + soft
     sideways, downwards = under.normal
     x, y = mesh.positions[mesh.sets.pressed].T
+    # A gap counts along the underside's normal; the fall that closes it is the gap over the cosine of its angle.
     return (soft - jnp.min(sideways * x + downwards * y)) / -downwards
 
 
@@ -139,6 +145,7 @@ def _with_ribs(design: TankDrop, quads: Quads) -> tuple[Quads, Float[Array, " el
     narrowed = 1.0 - jnp.asarray(design.material.poisson_ratio, float) ** 2
     numbers = Numbering.of(design)
     half = len(numbers.corners)
+    # The whole's elements are the half's and then their images, each with its ribs last: the remainder finds both.
     last = np.arange(len(quads.weight)) % half >= half - numbers.ribs[1:, 1:].size
     depth = jnp.where(last, narrowed * design.ribs.share, 1.0)
     density = design.material.density * jnp.where(last, 1.0 / narrowed, 1.0)
@@ -152,6 +159,7 @@ def _strength(design: TankDrop) -> Scalar:
 def _support(design: TankDrop, mesh: Section, baffle: int) -> NodeContact:
     """Return the contact of the outside, up to the level, with the baffle."""
     slaves = mesh.sets.support
+    # With a share of the area's stiffness for each node's strip (M167) the support is as soft on any mesh.
     strips = jnp.linalg.norm(boundary_areas(mesh.positions[slaves]), axis=1)
     return NodeContact(slaves, RigidPlane(baffle, (0.0, 1.0)), design.support.method, design.support.stiffness * strips)
 
@@ -207,6 +215,7 @@ def _liquid(design: TankDrop, mesh: Section) -> Liquid:
         mesh.sets.wetted,
         mesh.sets.wet,
         boundary_areas(mesh.positions[mesh.sets.wetted]),
+        # Without a surface to give way any error of the volume would be compressed, so that it is followed exactly.
         follows=mesh.numbers.full,
         cover=cover,
         plate=_holes(design, mesh) if mesh.numbers.plate_side >= 0 else None,

@@ -339,6 +339,7 @@ def check_fit(design: TankDrop, scenario: TankDropScenario) -> None:
     flat bottom, the liquid is no higher than its corner, ribs stand beside what they are not computed with, or half of
     a section is to meet a slider at an angle."""
     check_type("design", design, TankDrop, "the design first, such as jb.TankDrop(), then the scenario")
+    # Where a wall is as thick as its corner's outer radius, the inner nodes of the corner meet in one point.
     for zone in ZONES:
         try:
             check_entries(f"wall.{zone}", getattr(design.wall, zone), "m", 0.0, design.tank.corner_radius)
@@ -414,6 +415,7 @@ def valid(design: TankDrop, scenario: TankDropScenario) -> Bool[Array, ""]:
     fill = jnp.asarray(scenario.fill, float)
     high = fill >= 1.0 if design.contents.kind == "full" else (fill > _corner(design)) & (fill <= HIGHEST)
     (left, right), at = _between(design), jnp.asarray(design.plates.position, float)
+    # The default position of plates that are not there must not make a narrow tank invalid.
     beside = [] if design.plates.kind == "none" else [(left < at) & (at < right)]
     if design.ribs.kind != "none":
         beside += [jnp.asarray(design.ribs.height, float) < _room(design, zone) for zone in ZONES]

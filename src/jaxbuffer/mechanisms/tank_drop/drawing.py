@@ -20,11 +20,13 @@ def drawing(design: TankDrop, bodies: tuple[str, ...] = ()) -> Drawing:
     soft = float(design.cushion.thickness) if design.cushion.kind == "layer" else 0.0
     numbers, sets = Numbering.of(design), NodeSets.of(design)
     whole, rows = design.mesh.extent == "whole", len(numbers.plate)
+    # Frame 0 is the slider's. Of a half both sides are drawn, so that its columns count twice.
     around = tuple(range(1, (1 if whole else 2) * len(sets.inner) + 1))
     right, left = (tuple(range(around[-1] + 1 + k * rows, around[-1] + 1 + (k + 1) * rows)) for k in (0, 1))
     plates = [
         Band(each, float(design.plates.thickness), part) for each, part in ((right, "plates"), (left, "")) if each
     ]
+    # A band has one width, so that the mean of bottom, side and top stands for all zones.
     thickness = float(np.mean([float(getattr(design.wall, zone)) for zone in ("bottom", "lower_side", "top")]))
     shapes = (
         Outline(GROUND, box(-1.2 * wide, 1.2 * wide, -0.06 * tall, 0.0), part="baffle"),
@@ -46,6 +48,7 @@ def frames(history: Any) -> Float[np.ndarray, "steps frames 3"]:
 
 def both_halves(history: Any) -> Float[np.ndarray, "steps frames 3"]:
     """Return the same `frames` of a history that has the right half alone."""
+    # Mirrored and followed backwards the left half goes on where the right one ends; its angles change sign.
     both = [half for line in _lines(history) for half in (line, line[:, ::-1] * np.array([-1.0, 1.0, -1.0]))]
     return np.concatenate([as_they_are(history), *both], axis=1)
 

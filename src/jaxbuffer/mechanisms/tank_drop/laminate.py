@@ -12,6 +12,7 @@ from ...structures import Orthotropic, at_faces
 
 LAMINATE = chosen("material.kind", "composite")
 HALF = (45.0, -45.0, 0.0, 90.0, 0.0, 90.0, 45.0, -45.0, 0.0, 90.0)  # °, from either face inwards
+# A symmetric lay-up does not bend when it is stretched: its membrane stiffness alone gives the elements' moduli.
 ANGLES = (*HALF, *HALF[::-1])  # from the direction along the wall
 
 
@@ -68,6 +69,8 @@ def equivalent(composite: Composite) -> Orthotropic:
     return Orthotropic(
         composite.density,
         stacked([along_wall, composite.across, along_tank]),
+        # The last one by Maxwell's reciprocity, ν23/E2 = ν32/E3: stretched along the tank, a wall narrows as a ply
+        # does.
         stacked([composite.poisson, contraction, composite.poisson * composite.across / along_tank]),
         composite.shear,
     )
@@ -84,6 +87,7 @@ def least_reserve(
     Between the faces the strain along the wall is linear: that of the middle, and what bending adds.
     """
     strain = at_faces(material.strain_along(stress)).reshape(-1, across, 4)
+    # A column's elements go from the inside out, and the side 1-2 of each, whose values come first, is its outer one.
     outer, inner = strain[:, -1, :2], strain[:, 0, 2:]
     middle, change = 0.5 * (outer + inner), inner - outer
     along, none = jnp.array([1.0, 0.0, 0.0]), jnp.zeros(3)

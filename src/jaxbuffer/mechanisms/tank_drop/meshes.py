@@ -38,6 +38,7 @@ def displaced(run: Any) -> tuple[Meshed, Meshed]:
     displacement = np.asarray(run.history.others["displacement"])
     row = int(np.argmax(np.asarray(run.history.contact_force)[:, 0]))
     corners, made = NodeSets.of(run.design).corners, []
+    # A run starts in equilibrium under weight and liquid (M167): what they have bent is no part of the impact.
     since = displacement[row, corners].mean(axis=1) - displacement[0, corners].mean(axis=1)
     for words, place in (("before", 0), (f"{1e3 * float(run.history.time[row]):.4g} ms", row)):
         wall, _ = map(np.asarray, _moved(run.design, run.scenario, displacement[place]))
@@ -55,6 +56,7 @@ def _moved(
 ) -> tuple[Float[Array, "nodes 2"], Float[Array, "liquid 2"]]:
     """Return the nodes of wall and plate, and the liquid's, whose mesh goes with the wall [m]."""
     mesh = section(design, scenario.fill)
+    # A history's last two nodes are the slider and the baffle, which the section does not have.
     at = mesh.positions + displacement[: len(mesh.positions)]
     within = liquid_within if design.mesh.extent == "half" else _within_whole
     return at, within(at, mesh.numbers)
@@ -66,6 +68,7 @@ def _within_whole(wall: Float[Array, "nodes 2"], numbers: Numbering) -> Float[Ar
     of_wall, of_liquid = mirrors(numbers)
     right, left = wall[: len(of_wall.image)], wall[of_wall.image] * FLIP
     even, odd = 0.5 * (right + left), 0.5 * (right - left)
+    # On the axis the slope is 0/0; whatever stands there is multiplied by x = 0.
     middle = jnp.abs(even[:, 0]) < 1e-9
     slope = jnp.where(middle, 0.0, odd[:, 1] / jnp.where(middle, 1.0, even[:, 0]))
     along = lambda values: liquid_within(jnp.stack([even[:, 0], values], axis=1), numbers)[:, 1]  # noqa: E731
@@ -90,6 +93,7 @@ def _together(
     values = {STRESS: 1e-6 * fields["stress"], "equivalent plastic strain [-]": fields["plastic_strain"]}
     if "pressure" in fields:
         corners = sets.liquid_corners
+        # Values belong to cells, as the stress does, and the liquid's pressure is known at nodes.
         pressure = 1e-3 * fields["pressure"][corners].mean(axis=1)
         # Wall and liquid are the cells of one mesh: a cell has NaN for what it does not have.
         values = {name: np.concatenate([one, np.full(len(corners), np.nan)]) for name, one in values.items()}

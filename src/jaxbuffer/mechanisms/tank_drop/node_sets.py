@@ -116,6 +116,7 @@ class NodeSets(NamedTuple):
             wetted=wall.across(self.wetted),
             free=liquid.across(self.free),
             above=wall.across(self.above),
+            # A mirror image exchanges left and right, and the left plate is followed downwards.
             left_of_plate=np.concatenate([self.left_of_plate, liquid.image[self.right_of_plate][::-1]]),
             right_of_plate=np.concatenate([self.right_of_plate, liquid.image[self.left_of_plate][::-1]]),
         )

@@ -56,6 +56,7 @@ class Numbering(NamedTuple):
         if design.plates.kind != "none":
             # A plate has as many elements across as the wall, and stands on nodes of the wall's inside.
             foot = wall[fine * WITHIN :][:across, 0]
+            # Along the top the wall runs back to the middle: reversed, the head's nodes stand over the foot's.
             head = wall[columns - 1 - fine * (WITHIN + 1) :][:across, 0][::-1]
             between = columns * across + np.arange((fine * UPRIGHT - 1) * across).reshape(-1, across)
             plate = np.concatenate([foot[None], between, head[None]])
@@ -140,5 +141,6 @@ class Numbering(NamedTuple):
 
 def _elements(nodes: np.ndarray) -> np.ndarray:
     """Return the corners of the elements between columns of nodes (columns, across) that follow each other."""
+    # `Quads` has its points across between the sides 1-2 and 3-4, which are the wall's outside and inside.
     sides = [nodes[:-1, 1:], nodes[1:, 1:], nodes[1:, :-1], nodes[:-1, :-1]]
     return np.stack(sides, axis=-1).reshape(-1, 4)

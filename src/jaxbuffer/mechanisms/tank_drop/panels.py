@@ -26,6 +26,7 @@ def panels(run: Any) -> list[Panel]:
             f"Stress after von Mises, largest {1e-6 * float(run.peak_stress):.4g} MPa",
             "stress [MPa]",
             (PanelCurve("largest in the wall", 1e-6 * others["peak_stress"]),),
+            # A composite has no yield stress: its plies are judged one by one (`least_reserve`).
             () if composite else (Level("yield stress", 1e-6 * float(design.material.yield_stress)),),
             whole=True,
         ),

@@ -27,6 +27,7 @@ def run_of(parameters: tuple[TankDrop, TankDropScenario, Scalar], duration: Scal
     (history,) = drop.state.histories
     deleted = jnp.sum(jnp.all(parts.material.failed(history), axis=1))
     code = _code(drop, deleted)
+    # Failures have the highest codes. As a factor NaN reaches the derivatives of a failed run as well.
     known = jnp.where(code < int(TankOutcome.failed_steps), 1.0, jnp.nan)
     before, after = -jnp.sqrt(2.0 * scenario.gravity * scenario.height), drop.state.velocity[parts.slider, 1]
     end = jnp.where(drop.crushed, drop.state.time, duration)
@@ -56,6 +57,7 @@ def run_of(parameters: tuple[TankDrop, TankDropScenario, Scalar], duration: Scal
         solid_time=times["solid"],
         torn_time=times["torn"],
         crack_time=times["crack"],
+        # Without a liquid both are still infinite, as the tally begins.
         highest_pressure=jnp.where(jnp.isfinite(tally.highest), tally.highest, 0.0) * known,
         lowest_pressure=jnp.where(jnp.isfinite(tally.lowest), tally.lowest, 0.0) * known,
         rebound_speed=after * known,
@@ -76,6 +78,7 @@ def _of_every_run(
     force, speed = factor * tally.force * known, jnp.sqrt(2.0 * scenario.gravity * scenario.height)
     touched = jnp.where(tally.force > 0.0, 1, 0)
     impacts = Impacts(
+        # A run starts where the cushion would just touch the tank undeformed (see `at_rest`).
         time=jnp.zeros(1),
         contact=touched[None] - 1,
         approach_speed=speed[None] * known,
@@ -88,6 +91,7 @@ def _of_every_run(
         energy=factor * tally.off / (0.5 * design.slider.mass * speed**2) * known,
         linear_momentum=jnp.abs(factor * tally.impulse - momentum) / (design.slider.mass * speed) * known,
         angular_momentum=jnp.asarray(jnp.nan),
+        # Nodes are held by infinite masses: there are no constraints that could drift.
         drift=jnp.zeros(()),
     )
     return {
@@ -162,6 +166,7 @@ def history_of(parts: TankModel, rows: HistoryRow) -> History:
         others |= {"highest_pressure": jnp.max(wet, axis=1), "lowest_pressure": jnp.min(wet, axis=1)}
         others["pressure"] = rows.pressure + system.static_pressure[None]
     whole = jax.tree.map(lambda x: factor * x, rows.energies)
+    # The section's force acts on the section's share of the slider, so that the factor cancels (M166).
     falling = system.gravity[1] + system.inverse_mass[parts.slider, 1] * rows.force
     return History(
         time=rows.time,

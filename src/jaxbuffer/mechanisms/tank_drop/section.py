@@ -33,6 +33,7 @@ def section(design: TankDrop, fill: Scalar) -> Section:
     along = _columns(design, fill)
     face, normal = _outside(design, along)
     thickness = thickness_at(design, along)
+    # From the inside out, as columns are numbered; the outside stays where the tank's dimensions put it.
     shares = np.linspace(1.0, 0.0, design.mesh.refinement + 1)
     positions = (face[:, None] - (thickness[:, None] * shares[None])[..., None] * normal[:, None]).reshape(-1, 2)
     if len(numbers.plate):
@@ -41,6 +42,7 @@ def section(design: TankDrop, fill: Scalar) -> Section:
         between = foot + (np.arange(1, rows) / rows)[:, None, None] * (head - foot)
         positions = jnp.concatenate([positions, between.reshape(-1, 2)])
     if len(numbers.ribs):
+        # A rib's last nodes are the wall's inner ones, which are there already.
         depth = thickness[:, None] + design.ribs.height * shares[None, :-1]
         positions = jnp.concatenate([positions, (face[:, None] - depth[..., None] * normal[:, None]).reshape(-1, 2)])
     liquid = liquid_within(positions, numbers)
@@ -80,6 +82,7 @@ def liquid_within(wall: Float[Array, "nodes 2"], numbers: Numbering) -> Float[Ar
     eta = (np.arange(len(right)) / (len(right) - 1))[None, :, None]
     top = jnp.stack([xi[:, 0, 0] * right[-1, 0], jnp.full(corner + 1, 1.0) * right[-1, 1]], axis=1)
     if numbers.full:
+        # The wall runs back to the middle along the top, and the liquid's rows run away from it.
         top = edge[numbers.upper :][::-1]
     left = jnp.stack([0.0 * right[:, 1], bottom[0, 1] + eta[0, :, 0] * (top[0, 1] - bottom[0, 1])], axis=1)
     sides = (1.0 - xi) * left[None] + xi * right[None]
@@ -99,8 +102,10 @@ def _beside_plate(nodes: Float[Array, "across up 2"], numbers: Numbering) -> Flo
     """Return the liquid's nodes moved sideways, evenly less with the distance, so that two columns lie on the faces of
     a plate that is straight from the bottom to the top."""
     first, last = numbers.plate_side, numbers.plate_side + numbers.wall.shape[1] - 1
+    # Each face is moved with the other one at rest, so that the second move leaves the first column on its face.
     for face, others in ((first, [0, first, last]), (last, [first, last, numbers.corner])):
         high = nodes[face, :, 1]
+        # Under a surface the liquid ends below the plate's head: its column stands upright over the foot.
         ends = [nodes[face, 0], nodes[face, -1] if numbers.full else nodes[face, 0]]
         share = (high - high[0]) / (high[-1] - high[0])
         off = ends[0][0] + share * (ends[1][0] - ends[0][0]) - nodes[face, :, 0]
@@ -156,6 +161,7 @@ def wall_area(design: TankDrop) -> Float[Array, ""]:
     """Return the area of half of the wall's cross-section [m²], by its middle surface, with the ribs' by theirs and
     their share."""
     ends = _lengths(design)
+    # By quadrature: elements have chords for the corners' arcs, and their mass would change with the mesh.
     along = jnp.linspace(0.0, 1.0, 2001) * ends[-1]
     thickness = thickness_at(design, along)
     curved = ((along > ends[0]) & (along < ends[1])) | ((along > ends[2]) & (along < ends[3]))

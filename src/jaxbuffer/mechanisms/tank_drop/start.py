@@ -78,6 +78,7 @@ def _better(parts: TankModel, unknowns: Unknowns, values: Array, stands: Array) 
         stiffness = jnp.asarray(contact.stiffness)[: len(bottom)]
         bed = jnp.zeros(unknown).at[bottom].set(jnp.where(stands, stiffness, 0.0))
         after = values - jnp.linalg.solve(matrix + jnp.diag(bed), left + bed * values)
+        # The baffle presses and never pulls: a node that lifts off it stands no more.
         return after, after[bottom] < 0.0
     # Where a node stands, its equation says that it is on the baffle; what is then out of balance presses.
     fixed = jnp.zeros(unknown, bool).at[bottom].set(stands)

@@ -25,6 +25,7 @@ class ExplicitElements(Stepper):
         """See `Stepper`."""
         options = dataclasses.replace(request.options, tolerance=StepTolerance(*request.tolerances))
         allowed = enabled & request.allowed
+        # Runs whose numbers are unchecked need have reverse derivatives only (see `Stepper.step`).
         return dropped(request.parameters, request.duration, options, allowed, backwards=unchecked)
 
     def many(self, one: Callable[..., Any]) -> Callable[..., Any]:

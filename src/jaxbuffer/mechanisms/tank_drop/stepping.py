@@ -23,6 +23,7 @@ from .start import falling
 TOLERANCE = 1e-6
 TIGHT = 0.25 * TOLERANCE  # steps half as long
 GRADES = 8.0  # numbers of steps in a factor of two, so that small changes of a design leave them alone
+# Walls do not touch each other: a little further, and the top would go through the bottom.
 CRUSHED = 0.95  # of the inner height: how far the top may come down
 SMOOTH = 20.0  # the smooth maximum of the stress is sharp to so small a part of the yield stress
 ROWS = 800  # of a history, evenly spread over the duration
@@ -132,6 +133,7 @@ def dropped(
     blocks = jax.lax.stop_gradient(jnp.ceil(2.0 ** (jnp.ceil(GRADES * jnp.log2(blocks)) / GRADES)))
     too_many = blocks * BLOCK > options.max_steps
     step = duration / (BLOCK * blocks)
+    # A folded mesh has no stable step, and its number of blocks is not finite, which no integer can be.
     count = jnp.where(jnp.asarray(allowed) & ~too_many & jnp.isfinite(blocks), blocks, 0.0).astype(int)
     first = _empty_tally(parts, start, options.keep > 0)
 
@@ -144,6 +146,7 @@ def dropped(
         return tally.deflection >= crushed
 
     state, tally = march(parts.system, start, step, count, observe, first, until=until, backwards=backwards)
+    # The time is a sum of steps, whose rounding must not cost one of them.
     steps = jnp.round(state.time / step).astype(int)
     return Dropped(state, tally, steps, step, until(tally), too_many, jnp.asarray(allowed))
 
@@ -175,6 +178,7 @@ def _next_tally(
     stress = jnp.max(mises(at_faces(wall.stress)), axis=1)
     highest_stress = jnp.max(stress)
     limit = parts.strength
+    # In logarithms, because the exponential of a stress far beyond the yield stress overflows.
     sharpened = logsumexp((stress - limit) / (limit / SMOOTH), b=step * parts.wall.quads.area)
     higher, lower = tally.highest, tally.lowest
     if system.liquid is not None:
@@ -182,11 +186,13 @@ def _next_tally(
         wet = (instant.pressure + system.static_pressure)[system.liquid.wet]
         higher, lower = jnp.maximum(higher, jnp.max(wet)), jnp.minimum(lower, jnp.min(wet))
     total = sum(instant.energies, jnp.zeros(()))
+    # What is known of an instant takes its step (`Instant`): only the loop itself meets the first energies.
     first = jnp.where(instant.time == 0.0, total, tally.first)
     moved = system.positions + instant.displacement
     compressed = jnp.max(parts.compression(moved))
     reserve = _reserve(parts, design, wall.stress)
     happens = jnp.stack([
+        # Of a composite the limit is a size of stress alone; whether a ply fails is told by its reserve.
         (highest_stress >= limit) & (design.material.kind == "plastic") | (reserve < 1.0),
         compressed >= SOLID * design.cushion.thickness if system.layers else jnp.asarray(False),
         lower < -ATMOSPHERE,

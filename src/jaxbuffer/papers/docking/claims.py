@@ -63,6 +63,7 @@ def _literature(rows: Rows) -> ClaimVerdict:
 
 
 def _masses(rows: Rows) -> ClaimVerdict:
+    # Impacts that a run does not have, or that its end cuts off, are the word `NONE`.
     rigid, soft = ([v for k in range(1, FIRST + 1) if (v := row[f"mass_{k}"]) != NONE] for row in rows["rigid"])
     hard, slow = [float(m) for m in rigid], [float(m) for m in soft]
     finding = (
@@ -72,6 +73,7 @@ def _masses(rows: Rows) -> ClaimVerdict:
 
 
 def _aligned(rows: Rows) -> ClaimVerdict:
+    # A run without a capture has no crossing at which the tip's offset could be told.
     made = [row for name in ("misalignment", "rate") for row in rows[name] if row["outcome"] == "captured"]
     offset = [max(abs(x) for x in _of(made, name)) for name in ("start_offset", "end_offset")]
     first, last, probe = ([abs(x) for x in _of(made, f"{name}_attitude")] for name in ("start", "end", "probe"))
@@ -102,6 +104,7 @@ def _rolls(rows: Rows) -> ClaimVerdict:
     finding = (
         f"no slip beyond the slip speed in {free:.0%} of a free tip's time in contact, {welded:.0%} of a welded one's"
     )
+    # A tip that «rolls and slides» does neither all of the time.
     return ClaimVerdict(finding, _verdict([1.0 - SLIDING < free < 1.0, welded < 1.0 - SLIDING]))
 
 

@@ -23,6 +23,7 @@ def figure(studied: Studied) -> Figure:
     with drawing():
         drawn, grid = panels(9.0, 6.5, 2, 2)
         axes = grid.ravel()
+        # A study with the published equations has another name, and the figure of the same study without them.
         _DRAW.get(studied.study.name.removesuffix(SUFFIX), _captured)(studied, axes)
         drawn.suptitle(f"{studied.study.title} (the paper's fig. {studied.study.figures})")
         return drawn
@@ -98,6 +99,7 @@ def _rigid(studied: Studied, axes: Any) -> None:
         thin = {**curve, "linewidth": 0.8}
         early = np.linspace(0.0, 3e-3, DENSE)
         axes[0].plot(1e3 * early, _force(at_times(capture, early)), **curve, label=label)
+        # A logarithmic axis has no place for the zeros between impacts.
         axes[1].semilogy(time, np.maximum(force, 1e-1), **thin, label=label)
         axes[2].plot(time, 1e3 * np.asarray(history.throat_distance), **curve, label=label)
         axes[3].plot(time, 1e3 * np.asarray(history.stroke), **curve, label=label)

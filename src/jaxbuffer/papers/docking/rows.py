@@ -51,6 +51,7 @@ def row(case: StudyCase, capture: Capture) -> Row:
         "first_contact": float(impacts.release_time[0] - impacts.time[0]),
         "contact_time": float(capture.contact_time),
         "capture_time": float(capture.end_time),
+        # The run's own penetration is an upper bound (M72), while a history has the depth itself.
         "penetration": float(np.max(-np.asarray(history.gap))),
         "hinge_angle": float(capture.hinge_angle),
         "impacts": int(capture.impact_count),

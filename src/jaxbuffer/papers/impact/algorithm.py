@@ -151,6 +151,7 @@ def _printed_step(rows: Rows) -> ClaimVerdict:
 
 def _fixed(rows: Rows) -> ClaimVerdict:
     parts, fine, within = [], [], []
+    # The paper steps by 1e-3 s for c = 1 and by 1e-4 s for c = 6.
     for row, step in zip(rows["algorithm"], ("1e-3", "1e-4"), strict=True):
         low, high = (float(row[f"bdf_1e-4_{end}"]) for end in ("least", "most"))
         middle, right = float(row[f"bdf_{step}"]), float(row["peak_force"])

@@ -61,6 +61,7 @@ def _force_of(printed: tuple[float, ...], case: int) -> Callable[[Rows], ClaimVe
 
 def _stays(rows: Rows) -> ClaimVerdict:
     last_cases = [rows[name][2] for name in ("drop", "plate", "bodies")]
+    # A contact that outlasts the run is longer than any printed time.
     times = [math.inf if row["stays"] else number(row, "first_contact") for row in last_cases]
     shown = ["stays" if math.isinf(t) else f"{1e3 * t:.3g} ms" for t in times]
     finding = f"first contact with c = 6: rigid {shown[0]}, bending plate {shown[1]}, both bend {shown[2]}"
@@ -68,6 +69,7 @@ def _stays(rows: Rows) -> ClaimVerdict:
 
 
 def _harmonics(rows: Rows) -> ClaimVerdict:
+    # The first case, without a damper, is ours: the paper compares c = 1 and 6.
     pairs = [[int(row["harmonics"]) for row in rows[name][1:]] for name in ("drop", "plate", "bodies")]
     finding = "rigid {0[0]}, {0[1]}; bending plate {1[0]}, {1[1]}; both bend {2[0]}, {2[1]}".format(*pairs)
     return ClaimVerdict(
@@ -154,6 +156,7 @@ def _stiffness(rows: Rows) -> ClaimVerdict:
     bar = BarDrop()
     # From N/m^1.5 to the paper's N/mm^1.5.
     hertz = float(bar.hertz_stiffness) * 1e-3**HERTZ_EXPONENT
+    # Hertz's stiffness goes with the root of the ball's radius.
     radius = float(bar.bar.ball_radius) * 1e3 * (PRINTED_STIFFNESS / hertz) ** 2
     finding = (
         f"equation 15 gives {hertz:.6g} N/mm^1.5 for a ball of 2 mm of steel on a flat plate, and 48 049 for a ball of "

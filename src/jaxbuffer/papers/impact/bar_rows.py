@@ -61,6 +61,7 @@ def row(case: StudyCase, run: BarDropRun) -> Row:
     peaks = np.asarray(hits.peak_force)[: int(hits.count)]
     time, force = np.asarray(history.time), np.asarray(history.contact_force)[:, 0]
     bent = float(np.asarray(run.quantity("plate_deflection")))
+    # A rigid plate has no deflection to take a share of.
     at_peak = float(np.interp(float(run.peak_time), time, history.plate_deflection)) / bent if bent else 0.0
     medians = {
         f"seen_at_{step:.0e}".replace("e-0", "e-"): float(np.median(sampled_at(step, time, force))) for step in STEPS
@@ -77,6 +78,7 @@ def row(case: StudyCase, run: BarDropRun) -> Row:
         "speed": float(hits.approach_speed[0]),
         "first_peak": float(peaks[0]),
         "peak_force": float(run.peak_force),
+        # A bar that stays on the plate has one impact alone.
         "later_peak": float(peaks[1:].max(initial=0.0)),
         "spring_peak": float(impact.stiffness) * deepest ** float(impact.exponent),
         "damper_peak": damper_peak(run),

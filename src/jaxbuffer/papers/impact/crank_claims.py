@@ -27,6 +27,7 @@ def _cycle(rows: Rows) -> ClaimVerdict:
 
 
 def _start(rows: Rows) -> ClaimVerdict:
+    # The last set is ours, and the claim is about the printed ones.
     pairs = [(number(row, "torque_at_start"), number(row, "largest_torque")) for row in rows["crank"][:STIFF_ONLY]]
     finding = f"M₀ at rest by its formula, {_list([a for a, _ in pairs])} N m; later {_list([b for _, b in pairs])} N m"
     return ClaimVerdict(finding, verdict([start > later for start, later in pairs]))
@@ -101,6 +102,7 @@ def _cyclic(rows: Rows) -> ClaimVerdict:
     pairs = [(number(row, "across"), number(row, "across_second_turn")) for row in rows["crank"][:STIFF_ONLY]]
     finding = ", ".join(f"{a:.4g} and {b:.4g} N" for a, b in pairs)
     finding = f"the turns repeat in time; the largest force across, overall and in the second turn, does not: {finding}"
+    # That the turns repeat in time is a part of the claim, which `_cycle` shows to hold.
     return ClaimVerdict(finding, verdict([True, *(near(b, a) for a, b in pairs)]))
 
 
@@ -120,6 +122,7 @@ def _amplitude(rows: Rows) -> ClaimVerdict:
 
 
 def _periodic(rows: Rows) -> ClaimVerdict:
+    # The first case is the rigid rod, and the claim is about one that bends.
     cases = rows["crank_cycles"][1:]
     turns = [time for name in ("first_turn", "second_turn") for time in _numbers(cases, name)]
     swings = [(number(row, "swing_first_turn"), number(row, "swing_second_turn")) for row in cases]

@@ -62,6 +62,7 @@ def _one(grid: Any, name: str, colour: str, run: Any, bends: bool) -> None:
     along, across = components(run)
     path = 1e3 * np.asarray(journal_path(run))
     later, early = time >= STARTED, time <= DETAIL
+    # Torques at rest differ by a factor of ten between the sets, and so are compared as shares of M₀.
     grid[0, 0].plot(1e3 * time, torque / torque[0], **drawn)
     grid[0, 1].plot(time[later], torque[later], **drawn)
     grid[1, 0].plot(time, across, **drawn)

@@ -57,6 +57,7 @@ def row(case: StudyCase, run: Run) -> Row:
         "torque_at_start": float(torque[0]),
         "start_takes": float(time[low[0]]) if len(low) else math.nan,
         "first_impact": float(run.impacts.time[0]),
+        # A run that ends within the start has none to compare, which the infinities say.
         "least_torque": float(begun.min(initial=math.inf)),
         "largest_torque": float(begun.max(initial=-math.inf)),
         "across": float(across.max()),

@@ -37,6 +37,7 @@ SHOWN = tuple(COLUMNS)
 
 
 def _drop(friction: float, changes: Mapping[str, int] = {}) -> BarDrop:
+    # Elements touch by a linear spring without loss; modes and rigid bodies get the same, to be compared with them.
     spring = {"impact.exponent": 1.0, "impact.stiffness": STIFFNESS, "impact.damping": 0.0}
     lossless = {"bar.damping_ratio": 0.0, "plate.damping_ratio": 0.0}
     return replace(BarDrop(), {**spring, **lossless, **changes, "impact.friction": friction})
@@ -83,6 +84,7 @@ def row(case: StudyCase, run: Any) -> Row:
         "plate_deflection": float(np.max(curves["deflection"])),
         "plate_stress": float(run.stress.max()) if meshed else NONE,
         "contact_pressure": pressure(run.design.drop if meshed else run.design, float(normal.max())),
+        # What the end moves along the plate in flight is no sliding.
         "slid": float(np.sum(np.abs(np.diff(curves["slid"]))[touching[1:]])),
         "rises_to": run.rise if meshed else _rise(run),
         "energy_error": run.energy_error if meshed else float(run.balance.energy),

@@ -70,9 +70,11 @@ def _followed(drop: BarDrop, scenario: BarDropScenario, along: int) -> tuple[Arr
     """Return histories (numbers, records), the rise [m], and the step's share of the critical one, by one compiled
     program."""
     system, start, corner, under = _assembled(drop, scenario, along)
+    # The critical step goes with an element's length, so that the number of steps goes with that of elements.
     step = DURATION / (RECORDS * STEPS_OF_ELEMENT * along)
 
     def record(state: State, _: None) -> tuple[State, Array]:
+        # Nothing moves by a segment's length within the 10 µs of a record: one search serves it (see `candidates`).
         near = system.search(state.displacement)
 
         def one(carry: Any, _: None) -> Any:

@@ -51,6 +51,7 @@ def peaks(design: BarDrop, scenario: BarDropScenario, step: float) -> Float[np.n
         acceleration = rate(turning, spin, spin_before) + weight * np.cos(angle)
         return inertia * acceleration - pushed(angle, turning) * length * np.cos(angle)
 
+    # A grid begins up to two steps before the touch.
     for _ in range(2 + max(10, math.ceil(FOLLOWED / step))):
         free = (4.0 * spin - spin_before - 2.0 * step * weight) / 3.0  # without contact
         ahead = (4.0 * last - before + 2.0 * step * free) / 3.0
@@ -66,6 +67,7 @@ def peaks(design: BarDrop, scenario: BarDropScenario, step: float) -> Float[np.n
 def force_of(design: BarDrop, depth: Any, closing: Any) -> Any:
     """Return IMPACT [N] of the depth [m] and its rate [m/s]."""
     spring, damper = components(design, depth, closing)
+    # As the ball leaves, the damper alone would pull it back; IMPACT never pulls.
     return np.maximum(0.0, spring + damper)
 
 

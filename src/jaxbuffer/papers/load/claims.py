@@ -37,6 +37,7 @@ def _only(rows: Rows) -> ClaimVerdict:
         for name in NAMES
     ]
     finding = f"friction and loss change the mean by {_listed(changes, '.0e')}; but it grows with the speeds squared"
+    # No more than in part: an energy that depends on no contact still depends on the speeds, which the text leaves out.
     return ClaimVerdict(finding, PARTLY if max(changes) < SAME else NO)
 
 

@@ -13,6 +13,7 @@ def figure(studied: Studied) -> Figure:
         drawn, grid = panels(12.0, 4.5, 1, len(studied.captures))
         for axes, capture, row in zip(np.ravel(grid), studied.captures, studied.rows, strict=True):
             for first, name, colour in ((0.0, "later impacts", COLOURS[4]), (1.0, "first impacts", COLOURS[0])):
+                # Logarithmic axes have no place for zeros.
                 chosen = (capture.first == first) & (capture.peak > 0.0) & (capture.energy > 0.0)
                 axes.plot(capture.energy[chosen], capture.peak[chosen], ".", markersize=4, color=colour, label=name)
             energy = np.sort(capture.energy[capture.first > 0.0])[[0, -1]]

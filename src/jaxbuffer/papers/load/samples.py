@@ -108,6 +108,7 @@ def solve(case: StudyCase) -> SampledImpacts:
     for numbers in draw(case.options["ranges"]):
         run = simulate(*with_values(case.design, case.scenario, numbers), case.options["duration"])
         if run.outcome.failed:
+            # Numbers of a failed run are NaN, which have no rank.
             failed += 1
             continue
         count, hits = int(run.impacts.count), run.impacts

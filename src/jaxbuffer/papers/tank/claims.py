@@ -43,6 +43,7 @@ def _exact(rows: Rows) -> ClaimVerdict:
 
 def _force(rows: Rows) -> ClaimVerdict:
     node, multiplier = ([number(row, name) for name in ("impulse", "peak_force")] for row in rows["contact"][:2])
+    # A defence node closes its pair alone; multipliers, which close all pairs together, are the measure of that.
     off = [abs(a / b - 1.0) for a, b in zip(node, multiplier, strict=True)]
     finding = (
         f"impulse within 20 ms {node[0]:.5g} against {multiplier[0]:.5g} N s by multipliers ({off[0]:.1%} apart), "

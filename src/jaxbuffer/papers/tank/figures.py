@@ -28,6 +28,7 @@ def _fields(studied: Studied) -> Figure:
     drawn, grid = panels(16.0, 3.6 * len(studied.captures), len(studied.captures), 4)
     for axes, case, run in zip(grid, studied.study.cases, studied.captures, strict=True):
         before, after = displaced(run)
+        # Where nothing has moved, as sideways may be, a colour scale still needs a width.
         most = {name: max(float(np.nanmax(np.abs(after.values[name]))), 1e-9) for name in (ACROSS, ALONG)}
         for place, mesh, name in ((0, before, ALONG), (1, after, ACROSS), (2, after, ALONG)):
             cells = coloured(axes[place], mesh, name, (-most[name], most[name]))
@@ -41,12 +42,14 @@ def _fields(studied: Studied) -> Figure:
 
 
 def _test_point(axes: Axes, run: Any) -> None:
+    # Behind these rows a history repeats the last of them.
     rows = slice(rows_of(run))
     time, others = 1e3 * np.asarray(run.history.time)[rows], run.history.others
     side = np.asarray(others["wall_x"])[rows]
     widest = int(np.argmax(np.max(np.abs(side - side[:1]), axis=0)))
     travel = np.asarray(run.history.position)[rows, 0, 1]
     curves = {
+        # The top has sagged under weight and liquid before the slider arrives.
         "middle of the top, downwards": np.asarray(others["deflection"])[rows] - float(others["deflection"][0]),
         "side, outwards": side[:, widest] - side[0, widest],
         "slider, downwards": travel[0] - travel,

@@ -104,6 +104,7 @@ def _distribution(contact: NodeContact, pairs: Pairs, inverse_mass: Array) -> Fl
     inverse = _along(inverse_mass[pairs.nodes], pairs.normal[:, None])
     mass = jnp.where(inverse > 0.0, 1.0 / jnp.where(inverse > 0.0, inverse, 1.0), 0.0)
     shared = pairs.weights * mass
+    # Where both nodes are held there is no mass to share a force by.
     return shared / jnp.maximum(jnp.sum(shared, axis=1, keepdims=True), 1e-300)
 
 
@@ -164,6 +165,7 @@ def _closed(matrix: Array, target: Array, present: Array) -> Bool[Array, " pairs
 
     going = lambda state: state[1] & (state[2] < ROUNDS)  # noqa: E731
     first = (target > 0.0) & present
+    # Where no pair is about to overlap, forces of zero meet all conditions, and no system has to be solved.
     return jax.lax.while_loop(going, settle, (first, jnp.any(first), jnp.asarray(0)))[0]
 
 
