@@ -48,7 +48,7 @@ def user_code(*things: Any) -> str:
     return identity.source_hash(*(part for part in _flat(trees) if identity.Description(part).of_user))
 
 
-# Remembered, because looking takes a third of a sweep of one run, and the code of the packages does not change.
+# Remembered, because looking takes over a quarter of a sweep of one run, and the code of the packages does not change.
 @functools.lru_cache(maxsize=64)
 def _of_user(structures: tuple[Any, ...]) -> bool:
     """Return whether any of the user's code belongs to these structures and classes."""

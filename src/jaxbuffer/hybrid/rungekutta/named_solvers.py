@@ -23,7 +23,7 @@ def solver_named(solver: Any) -> Solver:
     **Raises:** `InputError` for all else."""
     if isinstance(solver, Solver):
         return solver
-    if solver is None or solver == "automatic":
+    if solver is None:
         return AUTOMATIC
     check_choice("solver", solver, SOLVER_NAMES)
     if solver in SOLVERS:

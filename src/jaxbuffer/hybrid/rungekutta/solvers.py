@@ -142,4 +142,4 @@ class Automatic(Solver):
 
 
 AUTOMATIC = Automatic()
-"""The solver of whoever names none. One object: making it takes longer than a call's other preparations."""
+"""The solver of whoever names none: one object, which a request recognises, so that it need not copy its options."""
