@@ -37,7 +37,7 @@ def single(solver, mechanism, active, columns, rate, transform):
 
     stiff = mechanism.linearisation(jnp.zeros(()), columns[:, 0], active)
     which = solver.method_for(stiff, transform.length)
-    allowance = StepTolerance(1e-13, 1e-13).allowance(columns.T, mechanism.scales()).T
+    allowance = StepTolerance(1e-13, 1e-13).allowance(columns.T, mechanism).T
     return solver.step(which, field, stiff, jnp.zeros(()), columns, rate, transform, allowance)
 
 

@@ -1,13 +1,27 @@
 """Error norm and step sizes against their formulas, worked out by hand."""
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxbuffer.hybrid import Controller, StepTolerance
+from jaxbuffer.hybrid import Controller, HybridSystem, StepTolerance
 from jaxbuffer.hybrid.rungekutta.controller import StepSizes
 
 ORDER = jnp.asarray(10.0)
+
+
+class Sized(HybridSystem):
+    """A system that says how large the errors in its state matter, and nothing else."""
+
+    magnitudes: jax.Array
+    limits: jax.Array | None = None
+
+    def scales(self):
+        return self.magnitudes
+
+    def scale_limits(self):
+        return self.limits
 
 
 def factor(norm, previous=1.0):
@@ -80,7 +94,24 @@ def test_norms_of_rows():
     error, scales = jnp.array([[0.8, 0.6], [2.0, 0.0]]), jnp.array([1.0, 2.0])
     # allowed: 0.1 + 0.1·3 = 0.4 and 0.2; 0.1 + 0.1·9 = 1.0 and 0.2
     expected = [np.sqrt((2.0**2 + 3.0**2) / 2.0), np.sqrt(2.0**2 / 2.0)]
-    np.testing.assert_allclose(StepTolerance(0.1, 0.1).norms(error, rows, end, scales), expected, rtol=1e-14)
+    norms = StepTolerance(0.1, 0.1).norms(error, rows, end, Sized(scales))
+    np.testing.assert_allclose(norms, expected, rtol=1e-14)
+
+
+def test_a_limit_of_the_scale_holds_for_the_state_alone():
+    """The rows of `test_norms_of_rows`: one error of the state is relative to 1.0 at most, no tangent is."""
+    rows, end = jnp.array([[3.0, 0.0], [1.0, 0.0]]), jnp.array([[1.0, 0.0], [-9.0, 0.0]])
+    system = Sized(jnp.array([1.0, 2.0]), jnp.array([jnp.inf, 1.0]))
+    expected = [[0.1 + 0.1 * 3.0, 0.1], [0.1 + 0.1 * 9.0, 0.2]]
+    allowed = StepTolerance(0.1, 0.1).allowance(jnp.maximum(jnp.abs(rows), jnp.abs(end)), system)
+    np.testing.assert_allclose(allowed, expected, rtol=1e-14)
+
+
+def test_a_limit_of_the_scale_goes_no_further_than_at_1e_5():
+    """1e-7 · (1 + 300) is more than 1e-5 · 1, and less than 1e-5 · 4."""
+    rows = jnp.array([[300.0, 300.0]])
+    system = Sized(jnp.ones(2), jnp.array([1.0, 4.0]))
+    np.testing.assert_allclose(StepTolerance(1e-7, 1e-7).allowance(rows, system), [[1e-5, 301e-7]], rtol=1e-14)
 
 
 def test_the_first_step_of_an_impact():

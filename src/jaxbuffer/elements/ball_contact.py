@@ -12,6 +12,8 @@ from ..multibody import Kinematics, Load, MaterialPoint, Point, System, load_at
 from ..plane import Vector
 from .stiff_terms import ContactTerm, contact_directions, contact_slopes
 
+SLIP_SPEEDS = 10.0  # that errors of a slip are relative to at most (docs/decisions.md)
+
 Segments = Float[Array, " segments"]
 
 
@@ -72,6 +74,15 @@ class BallContact(eqx.Module):
     def spins(self) -> bool:
         """Return whether the ball spins by itself."""
         return self.spin_inertia is not None
+
+    @property
+    def spin_scale_limit(self) -> Scalar:
+        """Return the largest magnitude that errors of the spin of a ball that spins freely may be relative to [rad/s].
+
+        A ball that sticks slips by less than the slip speed, so an error of that size, however small beside its spin,
+        turns the friction round: the hinge force is then off by half of itself, and steps chatter about sticking.
+        """
+        return SLIP_SPEEDS * self.pair.friction.slip_speed / self.pair.radius
 
     @property
     def balanced(self) -> bool:

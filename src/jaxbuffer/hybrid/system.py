@@ -190,6 +190,11 @@ class HybridSystem(eqx.Module):
         """Return the magnitude below which an error in each component of the state does not matter in itself."""
         raise NotImplementedError
 
+    def scale_limits(self) -> State | None:
+        """Return the largest magnitude that an error in each component of the state may be relative to, where a force
+        changes with far less than the component itself; infinite of other components, None if of all."""
+        return None
+
     def invariant(self, state: State, active: Active) -> tuple[Float[Array, ""], Float[Array, ""]]:
         """Return what the motion within a mode does not change, of the order of one, and how much of it may be
         rounding: a step that changes it by more is wrong by that. Both are zero where nothing of the kind is known."""

@@ -574,6 +574,14 @@ class Assembled(ContactSystem):
         rest += [1.0] * self.layout.driven + [speed] * self.impact_contacts
         return jnp.concatenate([place, motion, stacked(rest)])
 
+    def scale_limits(self) -> State | None:
+        places, spinning = self.layout.places, self.layout.spin_inertias
+        if not spinning:
+            return None
+        spins = stacked([self.contacts[k].spin_scale_limit for k in spinning])
+        behind = places["memory"].stop - places["spins"].stop
+        return jnp.pad(spins, (places["spins"].start, behind), constant_values=jnp.inf)
+
     def impact_step(self, state: State) -> Float[Array, ""]:
         """Return a fifteenth of the shortest impact of a contact's ball and its body; 1e-6 s without contacts [s]."""
         # A lossless Hertz impact lasts 3.2 of its law's time scales (M58, M80): a fifth of one is about a fifteenth of

@@ -71,7 +71,7 @@ def take_trial(task: Task[P], state: LoopState) -> Trial:
     with_tangents = state.retaking | ~state.locating & (length < jnp.minimum(touchdown, release))
     # Without tangents there is one branch, and the right-hand side is compiled once.
     step = lax.cond(with_tangents, with_all, state_alone) if tangents.count else state_alone()
-    norms = tolerance.norms(step.error, point.rows, step.end, system.scales())
+    norms = tolerance.norms(step.error, point.rows, step.end, system)
     guards = observe(system, step.end[0], step.rate[0], step.second[0], state.active)
     # An estimate from a few stages may miss what is not smooth between them, a tip that begins to roll say; the
     # invariant shows it. Where it is evaluated anew it may have jumped.
@@ -139,7 +139,7 @@ def _step(
         second = SecondDerivative(near, SPACING * jnp.min(state.step_sizes.steps))
     field = lambda time, at: tangents.field(lambda p, y: task.build(p).derivative(time, y, active))(at)  # noqa: E731
     # columns that are padding are zeros: any allowance does
-    allowance = jnp.maximum(columns(task.options.tolerance.allowance(rows, system.scales())), 1e-300)
+    allowance = jnp.maximum(columns(task.options.tolerance.allowance(rows, system)), 1e-300)
     step = task.options.solver.step(
         method,
         field,

@@ -4,10 +4,14 @@ from typing import NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from ..._types import Scalar
 from ..sensitivity.augmented_state import Rows
+from ..system import HybridSystem
+
+FINEST = 1e-5  # the relative tolerance below which limits of scales stay as they are
 
 
 class StepTolerance(eqx.Module):
@@ -20,9 +24,9 @@ class StepTolerance(eqx.Module):
     rtol: Scalar = 1e-7
     atol: Scalar = 1e-7
 
-    def norms(self, error: Rows, rows: Rows, end: Rows, scales: Float[Array, " state"]) -> Float[Array, " rows"]:
+    def norms(self, error: Rows, rows: Rows, end: Rows, system: HybridSystem) -> Float[Array, " rows"]:
         """Return each row's root mean square of error over allowance; 1 is just allowed."""
-        ratio = error / self.allowance(jnp.maximum(jnp.abs(rows), jnp.abs(end)), scales)
+        ratio = error / self.allowance(jnp.maximum(jnp.abs(rows), jnp.abs(end)), system)
         return jnp.sqrt(jnp.mean(ratio * ratio, axis=-1))
 
     def first_step(self, sensitivities: int) -> Scalar:
@@ -35,9 +39,16 @@ class StepTolerance(eqx.Module):
         looser = jnp.asarray(self.rtol) / 1e-6
         return jnp.clip(0.6 * looser**0.38, 0.0, 1.0) if sensitivities else jnp.clip(looser**0.2, 0.0, 2.5)
 
-    def allowance(self, rows: Rows, scales: Float[Array, " state"]) -> Rows:
-        """Return the error allowed in each number of rows."""
-        return self.atol * scales[None] + self.rtol * jnp.abs(rows)
+    def allowance(self, rows: Rows, system: HybridSystem) -> Rows:
+        """Return the error allowed in each number of rows, of which the first is the state."""
+        allowed = self.atol * system.scales()[None] + self.rtol * jnp.abs(rows)
+        limits = system.scale_limits()
+        if limits is None:
+            return allowed
+        # At tight tolerances what a force changes with is known well enough without a limit, which would double the
+        # steps. Tangents have other units, and no force depends on them.
+        limited = jnp.minimum(allowed, jnp.maximum(self.rtol, FINEST) * limits[None])
+        return jnp.where(np.arange(len(rows))[:, None] == 0, limited, allowed)
 
 
 class StepSizes(NamedTuple):
