@@ -37,6 +37,20 @@ def elasticities_by_differences(design, scenario):
 
 
 @pytest.mark.long
+@pytest.mark.parametrize("seed", [0, 14, 111])
+def test_elasticities_where_a_free_tip_comes_to_stick(seed):
+    """Of the first 120 designs with a free tip three have impacts in which the ball comes to stick and its friction
+    decides the peak: elasticities are off by up to 23 % if errors of its spin are held beside the spin itself."""
+    design, scenario = random_case(seed, free_tip=True)
+    values = [jb.get(design, path) for path in PARAMETERS]
+    linear = gradients(PROBE_CONE, design, scenario, PARAMETERS, values, 8.0)
+    found = np.asarray(linear.gradients[0]) * values / float(linear.results[0])
+    expected, uncertainty = elasticities_by_differences(design, scenario)
+    assert float(uncertainty.max()) < 1e-4
+    np.testing.assert_allclose(found, expected, atol=1e-3 * float(np.abs(expected).max()))
+
+
+@pytest.mark.long
 @pytest.mark.parametrize(("free_tip", "count"), [(False, 50), (True, 10)])
 def test_elasticities_over_random_designs(free_tip, count, capsys):
     errors, wrong_signs, largest = [], 0, 0.0
