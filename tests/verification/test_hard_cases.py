@@ -45,18 +45,18 @@ BOTH_PINS = {
 }
 
 
-@pytest.mark.parametrize("rtol", [1e-3, 3e-4, 1e-4])
+@pytest.mark.parametrize("rtol", [1e-3, 3e-4])
 def test_a_free_tip_that_sticks(rtol):
     """Errors of the ball's spin are held beside the slip speed, so that no step misses that it sticks.
 
     311.865095 N and 0.609287776 s by LSODA, Radau and CVODE at rtol 1e-11 (`benchmarks.stiff`). With errors beside the
-    spin itself 19 817 and 4215 steps are taken at the first two tolerances.
+    spin itself 19 817 and 4215 steps are taken, instead of 2176 and 2701.
     """
     design = jb.replace(jb.table2(), {"probe.free_tip": True, "contact.slip_speed": 1e-5})
     capture = jb.simulate(design, rtol=rtol)
     assert float(capture.peak_force) == pytest.approx(311.865095, rel=1e-5)
     assert float(capture.end_time) == pytest.approx(0.609287776, rel=1e-5)
-    assert int(capture.attempts) < 3600
+    assert int(capture.attempts) < 3300
 
 
 @pytest.mark.parametrize("rtol", [1e-3, 3e-4])

@@ -12,7 +12,7 @@ from ..multibody import Kinematics, Load, MaterialPoint, Point, System, load_at
 from ..plane import Vector
 from .stiff_terms import ContactTerm, contact_directions, contact_slopes
 
-SLIP_SPEEDS = 10.0  # that errors of a slip are relative to at most (docs/decisions.md)
+SLIP_SPEEDS = 10.0  # the largest slip, in slip speeds, that its error may be relative to (docs/decisions.md)
 
 Segments = Float[Array, " segments"]
 
@@ -80,7 +80,7 @@ class BallContact(eqx.Module):
         """Return the largest magnitude that errors of the spin of a ball that spins freely may be relative to [rad/s].
 
         A ball that sticks slips by less than the slip speed, so an error of that size, however small beside its spin,
-        turns the friction round: the hinge force is then off by half of itself, and steps chatter about sticking.
+        changes the sign of its friction: the hinge force is then off by up to half, and steps chatter about sticking.
         """
         return SLIP_SPEEDS * self.pair.friction.slip_speed / self.pair.radius
 

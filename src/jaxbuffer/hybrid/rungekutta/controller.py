@@ -11,7 +11,7 @@ from ..._types import Scalar
 from ..sensitivity.augmented_state import Rows
 from ..system import HybridSystem
 
-FINEST = 1e-5  # the relative tolerance below which limits of scales stay as they are
+FINEST = 1e-5  # the relative tolerance below which limited errors become no smaller
 
 
 class StepTolerance(eqx.Module):
@@ -45,8 +45,8 @@ class StepTolerance(eqx.Module):
         limits = system.scale_limits()
         if limits is None:
             return allowed
-        # At tight tolerances what a force changes with is known well enough without a limit, which would double the
-        # steps. Tangents have other units, and no force depends on them.
+        # At `FINEST` a force is accurate enough; a limit that went on with the tolerance would double the steps.
+        # Tangents have other units, and no force depends on them.
         limited = jnp.minimum(allowed, jnp.maximum(self.rtol, FINEST) * limits[None])
         return jnp.where(np.arange(len(rows))[:, None] == 0, limited, allowed)
 
