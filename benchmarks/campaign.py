@@ -8,12 +8,14 @@ study it prints how the runs ended and in how many a reported maximum is
   largest and smallest value ("missed"), and in how many of these `jb.simulate` misses it too in a run that `jb.trust`
   calls trusted ("silently").
 
+It also counts runs whose energy is off by more than 1e-6 of the initial. A study with any parts draws structures too:
+which optional parts a design has, each of them once alone and then combined at random.
+
 The runs concerned are listed by their numbers; ``--only NUMBER`` prints everything about one of them.
 """
 
 import collections
 import dataclasses
-from collections.abc import Iterator
 from typing import Annotated, Any
 
 import jax
@@ -31,40 +33,13 @@ from jaxbuffer.run.stepper import run_of, stepped
 from jaxbuffer.run.trust import trust
 
 from .names import chosen
+from .optional_parts import CRANK_PARTS, DOCKING_PARTS, DROP_PARTS, Ranges, Structure, structures
 
-RUNS = 10_000
+RUNS, STRUCTURES = 10_000, 60
 STEPS = 6000  # accepted steps looked at
 BELOW_HISTORY, MISSED = 1e-4, 1e-3  # relative
+UNBALANCED = 1e-6  # of the initial energy
 TIGHT = 1e-9
-Ranges = dict[str, tuple[float, float]]
-
-
-@dataclasses.dataclass(frozen=True)
-class Study:
-    """A structure of a mechanism with ranges: drawn evenly in the logarithm, or evenly; ``duration`` [s]."""
-
-    design: Part
-    scenario: Part
-    duration: float
-    logarithmic: Ranges
-    even: Ranges
-
-    def drawn(self, count: int, seed: int) -> Iterator[tuple[Any, Any]]:
-        """So many designs and scenarios, always the same for a seed; those out of range are left out."""
-        rng = np.random.default_rng(seed)
-        for _ in range(count):
-            values = {path: float(np.exp(rng.uniform(*np.log(ends)))) for path, ends in self.logarithmic.items()}
-            values |= {path: float(rng.uniform(*ends)) for path, ends in self.even.items()}
-            met = {path.removeprefix("scenario."): x for path, x in values.items() if path.startswith("scenario.")}
-            parts = {path: x for path, x in values.items() if not path.startswith("scenario.")}
-            try:
-                design, scenario = jb.replace(self.design, parts), jb.replace(self.scenario, met)
-                mechanism_of(design).check_fit(design, scenario)
-            except jb.InputError:
-                continue
-            yield design, scenario
-
-
 DOCKING: Ranges = {
     "active.mass": (10.0, 2000.0),  # kg
     "active.inertia": (0.3, 1e6),  # kg m²
@@ -114,22 +89,22 @@ DROP: Ranges = {
 DROP_EVEN: Ranges = {"impact.restitution": (0.3, 0.99)}
 
 
-def docking(**changes: Any) -> Study:
+def docking(**changes: Any) -> Structure:
     """A docking probe in its cone."""
-    return Study(jb.replace(jb.table2(), changes), jb.Scenario(), 8.0, DOCKING, DOCKING_EVEN)
+    return Structure(jb.replace(jb.table2(), changes), jb.Scenario(), 8.0, DOCKING, DOCKING_EVEN)
 
 
-def crank(**changes: Any) -> Study:
+def crank(**changes: Any) -> Structure:
     """A slider-crank with play."""
     design = jb.replace(jb.SliderCrank(), {path.replace("__", "."): value for path, value in changes.items()})
-    return Study(design, jb.SliderCrankScenario(), 0.01, CRANK, CRANK_EVEN)
+    return Structure(design, jb.SliderCrankScenario(), 0.01, CRANK, CRANK_EVEN)
 
 
-def drop(**modes: int) -> Study:
+def drop(**modes: int) -> Structure:
     """A bar dropped on a plate by the Lankarani-Nikravesh law."""
     law = {"impact.law": "lankarani-nikravesh", "impact.exponent": 1.5, "impact.stiffness": 6.8e9}
     design = jb.replace(jb.BarDrop(), law | {f"{part}.modes": count for part, count in modes.items()})
-    return Study(design, jb.BarDropScenario(), 0.3, DROP, DROP_EVEN)
+    return Structure(design, jb.BarDropScenario(), 0.3, DROP, DROP_EVEN)
 
 
 STUDIES = {
@@ -140,12 +115,27 @@ STUDIES = {
     "bar drop": drop,
     "bar drop, bending plate": lambda: drop(plate=5),
 }
+# Of each mechanism the study whose structure is changed by optional parts, and these.
+ANY_PARTS = {
+    "docking, any parts": ("docking", DOCKING_PARTS),
+    "slider-crank, any parts": ("slider-crank", CRANK_PARTS),
+    "bar drop, any parts": ("bar drop", DROP_PARTS),
+}
+TITLES = (*STUDIES, *ANY_PARTS)
+
+
+def studies_of(title: str, count: int, seed: int) -> list[Structure]:
+    """The structures of a study: one, or of those with any parts so many random ones."""
+    if title in STUDIES:
+        return [STUDIES[title]()]
+    base, parts = ANY_PARTS[title]
+    return list(structures(STUDIES[base](), parts, count, seed))
 
 
 @jax.jit
 def _measured(given: Request) -> tuple[Any, ...]:
     """Of a run: outcome, touchdowns, accepted steps, reported maxima, the range of their observables, and the largest
-    values at accepted steps."""
+    values at accepted steps, and the error of the energy."""
     result = stepped(given)
     run = run_of(given._replace(options=dataclasses.replace(given.options, keep=0)), result)
     system = given.system
@@ -162,7 +152,7 @@ def _measured(given: Request) -> tuple[Any, ...]:
     taken = (slots < steps.count)[:, None]
     highest, lowest = (jnp.max(jnp.where(taken, sign * values, -jnp.inf), axis=0) for sign in (1.0, -1.0))
     reported = jnp.stack([run.peak_force, *(run.maxima[name] for name in system.observed[contacts:])])
-    return run.code, run.impact_count, run.accepted, reported, highest + lowest, highest
+    return run.code, run.impact_count, run.accepted, reported, highest + lowest, highest, run.balance.energy
 
 
 def measured(design: Part, scenario: Part, duration: float, rtol: float = 1e-6) -> tuple[Any, ...]:
@@ -189,39 +179,55 @@ def sizes(extent: np.ndarray, history: np.ndarray) -> np.ndarray:
     return np.clip(np.abs(history), 1e-6 * extent, extent)
 
 
-def campaign(title: str, study: Study, count: int, seed: int) -> int:
-    """Run a study and print its counts; return how many runs are below their history or missed silently."""
+def campaign(title: str, studies: list[Structure], count: int, seed: int) -> int:
+    """Run studies, ``count`` designs in all, and print their counts; return how many runs are below their history or
+    missed silently."""
     ended: collections.Counter[str] = collections.Counter()
-    low: list[str] = []
-    missed: list[str] = []
-    silent: list[str] = []
-    progress, done = counted(True, "run"), 0
-    for number, (design, scenario) in enumerate(study.drawn(count, seed)):
-        code, impacts, _, reported, size, history = measured(design, scenario, study.duration)
-        outcome = mechanism_of(design).outcomes(int(code))
-        ended[outcome.name] += 1
-        done += 1
-        if progress is not None:
-            progress(number + 1, count)
-        if outcome.failed:
-            continue
-        called = names(design, scenario)
-        short = below(reported, history, sizes(size, history))
-        low += [f"{number} {name} {x:.1e}" for name, x in zip(called, short, strict=True) if x > BELOW_HISTORY]
-        tight = measured(design, scenario, study.duration, TIGHT)
-        if (int(tight[0]), int(tight[1])) != (int(code), int(impacts)):
-            continue
-        short = below(reported, tight[3], size)
-        wrong = [f"{number} {name} {x:.1e}" for name, x in zip(called, short, strict=True) if x > MISSED]
-        missed += wrong
-        if wrong:
-            trusted = _trusted_maxima(design, scenario, study.duration)
-            short = below(trusted, tight[3], size) if trusted is not None else np.zeros_like(size)
-            silent += [f"{number} {name} {x:.1e}" for name, x in zip(called, short, strict=True) if x > MISSED]
+    lists: dict[str, list[str]] = {"below its history": [], "missed": [], "missed silently": []}
+    unbalanced: list[str] = []
+    each, progress, done = -(-count // len(studies)), counted(True, "run"), 0
+    for k, study in enumerate(studies):
+        for number, (design, scenario) in enumerate(study.drawn(each, seed + k)):
+            label = f"{number}" if len(studies) == 1 else f"{k}:{number} ({', '.join(study.parts)})"
+            outcome, energy, shortfalls = _shortfalls(design, scenario, study.duration)
+            ended[outcome.name] += 1
+            done += 1
+            if progress is not None:
+                progress(k * each + number + 1, each * len(studies))
+            if outcome.failed:
+                lists.setdefault("failed", []).append(label)
+                continue
+            if energy > UNBALANCED:
+                unbalanced.append(f"{label} {energy:.1e}")
+            for heading, cases in shortfalls.items():
+                lists[heading] += [f"{label} {case}" for case in cases]
+        jax.clear_caches()  # the programs of one structure serve no other
     print(f"{title}: {done} runs, {', '.join(f'{n} {name}' for name, n in ended.most_common())}")
-    for heading, cases in (("below its history", low), ("missed", missed), ("missed silently", silent)):
-        print(f"  {heading}: {len({case.split()[0] for case in cases})}  {'; '.join(cases[:8])}")
-    return len(low) + len(silent)
+    for heading, cases in (lists | {f"energy off by more than {UNBALANCED:g}": unbalanced}).items():
+        runs = len({case.rsplit(" ", 2)[0] for case in cases})
+        print(f"  {heading}: {runs}  {'; '.join(cases[:8])}", flush=True)
+    return len(lists["below its history"]) + len(lists["missed silently"])
+
+
+def _shortfalls(design: Part, scenario: Part, duration: float) -> tuple[Any, float, dict[str, list[str]]]:
+    """Of one run: its outcome, the error of its energy, and which maxima are short, by heading."""
+    code, impacts, _, reported, size, history, energy = measured(design, scenario, duration)
+    outcome = mechanism_of(design).outcomes(int(code))
+    if outcome.failed:
+        return outcome, 0.0, {}
+    called = names(design, scenario)
+    short = below(reported, history, sizes(size, history))
+    result = {"below its history": [f"{n} {x:.1e}" for n, x in zip(called, short, strict=True) if x > BELOW_HISTORY]}
+    tight = measured(design, scenario, duration, TIGHT)
+    if (int(tight[0]), int(tight[1])) != (int(code), int(impacts)):
+        return outcome, abs(float(energy)), result
+    short = below(reported, tight[3], size)
+    result["missed"] = [f"{name} {x:.1e}" for name, x in zip(called, short, strict=True) if x > MISSED]
+    if result["missed"]:
+        trusted = _trusted_maxima(design, scenario, duration)
+        short = below(trusted, tight[3], size) if trusted is not None else np.zeros_like(size)
+        result["missed silently"] = [f"{name} {x:.1e}" for name, x in zip(called, short, strict=True) if x > MISSED]
+    return outcome, abs(float(energy)), result
 
 
 def _trusted_maxima(design: Part, scenario: Part, duration: float) -> np.ndarray | None:
@@ -235,27 +241,30 @@ def _trusted_maxima(design: Part, scenario: Part, duration: float) -> np.ndarray
     return np.array([run.peak_force, *(run.maxima[name] for name in names(design, scenario)[1:])])
 
 
-def show(study: Study, number: int, seed: int) -> None:
+def show(study: Structure, number: int, seed: int) -> None:
     """Print the numbers of one run and its maxima, reported, at accepted steps and tight."""
     design, scenario = dict(enumerate(study.drawn(number + 10_000, seed)))[number]
     for rtol in (1e-6, 1e-7, TIGHT):
-        code, impacts, accepted, reported, _, history = measured(design, scenario, study.duration, rtol)
-        print(f"rtol {rtol:g}: {mechanism_of(design).outcomes(int(code)).name}, {impacts} impacts, {accepted} steps")
+        code, impacts, accepted, reported, _, history, energy = measured(design, scenario, study.duration, rtol)
+        outcome = mechanism_of(design).outcomes(int(code)).name
+        print(f"rtol {rtol:g}: {outcome}, {impacts} impacts, {accepted} steps, energy off by {float(energy):.1e}")
         for name, value, highest in zip(names(design, scenario), reported, history, strict=True):
             print(f"  {name:20} reported {value:.9g}, at accepted steps {highest:.9g}")
     print(design, scenario, sep="\n")
 
 
 def main(
-    mechanism: Annotated[list[str] | None, typer.Option(help=f"study (default: all): {', '.join(STUDIES)}")] = None,
+    mechanism: Annotated[list[str] | None, typer.Option(help=f"study (default: all): {', '.join(TITLES)}")] = None,
     runs: int = RUNS,
+    structures: Annotated[int, typer.Option(help="random structures of a study with any parts")] = STRUCTURES,
     seed: int = 0,
     only: Annotated[int | None, typer.Option(help="print everything about one run of the study")] = None,
+    structure: Annotated[int, typer.Option(help="of which structure that run is")] = 0,
 ) -> int:
     """Run what the command line asks for; the exit status."""
-    titles = chosen(mechanism, STUDIES, "study")
+    titles = chosen(mechanism, TITLES, "study")
     jb.configure()
     if only is not None:
-        show(STUDIES[titles[0]](), only, seed)
+        show(studies_of(titles[0], structures, seed)[structure], only, seed + structure)
         return 0
-    return int(sum(campaign(title, STUDIES[title](), runs, seed) for title in titles) > 0)
+    return int(sum(campaign(title, studies_of(title, structures, seed), runs, seed) for title in titles) > 0)

@@ -75,7 +75,7 @@ def drawn(title, numbers):
 def test_no_accepted_step_exceeds_a_maximum_of_the_campaign(title):
     study, cases = drawn(title, CASES[title])
     for number, case in cases.items():
-        *_, reported, size, history = measured(*case, study.duration)
+        *_, reported, size, history, _ = measured(*case, study.duration)
         assert np.max(below(reported, history, sizes(size, history))) <= BELOW_HISTORY, number
 
 

@@ -136,8 +136,8 @@ class Buffer(Element):
     def stiffness_at_rest(self) -> Scalar:
         """Return the stiffness of its spring at its free length [N/m]."""
         curve = self.force.spring_curve if isinstance(self.force, BufferForce) else None
-        # A measured curve begins at (0, 0): its first secant is about its slope there.
-        return self.force.stiffness if curve is None else curve.values[0] / curve.places[0]
+        # A measured curve begins at (0, 0), its first point: the secant from there to the next one is about its slope.
+        return self.force.stiffness if curve is None else curve.values[1] / curve.places[1]
 
     @property
     def _rubs(self) -> bool:

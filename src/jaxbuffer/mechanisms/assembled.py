@@ -6,7 +6,9 @@ from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple, TypeVar
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float, Int
 
 from .._types import Scalar, stacked
@@ -14,7 +16,7 @@ from ..elements import BallContact as BallContact
 from ..elements import ContactForces, Element, Magnitudes, Oscillators
 from ..elements.element import ROUNDED_LENGTH
 from ..elements.stiff_terms import inverse_masses
-from ..errors import InputError
+from ..errors import InputError, concrete
 from ..hybrid import Linearisation
 from ..multibody import Kinematics, Motion, System
 from .energy import Energy
@@ -128,6 +130,31 @@ class Assembled(ContactSystem):
             raise InputError("quiet is of bodies that nothing holds to the ground: give momentum_size [kg m/s] too")
         if sum(isinstance(element, Oscillators) for element in self.elements) > 1:
             raise InputError("there are several Oscillators: put all of them into one, which implicit steps then know")
+        self._check_magnitudes()
+
+    def _check_magnitudes(self) -> None:
+        """Raise `InputError` for a threshold, scale or tolerance that is no number: NaN is below and above nothing, so
+        that what is compared with it is decided without a word. Traced numbers have no values to look at."""
+        leaves = jax.tree.leaves((self.system, self.q, self.v, self.contacts, self.elements, self.size, self.parts))
+        if any(isinstance(leaf, jax.core.Tracer) or np.ndim(leaf) > np.ndim(self.q) for leaf in leaves):
+            return
+        # A threshold may be -∞, a limit ∞ and a number that nothing stands for None; NaN is wrong everywhere.
+        magnitudes: dict[str, tuple[Any, bool]] = {
+            **{f"negligible of {name}": (x, True) for name, x in zip(self.observed, self.negligible(), strict=True)},
+            "scales": (self.scales(), False),
+            "scale_limits": (self.scale_limits(), True),
+            "typical_speed": (self.typical_speed, False),
+            "energy_scale": (self.energy_scale, False),
+            "momentum_scale": (self.momentum_scale, False),
+            "tolerance_share": (self.tolerance_share, False),
+            "invariant_change": (self.invariant_change, False),
+            "quiet": (self.quiet, False),
+            "memory_time": (self.memory_time, False),
+        }
+        for name, (value, unbounded) in magnitudes.items():
+            array = None if value is None else concrete(value)
+            if array is not None and not np.all(~np.isnan(array) if unbounded else np.isfinite(array)):
+                raise InputError(f"{name} of the assembled mechanism is {array}: give the elements finite numbers")
 
     # --- the state's layout -------------------------------------------------------------------------------------------
 
