@@ -1,6 +1,8 @@
 """Random designs far wider than an engineer would search: how many captures end how, and how well they keep energy.
 
 `python -m benchmarks wide [--count N]`; 2000 of them by default, half with a free tip, each of 8 s at default settings.
+Designs with any of the optional parts are those of `python -m benchmarks campaign --mechanism "docking, any parts"`,
+which counts their outcomes and their errors of energy too.
 """
 
 import collections

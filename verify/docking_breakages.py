@@ -16,7 +16,17 @@ FIRST = "tests/verification/test_first_impact.py::test_two_materials"
 MATERIALS = "tests/docking/test_two_materials.py::test_every_law_with_a_stiffness_takes_both_materials[hertz]"
 SWING = "tests/docking/test_oscillators.py::test_a_half_sine_in_any_direction_by_closed_form"
 RUBBER = "tests/elements/test_rubber_stop.py::test_a_mass_into_rubber_by_energy"
+CURVED = (
+    "tests/verification/test_optional_parts.py"
+    "::test_a_largest_value_under_a_measured_curve_is_no_less_than_its_own_history"
+)
 PRINTED = "tests/verification/test_printed_forces.py::test_the_programs_published_forces_are_the_corrected_ones"
+
+
+def _threshold_of_nothing() -> None:
+    from jaxbuffer.elements import Buffer
+
+    Buffer.stiffness_at_rest = float("nan")
 
 
 def _one_body() -> None:
@@ -118,6 +128,7 @@ DOCKING = (
     Breakage("printed damper", "equation 10's damper damps the length alone", _along_the_spring, (PRINTED,)),
     Breakage("rebound inwards", "the rebound factor on the way in", _rebound_inwards, (FORMULAS,)),
     Breakage("one material", "the cone of the tip's material, whatever its own", _one_material, (MATERIALS, FIRST)),
+    Breakage("threshold of nothing", "the threshold of a force's rounding is NaN", _threshold_of_nothing, (CURVED,)),
     Breakage("flat curve", "a measured curve is constant beyond its last point", _flat_curve, (STRAIGHT,)),
     Breakage("soft rubber", "an end stop of rubber that does not stiffen", _soft_rubber, (RUBBER,)),
     Breakage("torn unseen", "latches hold whatever pulls at them", _untearable, (TORN,)),

@@ -1,6 +1,8 @@
 """A probe that bends (M108): frequencies, limits, first impact, gradients and balance against closed forms and an
 independent program."""
 
+from types import SimpleNamespace
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -10,6 +12,7 @@ from scipy.optimize import brentq
 
 import jaxbuffer as jb
 from jaxbuffer import InputError, replace, table2, with_bending
+from jaxbuffer.mechanisms.probe_cone.bending import Bending
 from verification.exact_bending import BendingModel
 
 FIRST = 1e-3  # s, longer than a first impact
@@ -186,3 +189,11 @@ def test_helpers_refuse_what_makes_no_sense():
         with_bending(table2(), 5.0, -1.0)
     with pytest.raises(InputError, match="the probe does not bend"):
         jb.bending_frequencies(table2())
+
+
+@pytest.mark.parametrize(("ratio", "said"), [(0.0, True), (0.02, False)])
+def test_undamped_bending_is_said_to_let_errors_grow(ratio, said):
+    run = SimpleNamespace(
+        design=soft(50.0, damping_ratio=ratio), bending=0.0, first_impact=SimpleNamespace(duration=1.0)
+    )
+    assert any("errors may grow" in line for line in Bending().warnings(run)) == said

@@ -15,7 +15,7 @@ from .ball_contact import BallContact, BallState, ContactForces
 from .element import Closed, Element, EnergyShare, Own, Switch
 from .picture import Level, Panel, PanelCurve
 from .stiff_terms import ContactTerm
-from .telling import largest
+from .telling import BY_HOW_MUCH, largest
 
 SMALL = 0.1  # of the pin's radius squared: up to here the area that it touches counts as small
 
@@ -91,13 +91,19 @@ class Pin(Element):
         ]
 
     def warnings(self, run: Any) -> list[str]:
-        """Return a line if the pin goes beyond Hertz's contact, which holds while the radius of the area it touches is
-        small against the pin's: √(R δ) ≤ √(0.1) R_pin, with R of M54."""
+        """Return a line on how errors grow as the pin bounces, and one if the pin goes beyond Hertz's contact, which
+        holds while the radius of the area it touches is small against the pin's: √(R δ) ≤ √(0.1) R_pin, with R of
+        M54."""
+        bounces = (
+            f"errors may grow: the pin bounces in its play, and in about one run of ten forces of the {self.stored_in}"
+            f" are off by over 0.1 %; {BY_HOW_MUCH}"
+        )
         pin, bush, depth = self._sizes(run)
         square = pin * bush / (bush - pin) * depth
         if not square > SMALL * pin**2:
-            return []
+            return [bounces]
         return [
+            bounces,
             f"{BEYOND_LAW}the pin touches its bush on an area with a radius of {1e3 * math.sqrt(square):.3g} mm,"
             f" not small against its own of {1e3 * pin:.3g} mm; the play is too small for Hertz's law"
         ]

@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 
+BY_HOW_MUCH = "the command simulate and jb.trust say by how much"  # after a warning that errors may grow
+
 
 def largest(run: Any, name: str) -> float:
     """Return the largest value of an observable, by its name; NaN where the run has none."""

@@ -9,6 +9,7 @@ from jaxtyping import Array, Float
 
 from ..._types import Scalar
 from ...elements import Element, EnergyShare, Panel, PanelCurve
+from ...elements.telling import BY_HOW_MUCH
 from ...errors import InputError, check_single, check_type
 from ...fields import NON_NEGATIVE, POSITIVE, replace
 from ...multibody.flexible import Bar, FlexibleBar, cantilever_bar
@@ -128,6 +129,12 @@ class Bending(Element):
             lines.append(
                 f"outside the linear theory of bending: the tip bends {1e3 * bent:.3g} mm off the probe's axis, more"
                 f" than a tenth of its length of {1e3 * length:.3g} mm"
+            )
+        if float(probe.bending_damping) == 0.0:
+            # Each impact meets a ringing that all earlier ones have left, so that their errors add up (M108).
+            lines.append(
+                "errors may grow: the probe's bending is not damped (probe.bending_damping = 0 s) and rings on through"
+                f" all impacts; its forces may be off by per cents at any tolerance; {BY_HOW_MUCH}"
             )
         highest, duration = float(bending_frequencies(run.design)[-1]), float(run.first_impact.duration)
         # A free start has no closed form: its NaN is not below the limit, and warns of nothing.
