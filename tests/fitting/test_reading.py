@@ -26,6 +26,8 @@ def read(tmp_path, text, channels=CHANNELS, **others):
         "\ufeff" + PLAIN.replace("\n", "\r\n"),
         "a [m/s2];comment;stroke [mm];time [s]\n0,5;x;1;0\n\n0,25;y;2;0,1\n-1e-1;;3;0,2\n",
         '"stroke [mm]","time [s]","a [m/s2]"\n1,0,0.5\n2,0.1,0.25\n3,0.2,-0.1\n',
+        '"stroke [mm]", "time [s]", "a [m/s2]"\n1, 0, 0.5\n2, 0.1, 0.25\n3, 0.2, -0.1\n',
+        "# bench 3\n" + PLAIN.replace("0.1,2", "# a comment\n0.1,2"),
     ],
 )
 def test_delimiters_decimal_commas_and_any_order_give_the_same(tmp_path, text):
@@ -42,6 +44,35 @@ def test_units_are_those_of_the_headings(tmp_path):
     test = read(tmp_path, text, channels, time="t [ms]")
     assert test.times[1] == pytest.approx(0.005) and test.values["angle [deg]"][1] == pytest.approx(np.pi)
     assert test.values["stroke"][1] == 0.2
+
+
+@pytest.mark.parametrize("heading", ["stroke [mm]", "stroke (mm)", "stroke / mm", "stroke/mm", '"stroke\n[mm]"'])
+def test_a_unit_counts_in_brackets_and_behind_a_slash(tmp_path, heading):
+    test = read(tmp_path, PLAIN.replace("stroke [mm]", heading), {heading.strip('"'): jb.Channel("stroke")})
+    assert np.allclose(test.values[heading.strip('"')], [1e-3, 2e-3, 3e-3])
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("time [s]\tstroke [mm]\n0.050\t1,194\n0.1\t3\n", 'line 2, column "stroke [mm]": 1,194 beside line 2, column'),
+        ("time [s];stroke [mm]\n0;1,5\n1;2\n2;3.5\n", 'line 4, column "stroke [mm]": 3.5 beside line 2, column'),
+        ("time [s];stroke [mm]\n0;1.194,5\n1;2\n", "line 2: column \"stroke [mm]\" has '1.194,5', which is not a"),
+    ],
+)
+def test_a_file_has_one_decimal_mark(tmp_path, text, said):
+    with pytest.raises(jb.InputError) as caught:
+        read(tmp_path, text, {"stroke [mm]": jb.Channel("stroke")})
+    assert said in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("heading", "said"), [("a (filtered)", "filtered"), ("a [g]", "g is a gram; multiply"), ("a / V", "V")]
+)
+def test_what_names_no_unit_is_refused(tmp_path, heading, said):
+    with pytest.raises(jb.InputError) as caught:
+        read(tmp_path, PLAIN.replace("a [m/s2]", heading), {heading: jb.Channel("active_acceleration_x")})
+    assert said in str(caught.value)
 
 
 @pytest.mark.parametrize(

@@ -30,7 +30,8 @@ PRICE, MASS = "price", "mass"  # of a part, which no field of the design is
 TOTALS = (PRICE, MASS)
 FILE = "file"  # the key that names a CSV file
 EXAMPLE = 'S1 = {buffer.k_A = "500 N/m", price = 12}'
-AMOUNT = re.compile(r"\s*([-+]?[0-9.]+(?:[eE][-+]?\d+)?)\s*(\D.*?)?\s*")
+# The word begins with a letter or a sign of money: ",50 EUR" of "9,50 EUR" is none.
+AMOUNT = re.compile(r"\s*([-+]?[0-9.]+(?:[eE][-+]?\d+)?)\s*((?:[^\W\d_]|[$€£¥])\D*?)?\s*")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -263,6 +264,6 @@ def _amount(cell: CatalogueCell) -> tuple[float, str]:
     match = AMOUNT.fullmatch(cell.value) if isinstance(cell.value, str) else None
     number, symbol = (float(match[1]), match[2] or "") if match else (as_number(cell.value), "")
     if type(number) is not float:
-        raise InputError(f'{cell.where} = {shown(cell.value)} is no price; write 12 or "12 EUR"')
+        raise InputError(f'{cell.where} = {shown(cell.value)} is no price; write 12.5 or "12.5 EUR"')
     check_number(cell.where, number, symbol or "-", **NON_NEGATIVE)
     return number, symbol

@@ -105,7 +105,7 @@ class Pin(Element):
         return [
             bounces,
             f"{BEYOND_LAW}the pin touches its bush on an area with a radius of {1e3 * math.sqrt(square):.3g} mm,"
-            f" not small against its own of {1e3 * pin:.3g} mm; the play is too small for Hertz's law"
+            f" not small against its own of {1e3 * pin:.3g} mm; the play is too small for Hertz's law",
         ]
 
     @property

@@ -1,6 +1,7 @@
 """`fit`: the numbers of a design that measured tests tell."""
 
 import dataclasses
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -86,8 +87,21 @@ def checked(
         )
     return variables, [
         _prediction(design, scenario, recording, [it.path for it in variables], duration, rtol)
-        for recording in recordings
+        for recording in _distinct(recordings)
     ]
+
+
+def _distinct(recordings: Sequence[Recording]) -> list[Recording]:
+    """Return the tests with a number behind each name that several have: results go by a test's name."""
+    for recording in recordings:
+        check_type("measurements", recording, Recording, "jb.read_recording(file, channels)")
+    counts, numbers = Counter(it.name for it in recordings), Counter[str]()
+    distinct = []
+    for recording in recordings:
+        numbers[recording.name] += 1
+        suffix = f" ({numbers[recording.name]})" if counts[recording.name] > 1 else ""
+        distinct.append(dataclasses.replace(recording, name=recording.name + suffix))
+    return distinct
 
 
 def _variable(design: Part, path: str, given: Any) -> Variable:
@@ -128,7 +142,6 @@ def _prediction(
     design: Part, scenario: Part, recording: Recording, paths: Sequence[str], duration: float, rtol: float
 ) -> Prediction:
     """Return a test's prediction, once its quantities and its length are known to be right."""
-    check_type("measurements", recording, Recording, "jb.read_recording(file, channels)")
     own = scenario if recording.scenario is None else recording.scenario
     mechanism = mechanism_of(design)
     check_pair(mechanism, design, own)

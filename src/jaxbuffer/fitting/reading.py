@@ -1,8 +1,9 @@
 """Reading a measured test from a table: commas, semicolons or tabs, decimal commas, units in the headings."""
 
 import csv
+import io
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -15,19 +16,41 @@ from ..value_text import is_plain
 from .recording import Bounds, Channel, Recording
 
 UNIT = re.compile(r"\[([^\[\]]*)\]")
+OTHER_UNIT = re.compile(r"\(([^()]*)\)\s*$|/\s*([^/\s][^/]*)$")  # of a heading without brackets: "gap (mm)", "gap / mm"
+MARKED = re.compile(r"[-+]?\d*([.,])\d*(?:[eE][-+]?\d+)?")  # a number with a decimal mark
 DIGIT = re.compile(r"(?<=[A-Za-zµ])(\d)")  # of a power, as in m/s2
 HEADER = 1  # its line
 
 
 class CsvTable(NamedTuple):
-    """A table as text: ``file``; ``headings``; ``rows`` of cells with the ``lines`` that they stand in; whether numbers
-    have a decimal ``comma``."""
+    """A table as text: ``file``; ``headings``; ``rows`` of cells with the ``lines`` that they stand in; the decimal
+    ``mark`` of its numbers."""
 
     file: str
     headings: list[str]
     rows: list[list[str]]
     lines: list[int]
-    comma: bool
+    mark: str = "."
+
+    def with_mark(self, names: Sequence[str]) -> "CsvTable":
+        """Return the table with the decimal mark that the first number with one has in the columns of these names.
+
+        **Raises:** `InputError` that names line and column of a number with the other mark: one of both is then a
+        mark of thousands, and nothing says which.
+        """
+        first: tuple[str, str] | None = None
+        for name in names:
+            for k, cell in enumerate(self.column(name)):
+                match = MARKED.fullmatch(cell.strip())
+                if match is None:
+                    continue
+                here = f'line {self.lines[k]}, column "{name}": {cell.strip()}'
+                if first is not None and match[1] != first[0]:
+                    raise InputError(
+                        f"{self.file}, {here} beside {first[1]}: a file has one decimal mark, and no mark of thousands"
+                    )
+                first = first or (match[1], here)
+        return self if first is None else self._replace(mark=first[0])
 
     def column(self, name: str) -> list[str]:
         """Return the cells of a column. **Raises:** `InputError` for one that is not there."""
@@ -43,7 +66,7 @@ class CsvTable(NamedTuple):
         return factor * np.array([self._number(name, k, cell) for k, cell in enumerate(self.column(name))])
 
     def _number(self, name: str, k: int, cell: str) -> float:
-        text = cell.strip().replace(",", ".") if self.comma else cell.strip()
+        text = cell.strip().replace(",", ".") if self.mark == "," else cell.strip()
         try:
             number = float(text)
         except ValueError:
@@ -66,7 +89,8 @@ def read_recording(
     """Read a measured test from a table in a file.
 
     Columns may stand in any order, between commas, semicolons or tabs; with the latter two numbers may have a decimal
-    comma. A heading's unit stands in brackets, "stroke [mm]"; without one it is the quantity's.
+    comma, all of them. A heading's unit stands in brackets, "stroke [mm]", "stroke (mm)", or behind a slash, "stroke /
+    mm"; without one it is the quantity's. Lines that begin with # are comments.
 
     **Arguments:**
 
@@ -91,7 +115,7 @@ def read_recording(
     (array([0.  , 0.05]), array([0.194 , 0.1817]))
     """
     path = user_path(file)
-    table = _table(path)
+    table = _table(path).with_mark([time, *channels])
     times = table.numbers(time, _factor(table, time, "s"))
     for k, step in enumerate(np.diff(times), 1):
         if step <= 0.0:
@@ -126,25 +150,37 @@ def _table(path: Path) -> CsvTable:
         raise InputError(f"{path} is not text in UTF-8") from None
     except OSError as error:
         raise InputError(f"{path}: {error.strerror}") from None
-    # Numbered before empty lines are dropped, because messages name the file's own lines.
-    numbered = [(k, line) for k, line in enumerate(text.splitlines(), 1) if line.strip()]
-    if len(numbered) < 3:
-        raise InputError(f"{path} needs a line of headings and two rows or more")
-    head = numbered[0][1]
+    # Comments stay as empty lines, so that messages name the file's own lines.
+    lines = ["" if line.lstrip().startswith("#") else line for line in text.splitlines()]
+    head = next((line for line in lines if line.strip()), "")
     # A comma may also be a decimal one where tabs or semicolons part the cells, so it is the last to be tried.
     delimiter = "\t" if "\t" in head else ";" if ";" in head else ","
-    cells = list(csv.reader((line for _, line in numbered), delimiter=delimiter))
-    headings = [cell.strip() for cell in cells[0]]
+    numbered = list(_cells(str(path), "\n".join(lines), delimiter))
+    if len(numbered) < 3:
+        raise InputError(f"{path} needs a line of headings and two rows or more")
+    (first, headings), *rows = numbered
     for name in headings:
         if headings.count(name) > 1:
-            raise InputError(f'{path}, line {numbered[0][0]}: column "{name}" is there twice; keep one')
-    rows, lines = cells[1:], [k for k, _ in numbered[1:]]
-    for row, line in zip(rows, lines, strict=True):
+            raise InputError(f'{path}, line {first}: column "{name}" is there twice; keep one')
+    for line, row in rows:
         if len(row) != len(headings):
             raise InputError(
-                f"{path}, line {line} has {len(row)} cells, and line {numbered[0][0]} names {len(headings)} columns"
+                f"{path}, line {line} has {len(row)} cells, and line {first} names {len(headings)} columns"
             )
-    return CsvTable(str(path), headings, rows, lines, delimiter != ",")
+    return CsvTable(str(path), headings, [row for _, row in rows], [line for line, _ in rows])
+
+
+def _cells(file: str, text: str, delimiter: str) -> Iterator[tuple[int, list[str]]]:
+    """Yield the first line and the cells of each row that is not empty; a quoted cell may have line breaks."""
+    reader, line = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter, skipinitialspace=True), 1
+    try:
+        for row in reader:
+            cells = [cell.strip() for cell in row]
+            if any(cells):
+                yield line, cells
+            line = reader.line_num + 1
+    except csv.Error as error:
+        raise InputError(f"{file}, line {line}: {error}") from None
 
 
 def _unit(table: CsvTable, name: str) -> str:
@@ -152,6 +188,8 @@ def _unit(table: CsvTable, name: str) -> str:
     units: Sequence[Any] = UNIT.findall(name)
     if len(units) > 1:
         raise InputError(f'{table.file}, line {HEADER}: column "{name}" has two units; keep one')
+    if not units and (other := OTHER_UNIT.search(name)):
+        units = [other[1] or other[2] or ""]
     return DIGIT.sub(r"^\1", units[0].strip()) if units else ""
 
 
@@ -161,4 +199,6 @@ def _factor(table: CsvTable, name: str, unit: str) -> float:
     if not given or is_plain(given) or given == unit:
         return 1.0
     where = f'{table.file}, line {HEADER}: column "{name}"'
+    if given in ("g", "G") and unit == "m/s²":
+        raise InputError(f"{where}: g is a gram; multiply the column by 9.80665 and write [m/s^2]")
     return float(in_unit(where, f"1 {given}", unit))
