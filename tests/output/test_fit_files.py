@@ -33,3 +33,12 @@ def test_what_is_of_one_of_several_tests_is_named_by_it(tmp_path):
 def test_a_number_at_its_bound_is_told():
     shown = str(made_up_fit())
     assert "at high bound" in shown and "655.400 to 655.600" in shown and "0.007900 to 0.008100" in shown
+
+
+def test_a_fit_that_does_not_explain_its_test_calls_no_interval_sure(tmp_path):
+    jb.save(made_up_fit(residual=3.1), tmp_path / "fitted", figures=False)
+    assert json.loads((tmp_path / "fitted" / "fit.json").read_text())["explained"] is False
+    for name in ("fit.txt", "design.toml"):
+        text = (tmp_path / "fitted" / name).read_text()
+        assert "NOT explained" in text and "95 %" not in text
+    assert "NOT explained" in repr(jb.load(tmp_path / "fitted"))

@@ -12,6 +12,7 @@ from ..labelled.saved import Saved
 from ..tables import table, text
 from ..value_text import unit_text
 
+EXPLAINED = 3.0  # deviations of the noise, above which a column's residual leaves its test unexplained
 LONGEST = 8  # decimals of a fitted number in a table
 
 
@@ -44,8 +45,8 @@ class Fitted(Saved):
 
     - ``design``: with the fitted numbers; ``start``: that the search began with; ``scenario``: of tests without one.
     - ``parameters``: a `FittedNumber` for each path.
-    - ``nuisance``: by test, what is unknown of its sensors: "time_shift" [s], "COLUMN: gain" [-], "COLUMN: filter"
-      and "COLUMN: delay" [s].
+    - ``nuisance``: by test, what is unknown of its sensors: "time_shift" [s], "COLUMN: gain" [-], "COLUMN: offset" in
+      the quantity's unit, "COLUMN: filter" and "COLUMN: delay" [s].
     - ``residual``: by test and column, the root mean square of measured less fitted, in deviations of the noise [-].
     - ``noise``: by test and column, that deviation in SI units, given or estimated.
     - ``names``: of all unknowns; ``correlation`` of their estimates, a matrix in this order.
@@ -53,6 +54,7 @@ class Fitted(Saved):
     - ``inflation``: of the variances, where the residuals exceed the noise; else 1.
     - ``records``: by test, what was measured beside what the fitted design gives.
     - ``rows`` of each test; ``evaluations``: runs with derivatives; ``converged``: whether the search came to an end.
+    - ``doubtful``: where the tests are not explained, a line for each column whose unit or sign may be another.
 
     **Example:** the tables of a fit of two numbers, as `fit` returns it.
 
@@ -75,6 +77,30 @@ class Fitted(Saved):
     records: Mapping[str, RecordBesideFit]
     evaluations: int
     converged: bool
+    doubtful: tuple[str, ...] = ()
+
+    @property
+    def explained(self) -> bool:
+        """Return whether the fitted design explains the tests: no column's residual is above three deviations."""
+        return self.largest_residual <= EXPLAINED
+
+    @property
+    def largest_residual(self) -> float:
+        """Return the largest `residual` of a column [-]; infinite where one is no number."""
+        figures = [figure for columns in self.residual.values() for figure in columns.values()]
+        return max(figures) if np.all(np.isfinite(figures)) else float("inf")
+
+    @property
+    def verdict(self) -> str:
+        """Return in a few words whether the search came to an end that explains the tests."""
+        if not self.explained:
+            return "test NOT explained"
+        return "converged" if self.converged else "NOT converged"
+
+    @property
+    def interval_name(self) -> str:
+        """Return what the intervals are called: of 95 % only where the tests are explained."""
+        return "95 % interval" if self.explained else "interval"
 
     @property
     def design(self) -> Any:
@@ -86,10 +112,10 @@ class Fitted(Saved):
         return name if len(self.rows) == 1 else f"{test}: {name}"
 
     def __repr__(self) -> str:
-        how = "converged" if self.converged else "NOT converged"
         tests = "1 test" if len(self.rows) == 1 else f"{len(self.rows)} tests"
-        lines: list[Any] = [f"Fit to {tests}, {sum(self.rows.values())} rows: {how} after {self.evaluations} runs"]
-        shown = table("Fitted numbers", ("number",), ("start", "fitted", "95 % interval", "unit", ""))
+        rows = sum(self.rows.values())
+        lines: list[Any] = [f"Fit to {tests}, {rows} rows: {self.verdict} after {self.evaluations} runs"]
+        shown = table("Fitted numbers", ("number",), ("start", "fitted", self.interval_name, "unit", ""))
         for path, it in self.parameters.items():
             shown.add_row(path, f"{float(get(self.start, path)):.5g}", *number_cells(it))
         for test, own in self.nuisance.items():
@@ -103,10 +129,20 @@ class Fitted(Saved):
                 noise, symbol = as_displayed(self.noise[test][column], unit)
                 met.add_row(test, column, f"{figure:.3f}", f"{noise:.3g}", unit_text(symbol, ""))
         lines.append(met)
-        if self.inflation > 1.0:
+        if not self.explained:
+            lines.append(unexplained_line(self.largest_residual))
+        elif self.inflation > 1.0:
             lines.append(excess_line(self.inflation))
-        lines += self.not_told_apart
+        lines += [*self.doubtful, *self.not_told_apart]
         return text(*lines)
+
+
+def unexplained_line(residual: float) -> str:
+    """Return what a ``residual`` far above the noise means."""
+    return (
+        f"The residuals come to {residual:.3g} deviations of the noise: the model does not explain the test,"
+        " and these numbers and intervals are no result."
+    )
 
 
 def excess_line(inflation: float) -> str:
