@@ -57,6 +57,28 @@ def test_unknown_offsets_are_found_beside_the_numbers(evidence):
 
 
 @pytest.mark.long
+def test_spikes_are_listed_and_do_not_move_the_numbers(evidence):
+    told, fit = damaged("spikes-01")
+    check(fit, told, evidence)
+    # A row of the damage is two lines further down: lines count from one, and the first has the headings.
+    for k, column in ((1, STROKE), (2, ACTIVE), (3, PASSIVE)):
+        assert set(fit.outliers["spikes-01.csv"][column]) == {row + 2 for row in told["damage"]["rows"][str(k)]}
+        assert fit.residual["spikes-01.csv"][column] < 1.05
+    assert f"{ACTIVE}: 16 rows stick out by more than five deviations" in repr(fit).replace("\n", " ")
+    assert not fit.clipped
+
+
+@pytest.mark.long
+def test_clipped_rows_are_left_out_and_said(evidence):
+    told, fit = damaged("clipped-00")
+    check(fit, told, evidence, percent=2.0, deviations=12.0)
+    counts = {column: len(rows) for column, rows in fit.clipped["clipped-00.csv"].items()}
+    # Counted in the file: rows at ±0.352264 and at 1.8862 m/s².
+    assert counts == {ACTIVE: 3, PASSIVE: 5}
+    assert f"{PASSIVE}: 5 rows are clipped" in repr(fit)
+
+
+@pytest.mark.long
 def test_a_column_in_another_unit_is_named_and_nothing_is_called_sure():
     _, fit = damaged("unit-00", "stroke [cm]")
     assert not fit.explained and "95 %" not in repr(fit) and "NOT explained" in repr(fit)

@@ -10,10 +10,11 @@ from ..errors import InputError
 from ..fields import Part, get, unit
 from ..tuning.variable import Variable
 from .factors import doubts
-from .fitted import Fitted, FittedNumber, RecordBesideFit
+from .fitted import Fitted, FittedNumber, RecordBesideFit, RowsByColumn
 from .intervals import Uncertainty, not_told_apart, uncertainty
 from .prediction import SHIFT, Prediction
-from .residuals import Block, LeastSquares, minimum
+from .recording import Recording
+from .residuals import Block, LeastSquares, mean_squares, minimum, outliers
 from .search import FIRST, LAST, MET, StagedSearch
 
 LARGEST_NOISE = 0.1  # of a column's own deviation: an estimate above it is no noise but what the model lacks
@@ -54,8 +55,16 @@ class Estimation:
         self.check_ends(best.x, 1.0)
         blocks = self.blocks(best.x, 1.0)
         # What the model does not describe makes estimates less sure than the noise says.
-        free = sum(block.values.size for block in blocks) - len(best.x)
-        chi = sum(float(np.sum(block.values**2)) for block in blocks) / max(free, 1)
+        counts = [
+            np.sum(~(it.clipped | outliers(block.values)), axis=1)
+            for it, block in zip(self.predictions, blocks, strict=True)
+        ]
+        free = sum(int(np.sum(it)) for it in counts) - len(best.x)
+        squares = [
+            float(mean_squares(block.values, ~it.clipped) @ count)
+            for it, block, count in zip(self.predictions, blocks, counts, strict=True)
+        ]
+        chi = sum(squares) / max(free, 1)
         # The mean square of n residuals of noise scatters by √(2/n): a little above one is no sign of a poor model.
         inflation = chi if chi > 1.0 + EXCESS * np.sqrt(2.0 / max(free, 1)) else 1.0
         self.report("how sure each number is")
@@ -84,6 +93,16 @@ class Estimation:
         rows = max(len(it.times) for it in self.predictions)
         return StagedSearch(self.blocks, rows, told, self.check_ends)(np.array(start))
 
+    def _rows(self, marks: Sequence[np.ndarray]) -> RowsByColumn:
+        """Return rows that are marked in each test, by test and column; without columns that have none."""
+        result = {}
+        for prediction, mark in zip(self.predictions, marks, strict=True):
+            columns = zip(prediction.sensors, mark, strict=True)
+            result[prediction.recording.name] = {
+                name: _numbers(prediction.recording, rows) for name, rows in columns if np.any(rows)
+            }
+        return {test: columns for test, columns in result.items() if columns}
+
     def _doubts(self, x: np.ndarray) -> list[str]:
         """Return a line for each column whose unit or sign may be another, from what a point gives."""
         lines = []
@@ -102,7 +121,7 @@ class Estimation:
             changed = 0.0
             each = zip(self.predictions, self.noise, most, self.blocks(best.x, 1.0), strict=True)
             for prediction, noise, largest, block in each:
-                found = np.minimum(np.sqrt(np.mean(block.values**2, axis=1)) * noise, largest)
+                found = np.minimum(np.sqrt(mean_squares(block.values, ~prediction.clipped)) * noise, largest)
                 for k, sensor in enumerate(prediction.sensors.values()):
                     if sensor.noise is None:
                         changed = max(changed, abs(found[k] / noise[k] - 1.0))
@@ -148,7 +167,8 @@ class Estimation:
             first += len(names)
             end = prediction.end_time + shift
             late = int(np.searchsorted(times, end + LATE * float(np.median(np.diff(times))), side="right"))
-            met = late > 0 and float(np.mean(block.values[:, :late] ** 2)) < MET
+            rows = block.values[:, :late], ~prediction.clipped[:, :late]
+            met = late > 0 and float(np.mean(mean_squares(*rows))) < MET
             if late < len(times) and met and not prediction.failed:
                 raise InputError(
                     f"{prediction.recording.row(late)}: the time {times[late]:g} s is after the end of the run that"
@@ -175,7 +195,7 @@ class Estimation:
         names = [*parameters, *(f"{test}: {name}" for test, own in nuisance.items() for name in own)]
         residual, noise, records = {}, {}, {}
         for prediction, sigma, block in zip(self.predictions, self.noise, blocks, strict=True):
-            test, figures = prediction.recording.name, np.sqrt(np.mean(block.values**2, axis=1))
+            test, figures = prediction.recording.name, np.sqrt(mean_squares(block.values, ~prediction.clipped))
             residual[test] = dict(zip(prediction.sensors, map(float, figures), strict=True))
             noise[test] = dict(zip(prediction.sensors, map(float, sigma), strict=True))
             records[test] = _compared(prediction, block, sigma)
@@ -190,11 +210,19 @@ class Estimation:
             correlation=known.correlation,
             not_told_apart=tuple(not_told_apart(names, known)),
             inflation=float(inflation),
+            outliers=self._rows([outliers(block.values) for block in blocks]),
+            clipped=self._rows([it.clipped for it in self.predictions]),
             rows={test: len(record.times) for test, record in records.items()},
             records=records,
             evaluations=self.evaluations,
             converged=bool(best.converged and np.all(np.isfinite(known.deviations))),
         )
+
+
+def _numbers(recording: Recording, rows: np.ndarray) -> tuple[int, ...]:
+    """Return rows by their lines in the file, or by their places where there is none."""
+    places = np.flatnonzero(rows).tolist()
+    return tuple(recording.lines[k] for k in places) if recording.lines else tuple(places)
 
 
 def _compared(prediction: Prediction, block: Block, noise: np.ndarray) -> RecordBesideFit:

@@ -1,7 +1,7 @@
 """What a fit has found."""
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,7 +13,11 @@ from ..tables import table, text
 from ..value_text import unit_text
 
 EXPLAINED = 3.0  # deviations of the noise, above which a column's residual leaves its test unexplained
+LISTED = 20  # lines of a file that a summary lists
 LONGEST = 8  # decimals of a fitted number in a table
+
+
+RowsByColumn = Mapping[str, Mapping[str, tuple[int, ...]]]
 
 
 class FittedNumber(NamedTuple):
@@ -54,6 +58,8 @@ class Fitted(Saved):
     - ``inflation``: of the variances, where the residuals exceed the noise; else 1.
     - ``records``: by test, what was measured beside what the fitted design gives.
     - ``rows`` of each test; ``evaluations``: runs with derivatives; ``converged``: whether the search came to an end.
+    - ``outliers``: by test and column, rows that stick out by more than five deviations and so weigh less; ``clipped``:
+      rows at the end of a sensor's range, which are left out. Numbers are those of lines in the test's file, if any.
     - ``doubtful``: where the tests are not explained, a line for each column whose unit or sign may be another.
 
     **Example:** the tables of a fit of two numbers, as `fit` returns it.
@@ -78,6 +84,8 @@ class Fitted(Saved):
     evaluations: int
     converged: bool
     doubtful: tuple[str, ...] = ()
+    outliers: RowsByColumn = dataclasses.field(default_factory=dict)
+    clipped: RowsByColumn = dataclasses.field(default_factory=dict)
 
     @property
     def explained(self) -> bool:
@@ -111,6 +119,13 @@ class Fitted(Saved):
         """Return the name of a column or an unknown of a test: with several tests it begins with the test's."""
         return name if len(self.rows) == 1 else f"{test}: {name}"
 
+    def unlike_rows(self) -> Iterator[tuple[str, str, bool, tuple[int, ...]]]:
+        """Yield test, column, whether they are clipped, and the rows that are left out or weigh less."""
+        for clipped, table_of_rows in ((True, self.clipped), (False, self.outliers)):
+            for test, columns in table_of_rows.items():
+                for column, rows in columns.items():
+                    yield test, column, clipped, rows
+
     def __repr__(self) -> str:
         tests = "1 test" if len(self.rows) == 1 else f"{len(self.rows)} tests"
         rows = sum(self.rows.values())
@@ -129,12 +144,25 @@ class Fitted(Saved):
                 noise, symbol = as_displayed(self.noise[test][column], unit)
                 met.add_row(test, column, f"{figure:.3f}", f"{noise:.3g}", unit_text(symbol, ""))
         lines.append(met)
+        for test, column, clipped, rows in self.unlike_rows():
+            lines.append(rows_line(self.own_name(test, column), clipped, rows))
         if not self.explained:
             lines.append(unexplained_line(self.largest_residual))
         elif self.inflation > 1.0:
             lines.append(excess_line(self.inflation))
         lines += [*self.doubtful, *self.not_told_apart]
         return text(*lines)
+
+
+def rows_line(name: str, clipped: bool, rows: Sequence[int]) -> str:
+    """Return what is said of rows of a column that are ``clipped``, or else stick out."""
+    how = (
+        ("are clipped: they have the column's extreme value, and are left out")
+        if clipped
+        else ("stick out by more than five deviations, and weigh less")
+    )
+    more = f" and {len(rows) - LISTED} more" if len(rows) > LISTED else ""
+    return f"{name}: {len(rows)} rows {how}: lines {', '.join(map(str, rows[:LISTED]))}{more}."
 
 
 def unexplained_line(residual: float) -> str:

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from ..tuning.variable import Variable
+from .clipping import clipped_rows
 from .low_pass import Filtered
 from .recording import FILTER, GAIN, Recording, bounds, noise_of
 from .residuals import Block
@@ -71,6 +72,8 @@ class Prediction:
             numbers[f"{column}: delay"] = sensor.delay, "s"
         self.unknowns = {name: it for name, (it, _) in numbers.items() if isinstance(it, Variable)}
         self.own_units = {name: numbers[name][1] for name in self.unknowns}
+        # A sensor at the end of its range says only that the quantity is beyond it.
+        self.clipped = np.stack([clipped_rows(it) for it in self.values])
         self.begin, self.end_time, self.failed = float(self.times[0]), 0.0, False
 
     def rows(self, share: float) -> int:
@@ -132,8 +135,9 @@ class Prediction:
     def block(self, numbers: np.ndarray, own: Sequence[float] | np.ndarray, share: float, noise: np.ndarray) -> Block:
         """Return the residuals over the ``noise`` of each column."""
         values, slopes = self(numbers, own, share)
-        residuals = values - self.values[:, : values.shape[1]]
-        return Block(residuals / noise[:, None], slopes / noise[:, None, None])
+        rows = values.shape[1]
+        weights = np.where(self.clipped[:, :rows], 0.0, 1.0 / noise[:, None])
+        return Block((values - self.values[:, :rows]) * weights, slopes * weights[..., None])
 
     def _shown(self, signals: np.ndarray, at: Mapping[str, float]) -> np.ndarray:
         """Return what the sensors show of filtered signals: each times its gain, plus its offset."""

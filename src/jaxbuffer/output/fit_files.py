@@ -49,6 +49,8 @@ def fit_record(fitted: Fitted) -> dict[str, Any]:
         "converged": fitted.converged,
         "explained": fitted.explained,
         "doubtful": list(fitted.doubtful),
+        "outliers": {name: list(it) for name, it in own(fitted.outliers).items()},
+        "clipped": {name: list(it) for name, it in own(fitted.clipped).items()},
         "variance_factor": fitted.inflation,
         "not_told_apart": list(fitted.not_told_apart),
         "correlation": {"names": list(fitted.names), "matrix": fitted.correlation.tolist()},

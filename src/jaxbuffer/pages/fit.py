@@ -5,7 +5,7 @@ import math
 from collections.abc import Sequence
 
 from ..fields import as_displayed
-from ..fitting.fitted import EXPLAINED, FittedNumber, excess_line, number_cells, unexplained_line
+from ..fitting.fitted import EXPLAINED, FittedNumber, excess_line, number_cells, rows_line, unexplained_line
 from ..fitting.intervals import CLOSE
 from ..labelled.record import Record
 from ..output.folder import Results
@@ -29,6 +29,8 @@ def fit(results: Results) -> PageSection | None:
     elif record["variance_factor"] > 1.0:
         warnings.append(excess_line(record["variance_factor"]))
     warnings += record["doubtful"]
+    for clipped, kind in ((True, "clipped"), (False, "outliers")):
+        warnings += [rows_line(name, clipped, rows) for name, rows in record[kind].items()]
     warnings += [sentence(line) for line in record["not_told_apart"]]
     warnings += [
         f"{path} lies {it['at_bound'].replace('at ', 'at its ')}: its given range ends there, and with it the interval."
