@@ -105,7 +105,7 @@ class Estimation:
 
     def _doubts(self, x: np.ndarray) -> list[str]:
         """Return a line for each column whose unit or sign may be another, from what a point gives."""
-        lines = []
+        lines: list[str] = []
         for prediction, noise, block in zip(self.predictions, self.noise, self.blocks(x, 1.0), strict=True):
             lines += doubts(prediction, prediction.values + block.values * noise[:, None], self.design)
         return lines

@@ -13,7 +13,8 @@ from ..tables import table, text
 from ..value_text import unit_text
 
 EXPLAINED = 3.0  # deviations of the noise, above which a column's residual leaves its test unexplained
-LISTED = 20  # lines of a file that a summary lists
+LISTED = 20  # rows that a summary lists
+STICKING_OUT = "stick out by more than five deviations, and weigh less"
 LONGEST = 8  # decimals of a fitted number in a table
 
 
@@ -144,8 +145,8 @@ class Fitted(Saved):
                 noise, symbol = as_displayed(self.noise[test][column], unit)
                 met.add_row(test, column, f"{figure:.3f}", f"{noise:.3g}", unit_text(symbol, ""))
         lines.append(met)
-        for test, column, clipped, rows in self.unlike_rows():
-            lines.append(rows_line(self.own_name(test, column), clipped, rows))
+        for test, column, clipped, lines_of in self.unlike_rows():
+            lines.append(rows_line(self.own_name(test, column), clipped, lines_of))
         if not self.explained:
             lines.append(unexplained_line(self.largest_residual))
         elif self.inflation > 1.0:
@@ -156,13 +157,9 @@ class Fitted(Saved):
 
 def rows_line(name: str, clipped: bool, rows: Sequence[int]) -> str:
     """Return what is said of rows of a column that are ``clipped``, or else stick out."""
-    how = (
-        ("are clipped: they have the column's extreme value, and are left out")
-        if clipped
-        else ("stick out by more than five deviations, and weigh less")
-    )
+    how = "have the column's extreme value: clipped, and left out" if clipped else STICKING_OUT
     more = f" and {len(rows) - LISTED} more" if len(rows) > LISTED else ""
-    return f"{name}: {len(rows)} rows {how}: lines {', '.join(map(str, rows[:LISTED]))}{more}."
+    return f"{name}: {len(rows)} rows {how}: {', '.join(map(str, rows[:LISTED]))}{more}."
 
 
 def unexplained_line(residual: float) -> str:
