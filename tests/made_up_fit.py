@@ -6,8 +6,8 @@ import jaxbuffer as jb
 from jaxbuffer.fitting.fitted import Fitted, FittedNumber, RecordBesideFit
 
 
-def made_up_fit(tests=("a.csv",), converged=True, told=(), inflation=1.0) -> Fitted:
-    """Two numbers; ``told``: what is not told apart; ``inflation`` of the variances."""
+def made_up_fit(tests=("a.csv",), converged=True, told=(), inflation=1.0, residual=0.5, **others) -> Fitted:
+    """Two numbers; ``told``: what is not told apart; ``inflation`` of the variances; ``residual`` of the column."""
     times = np.linspace(0.0, 0.1, 11)
     stroke = np.array([0.01 * np.sin(30.0 * times)])
     record = RecordBesideFit(("stroke [mm]",), ("stroke",), ("m",), times, stroke, stroke + 1e-5)
@@ -20,7 +20,7 @@ def made_up_fit(tests=("a.csv",), converged=True, told=(), inflation=1.0) -> Fit
             "buffer.c_A": FittedNumber(60.0, 55.0, 60.0, "N s/m", "at high bound"),
         },
         nuisance={test: {"time_shift": shift} for test in tests},
-        residual={test: {"stroke [mm]": 0.5} for test in tests},
+        residual={test: {"stroke [mm]": residual} for test in tests},
         noise={test: {"stroke [mm]": 2e-5} for test in tests},
         names=("buffer.k_A", "buffer.c_A", *(f"{test}: time_shift" for test in tests)),
         correlation=np.eye(2 + len(tests)),
@@ -30,4 +30,5 @@ def made_up_fit(tests=("a.csv",), converged=True, told=(), inflation=1.0) -> Fit
         records=dict.fromkeys(tests, record),
         evaluations=12,
         converged=converged,
+        **others,
     )

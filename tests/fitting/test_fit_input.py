@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
+from jaxbuffer.cli.commands import fit as fit_command
 from jaxbuffer.cli.entry import run
+from made_up_fit import made_up_fit
 
 DESIGN = jb.replace(jb.table2(), {"buffer.friction": 0.3})
 TIMES = np.linspace(0.0, 0.1, 11)
@@ -43,6 +45,7 @@ def recording(channel=None, times=TIMES, **others):
         (FREE, recording(jb.Channel("strok")), 'bench: column "s": quantity strok is unknown; did you mean stroke?'),
         (FREE, recording(jb.Channel("stroke", noise=-1.0)), "bench: s: noise = -1 m is out of range"),
         (FREE, recording(jb.Channel("stroke", gain=(1.1, 0.9))), "gain = (1.1, 0.9): the low bound must be below"),
+        (FREE, recording(jb.Channel("stroke", offset="1 s")), "bench: s: offset = '1 s': s is a time"),
         (FREE, recording(jb.Channel("stroke", filter="1 mm")), "bench: s: filter = '1 mm': mm is a length"),
         (FREE, recording(jb.Channel("stroke", delay="1 mm")), "bench: s: delay = '1 mm': mm is a length"),
         (FREE, recording(times=100.0 * TIMES), "bench, row 9: the time 9 s is after the end of the run at 8 s"),
@@ -84,3 +87,16 @@ def test_a_study_without_tests_says_what_is_missing(tmp_path, monkeypatch, capsy
     (tmp_path / "study.toml").write_text("[buffer]\nk_A = 600.0\n")
     assert run(["fit", "study.toml"]) == 2
     assert "fit needs [fit.parameters] in the study" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("residual", "code"), [(3.1, 1), (0.98, 0)])
+def test_a_fit_that_does_not_explain_its_test_is_saved_and_ends_with_1(tmp_path, monkeypatch, capsys, residual, code):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "test.csv").write_text("time [s],stroke [mm]\n0,1\n0.1,2\n0.2,3\n")
+    (tmp_path / "study.toml").write_text(STUDY)
+    doubt = 'column "stroke [mm]": unit or sign?'
+    monkeypatch.setattr(fit_command, "compute", lambda *_, **__: made_up_fit(residual=residual, doubtful=(doubt,)))
+    assert run(["fit", "study.toml", "--output", "out"]) == code
+    assert (tmp_path / "out" / "design.toml").exists()
+    error = capsys.readouterr().err
+    assert (doubt in error and "does not explain the test" in error) == bool(code)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from jaxbuffer.fitting.intervals import not_told_apart, uncertainty
-from jaxbuffer.fitting.residuals import Block, minimum, smoothed
+from jaxbuffer.fitting.residuals import Block, mean_squares, minimum, outliers, smoothed
 from jaxbuffer.fitting.search import StagedSearch
 
 ROWS, NOISE = 400, 0.05
@@ -98,3 +98,34 @@ def test_an_impact_that_is_missed_stands_out_of_records_that_are_met_everywhere_
         # All rows together hardly show it.
         assert np.mean(values[2] ** 2) < 1.2
         assert search.excess([noise]) > 1.0, (draw, place)
+
+
+def test_a_lone_spike_is_no_impact_that_is_missed():
+    search, values = StagedSearch(lambda x, share: [], 3000), np.random.default_rng(0).normal(size=(3, 3000))
+    values[0, 700], values[2, 1900] = 700.0, -160.0
+    assert search.excess([Block(values, np.zeros((3, 3000, 0)))]) < 1.0
+    values[1, 700] = 40.0  # in two columns at once: an impact
+    assert search.excess([Block(values, np.zeros((3, 3000, 0)))]) > 1.0
+
+
+def test_spikes_move_the_numbers_by_less_than_the_noise_does():
+    clean, spiked, start = record(0), record(0), (np.array([88.0, 1.5]) - LOW) / (HIGH - LOW)
+    spiked[[40, 150, 222]] += [8.0, -6.0, 9.0]  # up to 180 deviations
+    best = [minimum(residuals_of(it), start, 1.0, tolerance=1e-9) for it in (clean, spiked)]
+    deviations = uncertainty(residuals_of(clean), best[0]).deviations
+    assert np.all(np.abs(best[1].x - best[0].x) < deviations)
+
+
+def test_rows_weigh_as_hubers_loss_has_it():
+    values, slopes = smoothed(Block(np.array([[2.0, 40.0, -40.0]]), np.ones((1, 3, 1))), 0.0)
+    # r² up to five, 2·5·|r| - 5² beyond, and half the loss's derivative: r, then 5 with its sign.
+    assert values**2 == pytest.approx([4.0, 375.0, 375.0])
+    assert values * slopes[:, 0] == pytest.approx([2.0, 5.0, -5.0])
+
+
+def test_rows_that_are_many_are_no_outliers():
+    values = np.zeros((1, 1000))
+    values[0, :20] = 9.0
+    assert np.sum(outliers(values)) == 20 and mean_squares(values, values > -1.0)[0] == 0.0
+    values[0, :100] = 9.0
+    assert not np.any(outliers(values)) and mean_squares(values, values > -1.0)[0] == pytest.approx(8.1)

@@ -103,6 +103,7 @@ def test_what_is_wrong_in_a_table_is_named_with_its_line_and_column(tmp_path, ol
         ("stroke [mm] [m]", jb.Channel("stroke"), 'line 1: column "stroke [mm] [m]" has two units; keep one'),
         ("stroke [mm]", jb.Channel("strok"), 'column "stroke [mm]": quantity strok is unknown; did you mean stroke?'),
         ("stroke [mm]", jb.Channel("stroke", noise=0.02), 'noise = 0.02 has no unit: write noise = "0.02 mm"'),
+        ("stroke [mm]", jb.Channel("stroke", offset=(-2, 0)), 'offset = -2 has no unit: write offset = "-2 mm"'),
     ],
 )
 def test_units_and_quantities_that_do_not_fit_are_refused(tmp_path, heading, channel, said):

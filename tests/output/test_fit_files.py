@@ -5,6 +5,7 @@ import json
 import pytest
 
 import jaxbuffer as jb
+from jaxbuffer.pages.review import review
 from made_up_fit import made_up_fit
 
 
@@ -33,3 +34,23 @@ def test_what_is_of_one_of_several_tests_is_named_by_it(tmp_path):
 def test_a_number_at_its_bound_is_told():
     shown = str(made_up_fit())
     assert "at high bound" in shown and "655.400 to 655.600" in shown and "0.007900 to 0.008100" in shown
+
+
+def test_a_fit_that_does_not_explain_its_test_calls_no_interval_sure(tmp_path):
+    jb.save(made_up_fit(residual=3.1), tmp_path / "fitted", figures=False)
+    assert json.loads((tmp_path / "fitted" / "fit.json").read_text())["explained"] is False
+    for name in ("fit.txt", "design.toml"):
+        text = (tmp_path / "fitted" / name).read_text()
+        assert "NOT explained" in text and "95 %" not in text
+    assert "NOT explained" in repr(jb.load(tmp_path / "fitted"))
+
+
+def test_rows_that_weigh_less_or_are_left_out_are_listed_in_every_file_and_on_the_page(tmp_path):
+    spikes, ends = {"a.csv": {"stroke [mm]": tuple(range(2, 32))}}, {"a.csv": {"stroke [mm]": (40, 41, 42)}}
+    jb.save(made_up_fit(outliers=spikes, clipped=ends), tmp_path / "fitted", figures=False)
+    record = json.loads((tmp_path / "fitted" / "fit.json").read_text())
+    assert record["outliers"]["stroke [mm]"] == list(range(2, 32)) and record["clipped"]["stroke [mm]"] == [40, 41, 42]
+    text = " ".join((tmp_path / "fitted" / "fit.txt").read_text().split())
+    page = review([jb.load(tmp_path / "fitted")]).html()
+    for said in ("30 rows stick out by more than five deviations", "20, 21 and 10 more.", "left out: 40, 41, 42."):
+        assert said in text and said in page

@@ -57,6 +57,16 @@ def test_a_search_that_has_not_converged_is_said_first(tmp_path):
     assert "655.4" not in page.abstract[0]
 
 
+def test_a_test_that_is_not_explained_is_red_and_no_interval_is_sure(tmp_path):
+    doubt = 'a.csv: column "stroke [cm]": unit or sign? Times 0.1 it is far nearer to what the design gives.'
+    page = page_of(made_up_fit(residual=12.0, inflation=144.0, doubtful=(doubt,)), tmp_path)
+    assert page.title.endswith(": the fit does not explain the test")
+    assert {badge.mark for badge in page.verdicts} == {"bad"}
+    section, text, _ = section_text(page, "Fit")
+    assert "12 deviations" in section.warnings[0] and doubt in section.warnings
+    assert "95" not in text[0] and "655.4" not in page.abstract[0] and "no result" in page.abstract[0]
+
+
 def test_what_the_data_do_not_tell_and_residuals_above_the_noise_are_warnings(tmp_path):
     line = "buffer.c_A and buffer.friction: correlation +0.992; one combination of them is known far better than either"
     page = page_of(made_up_fit(told=[line], inflation=4.0), tmp_path)

@@ -6,7 +6,8 @@ from pathlib import Path
 from .streams import note
 
 OK, LIMITS_BROKEN, BAD_INPUT, FAILED, INTERRUPTED = 0, 1, 2, 3, 130
-"""Done; limits are not kept; input that can't be used; the solver failed or a file could not be written; Ctrl-C."""
+"""Done; limits are not kept, or a test is not explained; input that can't be used;
+the solver failed or a file could not be written; Ctrl-C."""
 
 
 def fail(reason: object, code: int = FAILED) -> int:

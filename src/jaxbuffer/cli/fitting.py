@@ -5,7 +5,8 @@ def fit() -> None:
     r"""Fit the numbers in [fit.parameters] to the measured tests in [[fit.tests]], all together.
 
     The search begins at the design's own numbers, with the first rows of the records, and goes on with more and more of
-    them. Each number has a 95 % interval; what the data cannot tell apart is said (docs/fit.md).
+    them. Each number has a 95 % interval; what the data cannot tell apart is said (docs/fit.md). Residuals above three
+    deviations of the noise do not explain a test: exit code 1.
 
     \b
     In CONFIG.toml:

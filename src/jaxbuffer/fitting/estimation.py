@@ -1,6 +1,7 @@
 """One fit under way: the search, the noise, how sure the numbers are, and what comes of them."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -8,12 +9,15 @@ import numpy as np
 from ..errors import InputError
 from ..fields import Part, get, unit
 from ..tuning.variable import Variable
-from .fitted import Fitted, FittedNumber, RecordBesideFit
+from .factors import doubts
+from .fitted import Fitted, FittedNumber, RecordBesideFit, RowsByColumn
 from .intervals import Uncertainty, not_told_apart, uncertainty
 from .prediction import SHIFT, Prediction
-from .residuals import Block, LeastSquares, minimum
+from .recording import Recording
+from .residuals import Block, LeastSquares, mean_squares, minimum, outliers
 from .search import FIRST, LAST, MET, StagedSearch
 
+LARGEST_NOISE = 0.1  # of a column's own deviation: an estimate above it is no noise but what the model lacks
 AGAIN = 4  # times that unknown noise is estimated anew
 SAME = 0.01  # relative change of a noise at which it is known
 EXCESS = 4.0  # deviations of the mean square that noise alone may add
@@ -40,6 +44,7 @@ class Estimation:
         own = [unknown for it in predictions for unknown in it.unknowns.values()]
         self.unknowns = [*variables, *own]
         self.evaluations = 0
+        self.doubtful: list[str] = []
         self._last: tuple[Any, list[Block]] | None = None
 
     def fitted(self) -> Fitted:
@@ -50,13 +55,22 @@ class Estimation:
         self.check_ends(best.x, 1.0)
         blocks = self.blocks(best.x, 1.0)
         # What the model does not describe makes estimates less sure than the noise says.
-        free = sum(block.values.size for block in blocks) - len(best.x)
-        chi = sum(float(np.sum(block.values**2)) for block in blocks) / max(free, 1)
+        counts = [
+            np.sum(~(it.clipped | outliers(block.values)), axis=1)
+            for it, block in zip(self.predictions, blocks, strict=True)
+        ]
+        free = sum(int(np.sum(it)) for it in counts) - len(best.x)
+        squares = [
+            float(mean_squares(block.values, ~it.clipped) @ count)
+            for it, block, count in zip(self.predictions, blocks, counts, strict=True)
+        ]
+        chi = sum(squares) / max(free, 1)
         # The mean square of n residuals of noise scatters by √(2/n): a little above one is no sign of a poor model.
         inflation = chi if chi > 1.0 + EXCESS * np.sqrt(2.0 / max(free, 1)) else 1.0
         self.report("how sure each number is")
         known = uncertainty(self.blocks, best, inflation)
-        return self._result(best, known, blocks, inflation)
+        fitted = self._result(best, known, blocks, inflation)
+        return fitted if fitted.explained else replace(fitted, doubtful=tuple(self.doubtful or self._doubts(best.x)))
 
     def _search(self) -> LeastSquares:
         start = [variable.scaled(float(get(self.design, variable.path))) for variable in self.variables]
@@ -70,19 +84,44 @@ class Estimation:
                     # Before the shift the run is taken to stand still, so shares of the record count from there.
                     prediction.begin = max(prediction.begin, shift)
 
+        # At the start, because a search that tries to meet a column in another unit ends far from any sensible design.
+        self.doubtful = self._doubts(np.array(start))
+
         def told(share: float, chi: float) -> None:
             self.report(f"{share:.0%} of the records, {self.evaluations} runs")
 
         rows = max(len(it.times) for it in self.predictions)
         return StagedSearch(self.blocks, rows, told, self.check_ends)(np.array(start))
 
+    def _rows(self, marks: Sequence[np.ndarray]) -> RowsByColumn:
+        """Return rows that are marked in each test, by test and column; without columns that have none."""
+        result = {}
+        for prediction, mark in zip(self.predictions, marks, strict=True):
+            columns = zip(prediction.sensors, mark, strict=True)
+            result[prediction.recording.name] = {
+                name: _numbers(prediction.recording, rows) for name, rows in columns if np.any(rows)
+            }
+        return {test: columns for test, columns in result.items() if columns}
+
+    def _doubts(self, x: np.ndarray) -> list[str]:
+        """Return a line for each column whose unit or sign may be another, from what a point gives."""
+        lines: list[str] = []
+        for prediction, noise, block in zip(self.predictions, self.noise, self.blocks(x, 1.0), strict=True):
+            lines += doubts(prediction, prediction.values + block.values * noise[:, None], self.design)
+        return lines
+
     def _with_noise(self, best: LeastSquares) -> LeastSquares:
         """Return the minimum with noise that is not known estimated from the residuals."""
+        most = [
+            np.maximum(noise, LARGEST_NOISE * np.std(it.values, axis=1))
+            for it, noise in zip(self.predictions, self.noise, strict=True)
+        ]
         # Minimum and noise depend on each other: a column with less noise weighs more and moves the minimum.
         for _ in range(AGAIN):
             changed = 0.0
-            for prediction, noise, block in zip(self.predictions, self.noise, self.blocks(best.x, 1.0), strict=True):
-                found = np.sqrt(np.mean(block.values**2, axis=1)) * noise
+            each = zip(self.predictions, self.noise, most, self.blocks(best.x, 1.0), strict=True)
+            for prediction, noise, largest, block in each:
+                found = np.minimum(np.sqrt(mean_squares(block.values, ~prediction.clipped)) * noise, largest)
                 for k, sensor in enumerate(prediction.sensors.values()):
                     if sensor.noise is None:
                         changed = max(changed, abs(found[k] / noise[k] - 1.0))
@@ -128,7 +167,8 @@ class Estimation:
             first += len(names)
             end = prediction.end_time + shift
             late = int(np.searchsorted(times, end + LATE * float(np.median(np.diff(times))), side="right"))
-            met = late > 0 and float(np.mean(block.values[:, :late] ** 2)) < MET
+            rows = block.values[:, :late], ~prediction.clipped[:, :late]
+            met = late > 0 and float(np.mean(mean_squares(*rows))) < MET
             if late < len(times) and met and not prediction.failed:
                 raise InputError(
                     f"{prediction.recording.row(late)}: the time {times[late]:g} s is after the end of the run that"
@@ -136,15 +176,17 @@ class Estimation:
                 )
 
     def _result(self, best: LeastSquares, known: Uncertainty, blocks: list[Block], inflation: float) -> Fitted:
+        units = [unit(self.design, it.path) for it in self.variables]
+        units += [symbol for it in self.predictions for symbol in it.own_units.values()]
         estimates = [
             FittedNumber(
                 value=it.value(float(x)),
                 low=it.value(float(low)),
                 high=it.value(float(high)),
-                unit=unit(self.design, it.path) if k < len(self.variables) else _own_unit(it.path),
+                unit=symbol,
                 at_bound=it.at_bound(it.value(float(x))),
             )
-            for k, (it, x, low, high) in enumerate(zip(self.unknowns, best.x, known.low, known.high, strict=True))
+            for it, symbol, x, low, high in zip(self.unknowns, units, best.x, known.low, known.high, strict=True)
         ]
         count = len(self.variables)
         parameters = {it.path: one for it, one in zip(self.variables, estimates[:count], strict=True)}
@@ -153,7 +195,7 @@ class Estimation:
         names = [*parameters, *(f"{test}: {name}" for test, own in nuisance.items() for name in own)]
         residual, noise, records = {}, {}, {}
         for prediction, sigma, block in zip(self.predictions, self.noise, blocks, strict=True):
-            test, figures = prediction.recording.name, np.sqrt(np.mean(block.values**2, axis=1))
+            test, figures = prediction.recording.name, np.sqrt(mean_squares(block.values, ~prediction.clipped))
             residual[test] = dict(zip(prediction.sensors, map(float, figures), strict=True))
             noise[test] = dict(zip(prediction.sensors, map(float, sigma), strict=True))
             records[test] = _compared(prediction, block, sigma)
@@ -168,11 +210,19 @@ class Estimation:
             correlation=known.correlation,
             not_told_apart=tuple(not_told_apart(names, known)),
             inflation=float(inflation),
+            outliers=self._rows([outliers(block.values) for block in blocks]),
+            clipped=self._rows([it.clipped for it in self.predictions]),
             rows={test: len(record.times) for test, record in records.items()},
             records=records,
             evaluations=self.evaluations,
             converged=bool(best.converged and np.all(np.isfinite(known.deviations))),
         )
+
+
+def _numbers(recording: Recording, rows: np.ndarray) -> tuple[int, ...]:
+    """Return rows by their lines in the file, or by their places where there is none."""
+    places = np.flatnonzero(rows).tolist()
+    return tuple(recording.lines[k] for k in places) if recording.lines else tuple(places)
 
 
 def _compared(prediction: Prediction, block: Block, noise: np.ndarray) -> RecordBesideFit:
@@ -186,10 +236,6 @@ def _compared(prediction: Prediction, block: Block, noise: np.ndarray) -> Record
         measured=prediction.values,
         fitted=prediction.values + block.values * noise[:, None],
     )
-
-
-def _own_unit(path: str) -> str:
-    return "-" if path.endswith("gain") else "s"
 
 
 def _noise(prediction: Prediction) -> np.ndarray:

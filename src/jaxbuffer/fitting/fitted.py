@@ -1,7 +1,7 @@
 """What a fit has found."""
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,7 +12,13 @@ from ..labelled.saved import Saved
 from ..tables import table, text
 from ..value_text import unit_text
 
+EXPLAINED = 3.0  # deviations of the noise, above which a column's residual leaves its test unexplained
+LISTED = 20  # rows that a summary lists
+STICKING_OUT = "stick out by more than five deviations, and weigh less"
 LONGEST = 8  # decimals of a fitted number in a table
+
+
+RowsByColumn = Mapping[str, Mapping[str, tuple[int, ...]]]
 
 
 class FittedNumber(NamedTuple):
@@ -44,8 +50,8 @@ class Fitted(Saved):
 
     - ``design``: with the fitted numbers; ``start``: that the search began with; ``scenario``: of tests without one.
     - ``parameters``: a `FittedNumber` for each path.
-    - ``nuisance``: by test, what is unknown of its sensors: "time_shift" [s], "COLUMN: gain" [-], "COLUMN: filter"
-      and "COLUMN: delay" [s].
+    - ``nuisance``: by test, what is unknown of its sensors: "time_shift" [s], "COLUMN: gain" [-], "COLUMN: offset" in
+      the quantity's unit, "COLUMN: filter" and "COLUMN: delay" [s].
     - ``residual``: by test and column, the root mean square of measured less fitted, in deviations of the noise [-].
     - ``noise``: by test and column, that deviation in SI units, given or estimated.
     - ``names``: of all unknowns; ``correlation`` of their estimates, a matrix in this order.
@@ -53,6 +59,9 @@ class Fitted(Saved):
     - ``inflation``: of the variances, where the residuals exceed the noise; else 1.
     - ``records``: by test, what was measured beside what the fitted design gives.
     - ``rows`` of each test; ``evaluations``: runs with derivatives; ``converged``: whether the search came to an end.
+    - ``outliers``: by test and column, rows that stick out by more than five deviations and so weigh less; ``clipped``:
+      rows at the end of a sensor's range, which are left out. Numbers are those of lines in the test's file, if any.
+    - ``doubtful``: where the tests are not explained, a line for each column whose unit or sign may be another.
 
     **Example:** the tables of a fit of two numbers, as `fit` returns it.
 
@@ -75,6 +84,32 @@ class Fitted(Saved):
     records: Mapping[str, RecordBesideFit]
     evaluations: int
     converged: bool
+    doubtful: tuple[str, ...] = ()
+    outliers: RowsByColumn = dataclasses.field(default_factory=dict)
+    clipped: RowsByColumn = dataclasses.field(default_factory=dict)
+
+    @property
+    def explained(self) -> bool:
+        """Return whether the fitted design explains the tests: no column's residual is above three deviations."""
+        return self.largest_residual <= EXPLAINED
+
+    @property
+    def largest_residual(self) -> float:
+        """Return the largest `residual` of a column [-]; infinite where one is no number."""
+        figures = [figure for columns in self.residual.values() for figure in columns.values()]
+        return max(figures) if np.all(np.isfinite(figures)) else float("inf")
+
+    @property
+    def verdict(self) -> str:
+        """Return in a few words whether the search came to an end that explains the tests."""
+        if not self.explained:
+            return "test NOT explained"
+        return "converged" if self.converged else "NOT converged"
+
+    @property
+    def interval_name(self) -> str:
+        """Return what the intervals are called: of 95 % only where the tests are explained."""
+        return "95 % interval" if self.explained else "interval"
 
     @property
     def design(self) -> Any:
@@ -85,11 +120,18 @@ class Fitted(Saved):
         """Return the name of a column or an unknown of a test: with several tests it begins with the test's."""
         return name if len(self.rows) == 1 else f"{test}: {name}"
 
+    def unlike_rows(self) -> Iterator[tuple[str, str, bool, tuple[int, ...]]]:
+        """Yield test, column, whether they are clipped, and the rows that are left out or weigh less."""
+        for clipped, table_of_rows in ((True, self.clipped), (False, self.outliers)):
+            for test, columns in table_of_rows.items():
+                for column, rows in columns.items():
+                    yield test, column, clipped, rows
+
     def __repr__(self) -> str:
-        how = "converged" if self.converged else "NOT converged"
         tests = "1 test" if len(self.rows) == 1 else f"{len(self.rows)} tests"
-        lines: list[Any] = [f"Fit to {tests}, {sum(self.rows.values())} rows: {how} after {self.evaluations} runs"]
-        shown = table("Fitted numbers", ("number",), ("start", "fitted", "95 % interval", "unit", ""))
+        rows = sum(self.rows.values())
+        lines: list[Any] = [f"Fit to {tests}, {rows} rows: {self.verdict} after {self.evaluations} runs"]
+        shown = table("Fitted numbers", ("number",), ("start", "fitted", self.interval_name, "unit", ""))
         for path, it in self.parameters.items():
             shown.add_row(path, f"{float(get(self.start, path)):.5g}", *number_cells(it))
         for test, own in self.nuisance.items():
@@ -103,10 +145,29 @@ class Fitted(Saved):
                 noise, symbol = as_displayed(self.noise[test][column], unit)
                 met.add_row(test, column, f"{figure:.3f}", f"{noise:.3g}", unit_text(symbol, ""))
         lines.append(met)
-        if self.inflation > 1.0:
+        for test, column, clipped, lines_of in self.unlike_rows():
+            lines.append(rows_line(self.own_name(test, column), clipped, lines_of))
+        if not self.explained:
+            lines.append(unexplained_line(self.largest_residual))
+        elif self.inflation > 1.0:
             lines.append(excess_line(self.inflation))
-        lines += self.not_told_apart
+        lines += [*self.doubtful, *self.not_told_apart]
         return text(*lines)
+
+
+def rows_line(name: str, clipped: bool, rows: Sequence[int]) -> str:
+    """Return what is said of rows of a column that are ``clipped``, or else stick out."""
+    how = "have the column's extreme value: clipped, and left out" if clipped else STICKING_OUT
+    more = f" and {len(rows) - LISTED} more" if len(rows) > LISTED else ""
+    return f"{name}: {len(rows)} rows {how}: {', '.join(map(str, rows[:LISTED]))}{more}."
+
+
+def unexplained_line(residual: float) -> str:
+    """Return what a ``residual`` far above the noise means."""
+    return (
+        f"The residuals come to {residual:.3g} deviations of the noise: the model does not explain the test,"
+        " and these numbers and intervals are no result."
+    )
 
 
 def excess_line(inflation: float) -> str:

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from ..tuning.variable import Variable
+from .clipping import clipped_rows
 from .low_pass import Filtered
 from .recording import FILTER, GAIN, Recording, bounds, noise_of
 from .residuals import Block
@@ -17,12 +18,13 @@ FINE = 1e-4  # s, between the shifts that are tried first
 
 
 class SensorModel(NamedTuple):
-    """A channel as numbers: ``quantity``; ``noise`` in its unit, None if unknown; ``gain`` [-], ``lag`` and ``delay``
-    [s], each a number or unknown."""
+    """A channel as numbers: ``quantity``; ``noise`` in its unit, None if unknown; ``gain`` [-], ``offset`` in the
+    quantity's unit, ``lag`` and ``delay`` [s], each a number or unknown."""
 
     quantity: str
     noise: float | None
     gain: float | Variable
+    offset: float | Variable
     lag: float | Variable
     delay: float | Variable
 
@@ -44,7 +46,7 @@ class Prediction:
         self.of, self.recording, self.times, self.units = of, recording, recording.times, units
         name = recording.name
         self.shift = bounds(f"{name}: {SHIFT}", recording.time_shift, "s")
-        self.sensors = {}
+        self.sensors: dict[str, SensorModel] = {}
         for column, channel in recording.channels.items():
             where = f"{name}: {column}: "
             lag = bounds(f"{where}filter", channel.filter, "s", **FILTER)
@@ -57,17 +59,21 @@ class Prediction:
                 channel.quantity,
                 noise_of(f"{where}noise", channel, units[channel.quantity]),
                 bounds(f"{where}gain", channel.gain, "-", **GAIN),
+                bounds(f"{where}offset", channel.offset, units[channel.quantity]),
                 lag,
                 bounds(f"{where}delay", delay, "s"),
             )
         self.values = np.stack([np.asarray(recording.values[column], float) for column in self.sensors])
-        self.unknowns: dict[str, Variable] = {}
-        if isinstance(self.shift, Variable):
-            self.unknowns[SHIFT] = self.shift
+        numbers: dict[str, tuple[float | Variable, str]] = {SHIFT: (self.shift, "s")}
         for column, sensor in self.sensors.items():
-            for kind, given in (("gain", sensor.gain), ("filter", sensor.lag), ("delay", sensor.delay)):
-                if isinstance(given, Variable):
-                    self.unknowns[f"{column}: {kind}"] = given
+            numbers[f"{column}: gain"] = sensor.gain, "-"
+            numbers[f"{column}: offset"] = sensor.offset, units[sensor.quantity]
+            numbers[f"{column}: filter"] = sensor.lag, "s"
+            numbers[f"{column}: delay"] = sensor.delay, "s"
+        self.unknowns = {name: it for name, (it, _) in numbers.items() if isinstance(it, Variable)}
+        self.own_units = {name: numbers[name][1] for name in self.unknowns}
+        # A sensor at the end of its range says only that the quantity is beyond it.
+        self.clipped = np.stack([clipped_rows(it) for it in self.values])
         self.begin, self.end_time, self.failed = float(self.times[0]), 0.0, False
 
     def rows(self, share: float) -> int:
@@ -93,20 +99,19 @@ class Prediction:
         places = {name: count + k for k, name in enumerate(self.unknowns)}
         if SHIFT in places:
             full[..., places[SHIFT]] = -rates
+        shown = self._shown(values, at)
         for k, (column, sensor) in enumerate(self.sensors.items()):
-            gain = self._value(f"{column}: gain", sensor.gain, at)
             if (place := places.get(f"{column}: filter")) is not None:
                 full[k, :, place] = lagging[k]
             if (place := places.get(f"{column}: delay")) is not None:
                 full[k, :, place] = -rates[k]
+            full[k] *= self._value(f"{column}: gain", sensor.gain, at)
+            # After the others were multiplied: the slope by the gain is the signal before it.
             if (place := places.get(f"{column}: gain")) is not None:
-                full[k] *= gain
-                # After the others were multiplied: the slope by the gain is the signal before it.
                 full[k, :, place] = values[k]
-            else:
-                full[k] *= gain
-            values[k] *= gain
-        return values, full
+            if (place := places.get(f"{column}: offset")) is not None:
+                full[k, :, place] = 1.0
+        return shown, full
 
     def start_shift(self, numbers: np.ndarray, noise: np.ndarray, share: float) -> float:
         """Return the time shift at which the beginning of the test fits a run with these numbers best."""
@@ -118,7 +123,7 @@ class Prediction:
         at = dict(zip(self.unknowns, own, strict=True)) | {SHIFT: 0.0}
         moments = np.arange(0.0, until - low + FINE, FINE)
         run = stepped_run(self.of, numbers, float(moments[-1]))
-        values = self._behind_filters(run, moments, at)[0]
+        values = self._shown(self._behind_filters(run, moments, at)[0], at)
 
         def misfit(shift: float) -> float:
             found = [np.interp(self.times[rows] - shift, moments, it) for it in values]
@@ -130,8 +135,15 @@ class Prediction:
     def block(self, numbers: np.ndarray, own: Sequence[float] | np.ndarray, share: float, noise: np.ndarray) -> Block:
         """Return the residuals over the ``noise`` of each column."""
         values, slopes = self(numbers, own, share)
-        residuals = values - self.values[:, : values.shape[1]]
-        return Block(residuals / noise[:, None], slopes / noise[:, None, None])
+        rows = values.shape[1]
+        weights = np.where(self.clipped[:, :rows], 0.0, 1.0 / noise[:, None])
+        return Block((values - self.values[:, :rows]) * weights, slopes * weights[..., None])
+
+    def _shown(self, signals: np.ndarray, at: Mapping[str, float]) -> np.ndarray:
+        """Return what the sensors show of filtered signals: each times its gain, plus its offset."""
+        gains = [self._value(f"{column}: gain", it.gain, at) for column, it in self.sensors.items()]
+        offsets = [self._value(f"{column}: offset", it.offset, at) for column, it in self.sensors.items()]
+        return signals * np.array(gains)[:, None] + np.array(offsets)[:, None]
 
     def _value(self, name: str, given: float | Variable, at: Mapping[str, float]) -> float:
         return at[name] if isinstance(given, Variable) else given

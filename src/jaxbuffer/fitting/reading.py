@@ -131,13 +131,15 @@ def read_recording(
             raise InputError(f'{table.file}: column "{name}": quantity {channel.quantity} is unknown{known}')
         unit = units[channel.quantity]
         values[name] = table.numbers(name, _factor(table, name, unit))
-        bare = isinstance(channel.noise, (int, float)) and not isinstance(channel.noise, bool)
-        if bare and not is_plain(unit) and _factor(table, name, unit) != 1.0:
-            given = _unit(table, name)
-            raise InputError(
-                f'{table.file}: column "{name}" is in {given}, and noise = {channel.noise} has no unit: write'
-                f' noise = "{channel.noise} {given}" or in {unit}, "{channel.noise} {unit}"'
-            )
+        for what, typed in (("noise", channel.noise), ("offset", channel.offset)):
+            ends = typed if isinstance(typed, (list, tuple)) else [typed]
+            bare = [it for it in ends if isinstance(it, (int, float)) and not isinstance(it, bool) and it != 0.0]
+            if bare and not is_plain(unit) and _factor(table, name, unit) != 1.0:
+                given = _unit(table, name)
+                raise InputError(
+                    f'{table.file}: column "{name}" is in {given}, and {what} = {bare[0]} has no unit: write'
+                    f' {what} = "{bare[0]} {given}" or in {unit}, "{bare[0]} {unit}"'
+                )
     return Recording(path.name, times, values, channels, scenario, time_shift, lines=tuple(table.lines))
 
 

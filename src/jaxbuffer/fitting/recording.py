@@ -23,6 +23,7 @@ class Channel:
     - ``quantity``: a history's name, such as "stroke" or "active_acceleration_x" (`jb.recorded_quantities` has them).
     - ``noise``: standard deviation of the sensor's noise, in the quantity's unit or with one; None: estimated.
     - ``gain``: by which the sensor multiplies [-]: a number, or two bounds of an unknown one.
+    - ``offset``: which the sensor adds besides, likewise, in the quantity's unit or with one.
     - ``filter``: time constant of the sensor's first-order low-pass [s], likewise.
     - ``delay``: by which the sensor is late besides [s], likewise; None: 0, but unknown within half an interval between
       rows where the filter is unknown: digital filters are late or early by up to half an interval of their own.
@@ -36,6 +37,7 @@ class Channel:
     quantity: str
     noise: Any = None
     gain: Bounds = 1.0
+    offset: Bounds = 0.0
     filter: Bounds = 0.0
     delay: Bounds | None = None
 

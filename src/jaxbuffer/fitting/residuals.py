@@ -5,13 +5,15 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from scipy.ndimage import gaussian_filter1d
 from scipy.optimize import OptimizeResult, least_squares
 
 SETTLED = -2  # SciPy's status of a search that its callback ended
 INSIDE = 1e-9  # of the range of an unknown: SciPy begins strictly within bounds
 WIDEST = 1.0  # deviation of an unknown on which the data say nothing, as a share of its range
+STICKS_OUT = 5.0  # deviations of the noise, from which on a row weighs less and counts as an outlier
+OUTLIERS = 0.03  # share of a column's rows, from which on they are no outliers but what a model does not describe
 LEFT = 1e-3  # by which a sum of squares may still fall where a search ends: 1 is a deviation of an unknown
 FALL = 1e-2  # of a last step, above what a run's own error makes of the sum: it moves only what is hardly known
 
@@ -38,12 +40,36 @@ class LeastSquares(NamedTuple):
     converged: bool
 
 
+def outliers(values: Float[np.ndarray, "columns rows"]) -> Bool[np.ndarray, "columns rows"]:
+    """Return which residuals stick out of columns that are met otherwise."""
+    out = np.abs(values) > STICKS_OUT
+    return out & (np.mean(out, axis=1, keepdims=True) <= OUTLIERS)
+
+
+def mean_squares(
+    values: Float[np.ndarray, "columns rows"], used: Bool[np.ndarray, "columns rows"]
+) -> Float[np.ndarray, " columns"]:
+    """Return the mean square of each column's residuals, of the rows in use that are no outliers."""
+    rows = used & ~outliers(values)
+    return np.sum(np.where(rows, values**2, 0.0), axis=1) / np.maximum(np.sum(rows, axis=1), 1)
+
+
+def robust(block: Block) -> Block:
+    """Return residuals whose squares are Huber's loss: those that stick out count by their size, not its square."""
+    size = np.abs(block.values)
+    out = size > STICKS_OUT
+    root = np.sqrt(STICKS_OUT * (2.0 * np.where(out, size, STICKS_OUT) - STICKS_OUT))
+    values = np.where(out, np.sign(block.values) * root, block.values)
+    return Block(values, block.slopes * np.where(out, STICKS_OUT / root, 1.0)[..., None])
+
+
 def smoothed(block: Block, width: float) -> tuple[np.ndarray, np.ndarray]:
     """Return residuals and slopes as rows, averaged over a Gaussian window of a ``width`` in rows; 0 leaves them.
 
-    They are scaled so that white noise of one keeps its information. An impact that comes a window too early or too
-    late still shows which way to go.
+    Rows that stick out weigh less. They are scaled so that white noise of one keeps its information. An impact that
+    comes a window too early or too late still shows which way to go.
     """
+    block = robust(block)
     rows = np.concatenate([block.values[..., None], block.slopes], axis=2)
     if width > 0.0:
         # Rows within one width say nearly the same: few of them are kept, and each counts for those that it stands for.

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 from scipy.stats import qmc
 
-from .residuals import Block, LeastSquares, Residuals, information, minimum, smoothed
+from .residuals import Block, LeastSquares, Residuals, information, minimum, outliers, smoothed
 
 FIRST, GROWTH = 1.0 / 64.0, 1.3  # share of the records to begin with, and by which it grows
 FEWEST = 24  # rows to begin with
@@ -36,6 +36,18 @@ def shares(rows: int) -> Iterator[float]:
         yield share
         share *= GROWTH
     yield 1.0
+
+
+def alone(values: np.ndarray) -> np.ndarray:
+    """Return which residuals are outliers whose neighbours, and the other columns at that row, are met.
+
+    An impact that is missed shows in several rows or columns; a spike of a sensor does not.
+    """
+    out = outliers(values)
+    beside = np.zeros(out.shape, int)
+    beside[:, 1:] += out[:, :-1]
+    beside[:, :-1] += out[:, 1:]
+    return out & (beside == 0) & (np.sum(out, axis=0) == 1)
 
 
 class StagedSearch:
@@ -126,7 +138,7 @@ class StagedSearch:
         at most."""
         worst = 0.0
         for block in blocks:
-            squares, rows = block.values**2, block.values.shape[1]
+            squares, rows = np.where(alone(block.values), 1.0, block.values**2), block.values.shape[1]
             whole = float(np.max(np.mean(squares, axis=1))) / (1.1 + 4.0 * math.sqrt(2.0 / rows))
             window = min(WINDOW, rows)
             means = uniform_filter1d(squares, window, axis=1, mode="reflect")

@@ -68,6 +68,7 @@ class View:
       has besides, by name; ``notes``: lines below a table of a run's sensitivities; ``diagnosis``: of a run that did
       not end in ``success``, what held it back, a text by heading;
     - ``sanity_checks``: of a design, a line for each number that is easily left at a value that does not fit it;
+    - ``largest``: of a design, by the history's name, the largest size that a quantity of its runs can have;
     - ``larger_force``: of a run, a force that exceeds its peak contact force, for headlines: "the largest force on a
       vehicle is the latch's, 636 N", or "";
     - ``contradictions``: of a design in a scenario, both with plain numbers, a line for each thing that their geometry
@@ -92,6 +93,7 @@ class View:
     notes: Callable[[Any], list[str]] = lambda run: []
     diagnosis: Callable[[Any], Mapping[str, str]] = lambda run: {}
     sanity_checks: Callable[[Any], list[str]] = lambda design: []
+    largest: Callable[[Any], Mapping[str, float]] = lambda design: {}
     larger_force: Callable[[Any], str] = lambda run: ""
     contradictions: Callable[[Any, Any], list[str]] = lambda design, scenario: []
     limitations: tuple[str, ...] = ()

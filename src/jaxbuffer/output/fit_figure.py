@@ -19,7 +19,7 @@ def fit_figure(fitted: Fitted) -> Figure:
     figure, grid = panels(10.0, 2.3 * len(drawn) + 0.6, len(drawn), 2)
     for (left, right), (test, k) in zip(grid, drawn, strict=True):
         _column(left, right, fitted, test, k)
-    figure.suptitle(f"Fit of {', '.join(fitted.parameters)}: {'converged' if fitted.converged else 'not converged'}")
+    figure.suptitle(f"Fit of {', '.join(fitted.parameters)}: {fitted.verdict}")
     return figure
 
 

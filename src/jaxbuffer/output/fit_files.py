@@ -47,6 +47,10 @@ def fit_record(fitted: Fitted) -> dict[str, Any]:
         },
         "rows": dict(fitted.rows),
         "converged": fitted.converged,
+        "explained": fitted.explained,
+        "doubtful": list(fitted.doubtful),
+        "outliers": {name: list(it) for name, it in own(fitted.outliers).items()},
+        "clipped": {name: list(it) for name, it in own(fitted.clipped).items()},
         "variance_factor": fitted.inflation,
         "not_told_apart": list(fitted.not_told_apart),
         "correlation": {"names": list(fitted.names), "matrix": fitted.correlation.tolist()},
@@ -72,8 +76,7 @@ def _rows(fitted: Fitted) -> Iterator[tuple[Any, ...]]:
 
 def _design(fitted: Fitted, units: Mapping[str, str]) -> str:
     tests = ", ".join(fitted.rows)
-    how = "converged" if fitted.converged else "NOT converged"
-    lines = [f"Fitted to {tests}: {how}. 95 % intervals:"]
+    lines = [f"Fitted to {tests}: {fitted.verdict}. {fitted.interval_name}s:"]
     lines += [f"  {path}: {it.low:.6g} to {it.high:.6g} {it.unit}" for path, it in fitted.parameters.items()]
     # Fitted numbers have no typed text of their own: what they were typed with says only in which unit.
     return design_toml(fitted.design, (fitted.scenario,), "\n".join(lines), units, "[scenario]")

@@ -43,7 +43,7 @@ BEGUN = {  # what a command keeps while it runs, and the files of its results
 }
 # Entries that have other names by now: a page would leave them out and so say less than the result.
 RENAMED = ("must_succeed", "asked", "rows_asked", "shown_in", "borne_out", "standing", "above_floor [-]")
-ADDED = {"choice.json": "warnings", "fit.json": "columns"}  # entries that the first records of these kinds lacked
+ADDED = {"choice.json": "warnings", "fit.json": "explained"}  # entries that the first records of these kinds lacked
 BESIDE = {
     "sweep": "sweep.json",
     "motion": "motion.json",
@@ -131,6 +131,7 @@ class Results:
             lines["choice"] = str(choice.get("message", ""))
         if (fit := self.records.get("fit")) is not None:
             how = "converged" if fit["converged"] else "NOT converged"
+            how = how if fit["explained"] else "test NOT explained"
             lines["fit"] = f"{len(fit['parameters'])} numbers from {', '.join(fit['rows'])}, {how}"
         for name, what in (("sample", "runs"), ("front", "points")):
             if (record := self.records.get(name)) is not None:

@@ -1,10 +1,11 @@
 """What a page says of a fit: numbers with intervals, residuals, and what the data cannot tell apart."""
 
 import itertools
+import math
 from collections.abc import Sequence
 
 from ..fields import as_displayed
-from ..fitting.fitted import FittedNumber, excess_line, number_cells
+from ..fitting.fitted import EXPLAINED, FittedNumber, excess_line, number_cells, rows_line, unexplained_line
 from ..fitting.intervals import CLOSE
 from ..labelled.record import Record
 from ..output.folder import Results
@@ -13,6 +14,7 @@ from .page import Cell, PageSection, Table
 from .records import figure, sentence, words
 
 NOT_CONVERGED = "the fit has not converged"
+NOT_EXPLAINED = "the fit does not explain the test"
 ABOVE_NOISE = 1.1  # residual in deviations of the noise, from which on the model lacks something
 
 
@@ -22,7 +24,13 @@ def fit(results: Results) -> PageSection | None:
     if record is None:
         return None
     warnings = [] if record["converged"] else [f"{sentence(NOT_CONVERGED)} These numbers and intervals are no result."]
-    warnings += [excess_line(record["variance_factor"])] if record["variance_factor"] > 1.0 else []
+    if not record["explained"]:
+        warnings.append(unexplained_line(_worst(record)))
+    elif record["variance_factor"] > 1.0:
+        warnings.append(excess_line(record["variance_factor"]))
+    warnings += record["doubtful"]
+    for clipped, kind in ((True, "clipped"), (False, "outliers")):
+        warnings += [rows_line(name, clipped, rows) for name, rows in record[kind].items()]
     warnings += [sentence(line) for line in record["not_told_apart"]]
     warnings += [
         f"{path} lies {it['at_bound'].replace('at ', 'at its ')}: its given range ends there, and with it the interval."
@@ -32,9 +40,9 @@ def fit(results: Results) -> PageSection | None:
     tables = [_numbers(record), _residuals(record)]
     if len(record["correlation"]["names"]) > 1:
         tables.append(_correlation(record))
-    text = [
-        f"{_counts(record)}. An interval holds the true number in 95 of 100 such tests, if model and noise are right."
-    ]
+    text = [f"{_counts(record)}."]
+    if record["explained"]:
+        text = [f"{text[0]} An interval holds the true number in 95 of 100 such tests, if model and noise are right."]
     if not record["not_told_apart"]:
         text.append("The data tell all these numbers apart.")
     caption = "Each column as measured and as fitted, and the residuals in deviations of the noise"
@@ -46,12 +54,12 @@ def fit_badges(results: Results) -> list[Cell]:
     record = results.records.get("fit")
     if record is None:
         return []
-    cells = [Cell("fit converged", "good") if record["converged"] else Cell(NOT_CONVERGED, "bad")]
+    problem = fit_problem(record)
+    cells = [Cell(problem, "bad") if problem else Cell("fit converged", "good")]
     worst = _worst(record)
-    if worst is not None:
-        text = f"residuals at most {worst:.3g} of the noise"
-        near = "good" if record["converged"] else ""  # a search that has not ended proves nothing
-        cells.append(Cell(text, near if worst < ABOVE_NOISE else "unsure"))
+    near = "" if problem else "good"  # a search that has not ended proves nothing
+    mark = near if worst < ABOVE_NOISE else "unsure" if record["explained"] else "bad"
+    cells.append(Cell(f"residuals at most {worst:.3g} of the noise", mark))
     if record["not_told_apart"]:
         cells.append(Cell("the data do not tell all numbers", "unsure"))
     return cells
@@ -63,10 +71,17 @@ def fit_abstract(results: Results, every: Sequence[Results] = ()) -> str:
     if record is None:
         return ""
     # Numbers of a search that has not ended are not quoted: they would be read as the result.
-    if not record["converged"]:
-        return f"{_counts(record)}: {NOT_CONVERGED}, so that its numbers are no result."
+    if problem := fit_problem(record):
+        return f"{_counts(record)}: {problem}, so that its numbers are no result."
     numbers = (f"{path} {_interval(it)}" for path, it in record["parameters"].items())
     return f"{_counts(record)}, with 95 % intervals: {', '.join(numbers)}."
+
+
+def fit_problem(record: Record) -> str:
+    """Return why a fit's numbers are no result, "" where they are one."""
+    if not record["explained"]:
+        return NOT_EXPLAINED
+    return "" if record["converged"] else NOT_CONVERGED
 
 
 def _counts(record: Record) -> str:
@@ -93,7 +108,8 @@ def _numbers(record: Record) -> Table:
             start = as_displayed(it["start"], it["unit"])[0] if "start" in it else None
             of = "the design" if kind == "parameters" else "the test"
             rows.append([name, symbol, table_text(start), value, interval, Cell(bound, "unsure") if bound else of])
-    return Table("Fitted numbers", ("number", "unit", "start", "fitted", "95 % interval", "of"), rows)
+    interval = "95 % interval" if record["explained"] else "interval"
+    return Table("Fitted numbers", ("number", "unit", "start", "fitted", interval, "of"), rows)
 
 
 def _residuals(record: Record) -> Table:
@@ -101,7 +117,8 @@ def _residuals(record: Record) -> Table:
     for name, figure_of in record["residual"].items():
         column = record["columns"][name]
         noise, symbol = as_displayed(record["noise"][name], column["unit"])
-        mark = "bad" if figure_of is None else "good" if figure_of < ABOVE_NOISE else "unsure"
+        bad = figure_of is None or figure_of > EXPLAINED
+        mark = "bad" if bad else "good" if figure_of < ABOVE_NOISE else "unsure"
         text = "–" if figure_of is None else f"{figure_of:.3f}"
         rows.append([name, words(column["quantity"]), Cell(text, mark), table_text(noise), symbol])
     headings = ("column", "quantity", "rms / noise", "noise", "unit")
@@ -120,6 +137,6 @@ def _correlation(record: Record) -> Table:
     return Table(caption, ("numbers", "correlation"), rows, folded=True)
 
 
-def _worst(record: Record) -> float | None:
-    known = [it for it in record["residual"].values() if it is not None]
-    return max(known, default=None)
+def _worst(record: Record) -> float:
+    # A figure that is no number is of a run that could not be solved.
+    return max(math.inf if it is None else it for it in record["residual"].values())

@@ -13,7 +13,7 @@ from .abstract import INFEASIBLE, abstract, badges
 from .choice import NONE_KEEPS, choice
 from .designs import design, requirements
 from .experiments import front, sample, sweep
-from .fit import NOT_CONVERGED, fit
+from .fit import fit, fit_problem
 from .limit_check import repeats_tuning
 from .limits import fails_in_corners_alone, limits
 from .origin import origin, verification
@@ -98,7 +98,7 @@ def _failure(first: Results, every: Sequence[Results]) -> str:
     found = {name: record for name, record in first.records.items() if name in ("choice", "fit")}
     if "choice" in found and not found["choice"]["feasible"]:
         return NONE_KEEPS
-    return NOT_CONVERGED if "fit" in found and not found["fit"]["converged"] else ""
+    return fit_problem(found["fit"]) if "fit" in found else ""
 
 
 def distinct(parts: Parts) -> list[PageSection]:

@@ -23,6 +23,7 @@ COLUMN = {
     "quantity": "a history's name: stroke, active_acceleration_x",
     "noise": "standard deviation; not set: estimated",
     "gain": "of the sensor, a number or [low, high] [-]",
+    "offset": "which it adds besides, likewise, in the quantity's unit or with one",
     "filter": "time constant of its low-pass, a number or [low, high] [s]",
     "delay": "by which it is late besides [s], likewise; not set: within half an interval where filter is unknown",
 }

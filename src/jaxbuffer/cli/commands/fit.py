@@ -2,7 +2,7 @@
 
 from ...fitting.fit import fit as compute
 from ...output.fit_files import fit_files
-from ..exits import OK, fail
+from ..exits import LIMITS_BROKEN, OK, fail
 from .progress import fitting
 from .request import CommandLine, say_cautions
 
@@ -27,4 +27,7 @@ def fit(request: CommandLine) -> int:
     )
     contents = fit_files(fitted, request.made(study), study.units)
     files.save_and_show(lambda: contents, fitted, lambda: str(contents["fit.json"]()))
+    if not fitted.explained:
+        reason = f"the fit does not explain the test: residuals of up to {fitted.largest_residual:.3g} deviations"
+        return fail("; ".join([reason, *fitted.doubtful]), LIMITS_BROKEN)
     return OK if fitted.converged else fail("the fit has not converged")

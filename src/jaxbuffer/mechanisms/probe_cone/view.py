@@ -55,6 +55,7 @@ VIEW = View(
     diagnosis=diagnosis,
     sanity_checks=sanity_checks,
     contradictions=contradictions,
+    largest=lambda design: {"stroke": float(design.buffer.longest_stroke)},
     larger_force=larger_than_contact,
     limitations=(
         "The motion is planar: nothing moves or turns out of the plane.",
