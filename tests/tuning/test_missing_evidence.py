@@ -1,11 +1,15 @@
 """Nothing that is computed after a search may lose what it has found."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from jaxbuffer import InputError, Problem, Scenario, Variable, load, table2
+from jaxbuffer import InputError, Outcome, Problem, Scenario, Variable, load, table2
+from jaxbuffer.tuning import checks
 from jaxbuffer.tuning import tune as module
 from jaxbuffer.tuning.checks import lower_bound
+from jaxbuffer.tuning.measurement import Measurement
 from jaxbuffer.tuning.tune import tune
 from tuning.analytic import Functions, problem
 
@@ -48,11 +52,19 @@ def test_evidence_that_fails_loses_no_design(functions, monkeypatch, tmp_path, p
     assert resumed.missing == () and resumed.objective == tuned.objective
 
 
-@pytest.mark.slow
-def test_a_run_that_ends_where_it_starts_has_a_lower_bound_of_nothing():
-    """At a free start in the plane of the mouth a tip that is 1 m off the axis has left the cone at once; one on the
-    axis touches."""
-    beside = Scenario(start="free", offset=1.0)
-    stated = Problem(table2(), [beside], [Variable("buffer.k_A", 100.0, 2000.0)], duration=1.0)
+def test_a_run_that_ends_where_it_starts_has_a_lower_bound_of_nothing(monkeypatch):
+    """A free start that has left the cone at once ends at 0 s and touches nothing: no run can have that duration."""
+    stated = Problem(table2(), [Scenario(start="free")], [Variable("buffer.k_A", 100.0, 2000.0)], duration=1.0)
+    gone = SimpleNamespace(outcome=Outcome.escaped, end_time=0.0, impact_count=0)
+    nothing = Measurement.lost(stated)._replace(
+        code=int(Outcome.escaped), peaks=np.zeros(24), slots=np.arange(24), peaks_slope=np.zeros((24, 1))
+    )
+
+    def measured(*_, duration, **options):
+        assert duration > 0.0
+        return nothing
+
+    monkeypatch.setattr(checks, "simulate", lambda *_, **options: gone)
+    monkeypatch.setattr(checks, "measure", measured)
     bound = lower_bound(stated, stated.start())
     assert np.all(bound.simulated == 0.0) and bound.lowest == 0.0
