@@ -8,6 +8,7 @@ from jaxbuffer.cli.entry import run as command
 from jaxbuffer.fields import get, inactive, metadata, paths
 from jaxbuffer.mechanisms import all_mechanisms
 from jaxbuffer.mechanisms.cautions import cautions
+from jaxbuffer.mechanisms.probe_cone.mechanism import PROBE_CONE
 
 ROOT2 = np.sqrt(2.0)
 
@@ -147,3 +148,25 @@ def test_a_first_contact_beyond_the_flank_names_its_length():
         jb.simulate(jb.table2(), jb.Scenario(misalignment=1.0))
     with pytest.raises(jb.InputError, match=r"scenario.height.*bar.length"):
         jb.simulate(jb.BarDrop(), jb.BarDropScenario(height=0.3))
+
+
+LATCH = {"latch.stiffness": 2e3, "buffer.rebound_stiffness": 1e4}
+
+
+@pytest.mark.parametrize(("turn", "angle", "much"), [(50.0, 0.05, True), (50.0, 0.001, False), (0.0, 0.05, False)])
+def test_a_latch_that_puts_in_much_by_turning_is_said_before_a_run(turn, angle, much):
+    """½ · 50 N m/rad · 0.05² is 62.5 mJ, of two vehicles of 20 kg at 0.1 m/s with 50 mJ; at 0.001 rad 25 µJ."""
+    rods = {"buffer.cylinder_mass": 1e-3, "probe.rod_mass": 1e-3, "probe.tip_mass": 1e-3}
+    changes = {**LATCH, "latch.turn_stiffness": turn, "active.mass": 20.0 - 3e-3, "passive.mass": 20.0, **rods}
+    lines = [it for it in said(changes, jb.Scenario(misalignment=angle)) if it.startswith("closing the latch")]
+    assert len(lines) == much
+    if much:
+        assert "62.5 mJ" in lines[0] and "(50 mJ): " in lines[0] and "1.2 times" in lines[0]
+        assert lines[0].endswith("a smaller latch.turn_stiffness adds less")
+
+
+def test_a_latch_without_a_rebound_stop_is_said():
+    checks = PROBE_CONE.view.sanity_checks
+    assert checks(jb.replace(jb.table2(), LATCH)) == []
+    (line,) = checks(jb.replace(jb.table2(), {"latch.stiffness": 2e3}))
+    assert line.startswith("a latch without buffer.rebound_stiffness: ") and "pulls" in line

@@ -130,6 +130,22 @@ def test_a_run_that_touches_nothing_is_told_and_drawn(latched):
     assert run_figure(run).axes[0].get_title(loc="left") == "Contact force: nothing touches"
 
 
+@pytest.mark.parametrize(("angle", "lever"), [(0.3, "latch.turn_stiffness"), (0.001, "latch.stiffness")])
+def test_much_energy_of_the_latch_names_the_larger_part_and_its_lever(latched, angle, lever):
+    """½ k_t φ² with 50 N m/rad and 0.3 rad is 2.25 J, ½ k r² with 20 kN/m and 4 mm is 160 mJ; 25 µJ at 0.001 rad."""
+    design = jb.replace(latched.design, {"latch.stiffness": 2e4, "latch.turn_stiffness": 50.0, "latch.preload": 0.0})
+    run = eqx.tree_at(
+        lambda c: (c.design, c.docking.lateral_miss, c.docking.attitude_miss),
+        latched,
+        (jb.replace(design, {"latch.depth": 0.0}), jnp.asarray(0.004), jnp.asarray(angle)),
+    )
+    (line,) = (line for line in summary(run).splitlines() if "sanity check: closing" in line)
+    assert "pulling the tip to its seat 160 mJ" in line
+    assert f"turning the probe {'2.25 J' if angle == 0.3 else '25 µJ'}" in line
+    advice = line.partition(";")[2]
+    assert lever in advice and ("turn_stiffness" in advice) == (angle == 0.3)
+
+
 def test_what_closing_the_latches_adds_has_a_line_of_its_own_and_much_is_a_warning(latched):
     """50 mJ beside 100 mJ of the vehicles (30 mJ left are three tenths); 200 mJ beside them; 5 mJ beside them."""
     text = summary(latched)

@@ -6,7 +6,7 @@ import io
 import json
 import math
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -95,6 +95,7 @@ def write_all(
     force: bool,
     note: Callable[[str], None] = lambda line: None,
     written_so_far: Callable[[list[Path]], None] = lambda written: None,
+    own: Collection[str] = (),
 ) -> tuple[list[Path], Exception | None]:
     """Write every file, figures last; return those that were written, and the first error. ``written_so_far`` is called
     once all numbers are on disk, before their other forms and the figures are made, which takes a while.
@@ -102,7 +103,7 @@ def write_all(
     What an earlier result of the same kind left there is removed first, because it would be taken for the new one's. A
     file that cannot be made or written leaves the others alone; the error of a figure that cannot be drawn is an
     `OSError`. Without ``force`` a file that has appeared meanwhile is left as it is, and ``note`` is called with where
-    the result is instead.
+    the result is instead; one that the command wrote itself, by its name in ``own``, is replaced.
     """
     written: list[Path] = []
     failure: Exception | None = None
@@ -120,7 +121,7 @@ def write_all(
         path = folder / name
         try:
             text = contents[name]()
-            if force:
+            if force or name in own:
                 write(path, text)
                 written.append(path)
                 continue

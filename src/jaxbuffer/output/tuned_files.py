@@ -44,7 +44,7 @@ def tuned_files(tuned: Tuned, made: Made = None, report: Callable[[str], None] =
         return []
 
     return {
-        "design.toml": lambda: _design(tuned),
+        "design.toml": lambda: tuned_design(tuned),
         "design.mat": lambda: design_mat(tuned.design),
         "tuned.json": lambda: record_text(tuned_records.tuned_record(tuned), made),
         "history.csv": lambda: csv_text(*tuning_history(tuned)),
@@ -58,7 +58,7 @@ def tuned_files(tuned: Tuned, made: Made = None, report: Callable[[str], None] =
 
 def front_files(front: Front, made: Made = None) -> Contents:
     """Return the files of `jaxbuffer pareto`. ``made``: how it came about."""
-    files: Writers = {f"design-{k + 1}.toml": functools.partial(_design, it) for k, it in enumerate(front.points)}
+    files: Writers = {f"design-{k + 1}.toml": functools.partial(tuned_design, it) for k, it in enumerate(front.points)}
     return files | {
         "pareto.csv": lambda: csv_text(*tuned_records.front_rows(front)),
         "pareto.json": lambda: record_text(tuned_records.front_record(front), made),
@@ -67,7 +67,8 @@ def front_files(front: Front, made: Made = None) -> Contents:
     }
 
 
-def _design(tuned: Tuned) -> str:
+def tuned_design(tuned: Tuned) -> str:
+    """Return the tuned design as a study."""
     return tuned_toml(
         tuned.design, tuned.problem, tuned_records.tuned_comment(tuned), tuned.worst_first, tuned.settings
     )

@@ -1,7 +1,12 @@
-"""The assessment of a finished search: its best design at tight tolerance, with the evidence for it."""
+"""The assessment of a finished search: its best design at tight tolerance, and then the evidence for it.
 
+The two are apart, so that the design is on disk before the evidence is computed: that takes runs of its own, in corners
+and without a buffer, and whatever fails there leaves the design as it is.
+"""
+
+import dataclasses
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import TypeVar
 
 import numpy as np
 from jaxtyping import Float
@@ -12,11 +17,14 @@ from .evaluation import Evaluation, Evaluator
 from .goal import Goal, Tangent
 from .message import INFEASIBLE, Ended
 from .model_step import residual
-from .problem import Problem
 from .settings import Settings
 from .spread import spreads, tightening
 from .store import Record
 from .tuned import Tuned
+
+T = TypeVar("T")
+
+NOT_YET = "missing: corners, tolerances and lower bound, which are computed after the design is written"
 
 
 def assess(
@@ -33,7 +41,7 @@ def assess(
     ended: Ended,
     confirmed: bool,
 ) -> Tuned:
-    """Evaluate the best design of a search at tight tolerance, with the evidence for it.
+    """Evaluate the best design of a search at tight tolerance, without the evidence that `with_evidence` adds.
 
     **Arguments:** ``first``: scaled variables of the problem's own start; ``best``: the best design at the search's
     tolerance; ``scale`` of the objective and ``penalty`` on what is above a limit, for the first-order residual;
@@ -46,10 +54,6 @@ def assess(
     cases = goal.objective.case_weights(after.quantities @ goal.weights(goal.objective))
     exact = goal.slope(after, cases)
     error, largest = float(np.max(np.abs(goal.slope(best, cases) - exact))), float(np.max(np.abs(exact)))
-    # Before the count of captures below: the corners are runs, too.
-    runs = run_corners(problem, evaluator, scaled, evaluator.tight)
-    in_corners = None if runs is None else corners(problem, runs)
-    more = {} if runs is None or not problem.tolerances else _of_tolerances(problem, evaluator, scaled, runs)
     return Tuned(
         problem=problem,
         settings=settings,
@@ -61,20 +65,52 @@ def assess(
         gradient_error=error / largest if largest > 0.0 else 0.0 if error == 0.0 else float("nan"),
         ended=ended,
         confirmed=confirmed,
-        message=message_with_corners(message(after), in_corners, goal.feasible(after)),
-        lower_bound=lower_bound(problem, scaled),
+        message=message(after),
+        lower_bound=None,
         records=tuple(records),
         captures=evaluator.captures,
-        corners=in_corners,
-        **more,
         tight=evaluator.tight,
+        missing=(NOT_YET,),
     )
 
 
-def _of_tolerances(problem: Problem, evaluator: Evaluator, scaled: np.ndarray, runs: CornerRuns) -> dict[str, Any]:
-    """Return which tolerances matter."""
-    arguments = (problem, evaluator, scaled, runs, evaluator.tight)
-    return {"spreads": spreads(*arguments), "tightening": tightening(*arguments)}
+def with_evidence(tuned: Tuned, evaluator: Evaluator) -> Tuned:
+    """Return a tuning with the evidence for its design: in the corners, by tolerances, and above the lower bound.
+
+    Evidence that cannot be computed is missing, and ``missing`` says why.
+    """
+    problem, scaled, missing = tuned.problem, tuned.after.scaled, list[str]()
+
+    def evidence(what: str, compute: Callable[[], T]) -> T | None:
+        try:
+            return compute()
+        except Exception as error:  # of any kind: none may cost the design that the search has found
+            lines = str(error).strip().splitlines() or [type(error).__name__]
+            missing.append(f"missing: {what}, which could not be computed: {lines[0]}")
+            return None
+
+    def of_corners() -> tuple[CornerRuns, Corners] | None:
+        runs = run_corners(problem, evaluator, scaled, evaluator.tight)
+        return None if runs is None else (runs, corners(problem, runs))
+
+    each = evidence("the design in the corners of what scatters", of_corners)
+    in_corners, scatter, first = None, None, None
+    if each is not None:
+        runs, in_corners = each
+        if problem.tolerances:
+            arguments = (problem, evaluator, scaled, runs, evaluator.tight)
+            scatter = evidence("the scatter by each tolerance", lambda: spreads(*arguments))
+            first = evidence("which tolerance to tighten first", lambda: tightening(*arguments))
+    return dataclasses.replace(
+        tuned,
+        message=message_with_corners(tuned.message, in_corners, tuned.goal.feasible(tuned.after)),
+        corners=in_corners,
+        spreads=scatter or (),
+        tightening=first,
+        lower_bound=evidence("the lower bound of the peak force", lambda: lower_bound(problem, scaled)),
+        captures=evaluator.captures,
+        missing=tuple(missing),
+    )
 
 
 def message_with_corners(message: str, in_corners: Corners | None, feasible: bool) -> str:

@@ -151,9 +151,10 @@ def _flight(problem: Problem, built: Part, case: Case) -> Flight | None:
     if with_buffer.outcome.failed:
         return None
     end = float(with_buffer.end_time)
-    # Nothing is touched, so that there is no touchdown which the buffer could move.
+    # Nothing is touched, so that there is no touchdown which the buffer could move. A run that ends where it starts has
+    # no length to repeat.
     if not int(with_buffer.impact_count):
-        return Flight(end, True)
+        return Flight(end if end > 0.0 else problem.duration, True)
     touch, release = float(with_buffer.impacts.time[0]), float(with_buffer.impacts.release_time[0])
     # A little longer, for the bounds allow other lengths of the flight.
     duration = (1.0 + SPARE) * touch + DURATIONS * (release - touch if np.isfinite(release) else end - touch)

@@ -1,5 +1,6 @@
 """`tune`: search for the best design of a problem, or tell the best one of an interrupted run."""
 
+import contextlib
 import dataclasses
 import hashlib
 from collections.abc import Callable
@@ -18,6 +19,7 @@ from ..programs.identity import source_hash
 from ..programs.structure import user_code
 from ..progress import reported
 from ..version import version
+from .assessment import with_evidence
 from .corner_search import with_corners, worse_corners
 from .descent import check_optimizer, descend, optimizer_named
 from .evaluation import Evaluator
@@ -85,11 +87,48 @@ def tune(
     >>> print(f"from {before:.2f} N to {after:.0f} N")
     from 253.13 N to 245 N
     """
+    check_flag("save", save)
+    saving = save and folder is not None
+
+    def keep(tuned: Tuned) -> None:
+        if saving:
+            tuned.save(user_path(str(folder)), force=True, figures=False)
+
+    tuned = tune_with(
+        problem,
+        keep,
+        optimizer=optimizer,
+        solver=solver,
+        folder=folder,
+        resume=resume,
+        workers=workers,
+        executor=executor,
+        report=report,
+        **settings,
+    )
+    keep(tuned)
+    return tuned
+
+
+def tune_with(
+    problem: Problem,
+    keep: Callable[[Tuned], None],
+    *,
+    optimizer: "optax.GradientTransformation | str | None" = None,
+    solver: Solver | str | None = None,
+    folder: str | Path | None = None,
+    resume: bool = False,
+    workers: int | None = None,
+    executor: Executor | None = None,
+    report: Callable[[Record], None] | bool | None = None,
+    **settings: Any,
+) -> Tuned:
+    """Tune as `tune` does. ``keep`` is called with the search's result before the evidence for it is computed, so that
+    nothing after the search can lose it."""
     check_type(
         "problem", problem, Problem, "Problem(jb.table2(), [Scenario()], [Variable('buffer.k_A', 100.0, 2000.0)])"
     )
     problem.check_tunable()
-    check_flag("save", save)
     if workers is not None:
         check_whole("workers", workers, 1)
     if folder is not None and not str(folder):
@@ -98,21 +137,21 @@ def tune(
     if optimizer is not None:
         check_optimizer(problem, optimizer)
     identity = _identity(problem, chosen, optimizer, solver)
-    with (
-        TuningStore(None if folder is None else user_path(folder), identity, resume) as store,
-        Evaluator(problem, workers, True, executor, solver) as evaluator,
-        reported(report, lambda record: in_words(record, problem.success)) as show,
-    ):
-        if show is not None:
-            for record in store.records:  # of the run that is resumed
-                show(record)
-        store.report = show
-        tuned = _search(problem, optimizer, chosen, evaluator, store)
-    # The hash in the result says which store it is of.
-    tuned = dataclasses.replace(tuned, identity=short_hash(identity))
-    if save and folder is not None:
-        tuned.save(folder, force=True, figures=False)
-    return tuned
+    with contextlib.ExitStack() as until_assessed:
+        with (
+            TuningStore(None if folder is None else user_path(folder), identity, resume) as store,
+            reported(report, lambda record: in_words(record, problem.success)) as show,
+        ):
+            evaluator = until_assessed.enter_context(Evaluator(problem, workers, True, executor, solver))
+            if show is not None:
+                for record in store.records:  # of the run that is resumed
+                    show(record)
+            store.report = show
+            tuned = _search(problem, optimizer, chosen, evaluator, store)
+        # The hash in the result says which store it is of.
+        tuned = dataclasses.replace(tuned, identity=short_hash(identity))
+        keep(tuned)
+        return with_evidence(tuned, evaluator)
 
 
 def _search(problem: Problem, optimizer: Any, settings: Settings, evaluator: Evaluator, store: TuningStore) -> Tuned:

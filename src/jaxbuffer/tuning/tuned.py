@@ -53,6 +53,7 @@ class Tuned(Saved):
       where there are none of either.
     - ``spreads``: the scatter of the objective's and of each limited quantity by tolerances; ``tightening``: which
       tolerance to tighten first; none without tolerances.
+    - ``missing``: a line for each part of the evidence that could not be computed.
     - ``identity``: a hash of all that makes it the tuning it is, as its folder has it; "" where that is not known.
 
     **Example:**
@@ -82,6 +83,7 @@ class Tuned(Saved):
     tightening: Tightening | None = None
     tight: float = 1e-9
     identity: str = ""
+    missing: tuple[str, ...] = ()
 
     @property
     def objective(self) -> tuple[float, float]:
@@ -238,12 +240,13 @@ def _add_corners(summary: Table, tuned: Tuned) -> None:
 
 
 def tuned_warnings(tuned: Tuned) -> list[str]:
-    """Return a line for each validity limit that the tuned design exceeds.
+    """Return a line for each part of the evidence that is missing, and for each validity limit that the tuned design
+    exceeds.
 
     Lines follow on what the runs leave open, and on each variable that changes nothing.
     """
     problem = tuned.problem
-    lines = validity_lines(problem, tuned.design, tuned.after)
+    lines = [*tuned.missing, *validity_lines(problem, tuned.design, tuned.after)]
     if problem.mechanism.tuning.unfinished is not None:
         lines += problem.mechanism.tuning.unfinished(problem, tuned.after)
     lines += unasked_end(tuned)

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from ...errors import check_choice
-from ...files import Lock
+from ...files import Lock, write
 from ...output.companions import stale
 from ...output.formats import FIGURES, Contents, check_folder, check_free, is_figure, with_figures, write_all
 from ...output.style import require_matplotlib
@@ -26,6 +26,7 @@ class Output:
         as_json: bool = False,
     ) -> None:
         self.folder, self.force, self.as_json = folder, force or resume, as_json
+        self.kept = list[str]()
         self.figures = next(iter(FIGURES)) if figures is None else figures
         check_choice("--format", self.figures, tuple(FIGURES))
         if folder is None:
@@ -48,6 +49,12 @@ class Output:
         if begun and not resume:
             note(f"--force: an earlier run is overwritten, {', '.join(begun)}")
 
+    def keep(self, name: str, content: str) -> None:
+        """Write a file before all others, which `save_and_show` replaces."""
+        if self.folder is not None and (self.force or not (self.folder / name).exists()):
+            write(self.folder / name, content)
+            self.kept.append(name)
+
     def save_and_show(
         self, contents: Callable[[], Contents], result: object, record: Callable[[], str] | None = None
     ) -> None:
@@ -64,7 +71,7 @@ class Output:
         try:
             if self.folder is not None:
                 files = with_figures(contents(), self.figures)
-                written, failure = write_all(self.folder, files, self.force, note, tell)
+                written, failure = write_all(self.folder, files, self.force, note, tell, self.kept)
         finally:
             # Also after a failure: what was computed is shown in any case.
             tell(written)

@@ -6,12 +6,11 @@ from typing import Any
 from ...cluster.extra import executor_at
 from ...errors import InputError
 from ...fields import as_displayed
-from ...output.tuned_files import tuned_files
+from ...output.tuned_files import tuned_design, tuned_files
 from ...study.tuned_toml import tuned_toml
 from ...tuning import Problem
 from ...tuning.cases import grid_address
-from ...tuning.tune import best_so_far
-from ...tuning.tune import tune as compute
+from ...tuning.tune import best_so_far, tune_with
 from ...value_text import with_unit
 from ..exits import INTERRUPTED, LIMITS_BROKEN, OK, fail, interrupted
 from ..streams import note
@@ -30,11 +29,18 @@ def tune(request: CommandLine, scheduler: str | None, resume: bool, **search: st
     names = ("design.toml", "design.mat", "tuned.json", "history.csv", "force.json", "tune.png", "tune.txt")
     files = request.files(*names, resumable=RUN_FILES, resume=resume)
     settings = {**vars(study.tuning), "solver": study.options.solver}
-    keeping: dict[str, Any] = {"folder": request.output, "resume": resume, "save": False}
+    keeping: dict[str, Any] = {"folder": request.output, "resume": resume}
     try:
         with executor_at(scheduler) as (executor, _):
             tuned = tuning(
-                lambda report: compute(problem, **settings, **keeping, executor=executor, report=report),
+                lambda report: tune_with(
+                    problem,
+                    lambda first: files.keep("design.toml", tuned_design(first)),
+                    **settings,
+                    **keeping,
+                    executor=executor,
+                    report=report,
+                ),
                 problem.success,
                 # How often the search begins anew for corners that it finds is not known before.
                 None if problem.needs_search else study.tuning.most_evaluations * (1 if problem.then is None else 2),

@@ -1,10 +1,11 @@
-"""What the geometry of a design and its approach rules out, before anything is computed."""
+"""What a design and its approach rule out or leave open, before anything is computed."""
 
 from collections.abc import Iterator
 
 import numpy as np
 
 from .design import Design, Scenario
+from .latch_energy import closing_cautions
 
 SAME = 1e-9  # relative: a ball of the throat's own radius passes
 INSTANTS = 4001  # of a flight, between which the tip moves by far less than its radius
@@ -12,9 +13,9 @@ FURTHER = 4.0  # times the way to the throat that a flight is followed
 
 
 def contradictions(design: Design, scenario: Scenario) -> list[str]:
-    """Return a line for a ball that does not pass the throat, a seat that it cannot reach, and an approach that misses
-    the cone."""
-    return [*_ball_in_throat(design), *_miss(design, scenario)]
+    """Return a line for a ball that does not pass the throat, a seat that it cannot reach, an approach that misses the
+    cone, and a latch that puts in much energy by turning the probe."""
+    return [*_ball_in_throat(design), *_miss(design, scenario), *closing_cautions(design, scenario)]
 
 
 def _ball_in_throat(design: Design) -> Iterator[str]:

@@ -1,12 +1,20 @@
-"""The energy that the closing of the latches puts in (M176), beside what the vehicles bring."""
+"""The energy that the closing of the latches puts in (M176), beside what the vehicles bring.
+
+It has two parts: the pull of the tip to its seat, and the turn of the probe onto the cone's axis. Which of them is the
+larger decides what lowers it.
+"""
+
+from typing import NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..._types import Scalar
 from ...value_text import percent_text
 from ..energy import energy_text
 from .capture import Capture
+from .design import Design, Scenario
 
 CLOSING = "latch_closing"
 MUCH = 0.1  # of the energy of relative motion at the start
@@ -28,10 +36,13 @@ def closing_share(capture: Capture) -> Float[Array, ""]:
 
 def reference_share(capture: Capture) -> Float[Array, ""]:
     """Return the energy of relative motion at the end over that of the two vehicles at 0.1 m/s [-] (M182)."""
-    design = capture.design
+    return jnp.asarray(capture.docking.energy_left / (0.5 * _reduced_mass(capture.design) * REFERENCE_SPEED**2))
+
+
+def _reduced_mass(design: Design) -> Scalar:
+    """Return the reduced mass of the two sides [kg]."""
     active = design.active.mass + design.buffer.cylinder_mass + design.probe.rod_mass + design.probe.tip_mass
-    reduced = active * design.passive.mass / (active + design.passive.mass)
-    return jnp.asarray(capture.docking.energy_left / (0.5 * reduced * REFERENCE_SPEED**2))
+    return active * design.passive.mass / (active + design.passive.mass)
 
 
 def _in_numbers(capture: Capture) -> tuple[float, float]:
@@ -52,9 +63,43 @@ def closing_words(capture: Capture) -> str:
     added, brought = _in_numbers(capture)
     if not added > 0.0:
         return ""
-    ratio = added / brought
-    share = f"{ratio:.2g} times what" if ratio >= 1.0 else f"{percent_text(ratio)} of what"
+    share = _share_of(added / brought)
     return f"closing the latch added {energy_text(added)}, {share} the vehicles brought ({energy_text(brought)})"
+
+
+def _share_of(ratio: float) -> str:
+    return f"{ratio:.2g} times what" if ratio >= 1.0 else f"{percent_text(ratio)} of what"
+
+
+class ClosingParts(NamedTuple):
+    """What latches put in if they close at once [J]: by the ``pull`` of the tip to its seat, ½ k r² and the preload's
+    share, and by the ``turn`` of the probe onto the cone's axis, ½ k_t φ²."""
+
+    pull: float
+    turn: float
+
+    def advice(self) -> str:
+        """Return both parts in words, the larger one first, with what lowers it."""
+        pull, turn = (
+            f"pulling the tip to its seat {energy_text(self.pull)}",
+            f"turning the probe {energy_text(self.turn)}",
+        )
+        if self.turn > self.pull:
+            return f"closed at once {turn}, {pull}; a smaller latch.turn_stiffness adds less"
+        softer = "a softer latch.stiffness, a longer latch.closing_time or a smaller latch.preload adds less"
+        return f"closed at once {pull}, {turn}; {softer}"
+
+
+def closing_parts(design: Design, miss: float, angle: float) -> ClosingParts:
+    """Return both parts for a ``miss`` of the tip [m] and an ``angle`` of the probe [rad] at the crossing (M176)."""
+    latch = design.latch
+    stiffness, turn, preload, length, depth = (
+        float(np.asarray(it))
+        for it in (latch.stiffness, latch.turn_stiffness, latch.preload, latch.preload_length, latch.depth)
+    )
+    square = miss**2 + depth**2
+    pull = 0.5 * stiffness * square + preload * (np.sqrt(square + length**2) - length)
+    return ClosingParts(float(pull), 0.5 * turn * angle**2)
 
 
 def closing_warnings(capture: Capture) -> list[str]:
@@ -62,7 +107,24 @@ def closing_warnings(capture: Capture) -> list[str]:
     added, brought = _in_numbers(capture)
     if not added > MUCH * brought:
         return []
+    docking = capture.docking
+    parts = closing_parts(capture.design, float(docking.lateral_miss), float(docking.attitude_miss))
+    return [f"sanity check: {closing_words(capture)}, more than a tenth: {parts.advice()}"]
+
+
+def closing_cautions(design: Design, scenario: Scenario) -> list[str]:
+    """Return a line where turning the probe onto the cone's axis, by its angle at the start, puts in more than a tenth
+    of what the vehicles bring. How far the tip misses the seat is known after a run only."""
+    if not design.latch.has("stiffness"):
+        return []
+    free = scenario.start == "free"
+    angle = (float(scenario.active_angle) if free else 0.0) - float(scenario.misalignment)
+    speed = np.hypot(float(scenario.approach_speed), float(scenario.lateral_speed) if free else 0.0)
+    turn, brought = closing_parts(design, 0.0, angle).turn, 0.5 * float(_reduced_mass(design)) * float(speed) ** 2
+    if not turn > MUCH * brought:
+        return []
     return [
-        f"sanity check: {closing_words(capture)}, more than a tenth: a softer latch.stiffness, a longer"
-        " latch.closing_time or a smaller latch.preload adds less"
+        f"closing the latch adds up to {energy_text(turn)} by turning the probe, at the start's angle of"
+        f" {np.degrees(abs(angle)):.3g} deg, {_share_of(turn / brought)} the vehicles bring ({energy_text(brought)}):"
+        " a smaller latch.turn_stiffness adds less"
     ]

@@ -9,6 +9,7 @@ from ...errors import InputError
 from ...fields import replace
 from ...value_text import percent_text
 from ..energy import energy_text
+from .sanity_checks import pulling_spring
 
 LONGEST = {"buffer.max_stroke", "buffer.free_length"}
 LEFT = ("energy_left", "relative_energy", "arrest_stroke")  # quantities of what is left when a run ends
@@ -32,11 +33,14 @@ def left_open(number: Callable[[str], Any]) -> tuple[str, ...]:
 
 
 def unfinished(problem: Any, evaluation: Any) -> list[str]:
-    """Return a line where a tuned design without latches keeps its limits up to capture only, with the worst case.
+    """Return a line where a tuned design without latches keeps its limits up to capture only, with the worst case, and
+    one where latches rely on a spring that pulls.
 
     Limits on what is left at capture say that somebody has thought of it: then none.
     """
-    if problem.design.latch.has("stiffness") or set(LEFT) & set(problem.limits.at_most):
+    if problem.design.latch.has("stiffness"):
+        return pulling_spring(problem.design)
+    if set(LEFT) & set(problem.limits.at_most):
         return []
     column = {name: evaluation.quantities[:, k] for k, name in enumerate(problem.names)}
     needed = np.where(evaluation.succeeded, column["arrest_stroke"], -np.inf)

@@ -54,9 +54,20 @@ TABLE_VALUES = (
 
 
 def sanity_checks(design: Design) -> list[str]:
-    """Return a line for each number that a design of far heavier or lighter vehicles leaves at its default, and for a
-    restitution that the contact's law does not deliver."""
-    return [*_table_values(design), *_restitution(design)]
+    """Return a line for each number that a design of far heavier or lighter vehicles leaves at its default, for a
+    restitution that the contact's law does not deliver, and for a latch without a rebound stop."""
+    return [*_table_values(design), *_restitution(design), *pulling_spring(design)]
+
+
+def pulling_spring(design: Design) -> list[str]:
+    """Return a line for a latch on a buffer without a rebound stop: latched vehicles swing on a spring that pulls
+    (M174)."""
+    if not design.latch.has("stiffness") or design.buffer.has("rebound_stiffness"):
+        return []
+    return [
+        "a latch without buffer.rebound_stiffness: beyond the buffer's free length its spring pulls, and latched"
+        " vehicles swing on it; with a rebound stop the latch force may be far larger"
+    ]
 
 
 def _table_values(design: Design) -> Iterator[str]:

@@ -16,6 +16,7 @@ from .latch_energy import closing_words
 from .law_validity import warnings
 from .outcome import Outcome
 from .panels import end_stops, energy_shares
+from .sanity_checks import pulling_spring
 from .vehicle_forces import larger_than_contact
 
 
@@ -49,7 +50,7 @@ def summary(capture: Capture) -> str:
         f" {float(b.angular_momentum):.1e} angular, constraint drift {float(b.drift):.1e} m",
         f"  steps                {int(capture.accepted)} accepted of {int(capture.attempts)}",
     ]
-    return "\n".join([*lines, *(f"  {line}" for line in warnings(capture))])
+    return "\n".join([*lines, *(f"  {line}" for line in [*warnings(capture), *pulling_spring(capture.design)])])
 
 
 def _force(capture: Capture, name: str, at: dict[str, float]) -> str:
