@@ -94,7 +94,9 @@ def run_dataset(run: Any) -> Dataset:
         variables |= _history(history, names)
         coordinates |= {
             "time": Labelled(("step",), history.time, "s", "time of an accepted step"),
-            "contact": Labelled(("contact",), list(names.of_contacts(history.gap.shape[1])), "", mechanism.view.contact),
+            "contact": Labelled(
+                ("contact",), list(names.of_contacts(history.gap.shape[1])), "", mechanism.view.contact
+            ),
             "body": Labelled(("body",), list(names.bodies), "", "body"),
         }
     return dataset(variables, coordinates, {**attributes(mechanism, run.design, run.scenario), **_ended(run)})

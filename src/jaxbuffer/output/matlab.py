@@ -16,8 +16,28 @@ from ..mechanisms.run import Run
 SUFFIX = ".mat"
 LONGEST = 63  # characters of a name in MATLAB
 KEYWORDS = frozenset(
-    "break case catch classdef continue else elseif end for function global if otherwise parfor persistent return spmd"
-    " switch try while".split()
+    [
+        "break",
+        "case",
+        "catch",
+        "classdef",
+        "continue",
+        "else",
+        "elseif",
+        "end",
+        "for",
+        "function",
+        "global",
+        "if",
+        "otherwise",
+        "parfor",
+        "persistent",
+        "return",
+        "spmd",
+        "switch",
+        "try",
+        "while",
+    ]
 )
 ORIGINAL_NAMES = "original_names"  # pairs of a name in the file and the one that it replaces
 Renamed = list[tuple[str, str]]
@@ -101,9 +121,7 @@ def _valid(values: Mapping[str, Any], renamed: Renamed, taken: Collection[str] =
         if original not in names:
             names[original] = _unused(_ascii(original), {*taken, *names.values()})
             renamed.append((names[original], original))
-    return {
-        names[original]: _valid(it, renamed) if isinstance(it, dict) else it for original, it in values.items()
-    }
+    return {names[original]: _valid(it, renamed) if isinstance(it, dict) else it for original, it in values.items()}
 
 
 def _is_valid(name: str) -> bool:

@@ -8,8 +8,8 @@ import numpy as np
 from ..fields import Part
 from ..labelled.saved import Saved
 from ..mechanisms.mechanism import Mechanism
-from ..mechanisms.view import Names
 from ..mechanisms.outcome import NotComputed, RunOutcome
+from ..mechanisms.view import Names
 from ..run.request import NO_TENTH
 from ..run.trust import DOUBTFUL, VERDICTS
 from .grid import Places
