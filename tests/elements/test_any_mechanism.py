@@ -249,3 +249,9 @@ def test_a_joint_that_moves_by_itself_is_no_joint_of_the_system():
     assembled = mechanism((DRIVE,))
     again = Assembled(assembled.system, Q, V, elements=assembled.elements)
     assert len(again.system.joints) == len(assembled.system.joints) == 1
+
+
+@pytest.mark.parametrize("axis", [(3.0, 4.0), (0.0, 0.0), (float("nan"), 0.0)])
+def test_a_thrust_along_what_is_no_unit_vector_is_refused(axis):
+    with pytest.raises(InputError, match="no unit vector"):
+        Thrust(1, 7.0, 2.0, axis=axis)

@@ -7,7 +7,7 @@ import pytest
 import scipy
 
 import jaxbuffer as jb
-from jaxbuffer.output.matlab import design_mat, run_mat
+from jaxbuffer.output.matlab import _content, _valid, design_mat, run_mat
 from made_up import made_up_capture
 
 
@@ -42,3 +42,22 @@ def test_a_design_has_its_sections_curves_and_units():
 
 def test_the_same_design_gives_the_same_bytes():
     assert design_mat(jb.table2()) == design_mat(jb.table2()) and design_mat(jb.table2())[:10] == b"MATLAB 5.0"
+
+
+def test_names_that_matlab_cannot_have_are_replaced_and_listed():
+    long = "x" * 70
+    values = {"länge": 1.0, "lange": 2.0, long: 3.0, long[:65]: 4.0, "end": 5.0, "1st": 6.0, "part": {"höhe": 7.0}}
+    read = scipy.io.loadmat(io.BytesIO(_content(values, [])), simplify_cells=True)
+    originals = dict(read["original_names"])
+    assert read["lange"] == 2.0 and read["part"]["hohe"] == 7.0
+    assert all(len(name) <= 63 and name.isascii() and name.isidentifier() for name in originals)
+    assert set(originals.values()) == {"länge", long, long[:65], "end", "1st", "höhe"}
+    assert {original: read[name] for name, original in originals.items() if name in read} == {
+        original: values[original] for original in values if original not in ("lange", "part")
+    }
+
+
+def test_a_quantity_called_like_a_part_of_the_file_hides_nothing():
+    renamed = []
+    assert _valid({"units": 1.0, "units_2": 2.0}, renamed, taken=("units",)) == {"units_3": 1.0, "units_2": 2.0}
+    assert renamed == [("units_3", "units")]

@@ -511,8 +511,15 @@ class Assembled(ContactSystem):
         rate = self._rate(at, active, exerted)
         approaches = [it.approach for it in at.contacts]
         others = self._element_observables(at, rate, active)
+        sources = dict[str, str]()
         for element, *part in zip(self.elements, at.elements, self.layout.of_elements(active), strict=True):
-            others |= element.recorded(*part)
+            recorded = element.recorded(*part)
+            # An element may record with its sign what it observes without; of two elements one would hide the other.
+            for name in {*element.observed, *element.observed_of_rate, *recorded}:
+                if sources.setdefault(name, element.name) != element.name:
+                    both = f"{sources[name]!r} and {element.name!r}"
+                    raise InputError(f"the elements {both} both show {name!r}: give one of them another name")
+            others |= recorded
         # Those recorded come last: where a size is watched, the history has the value with its sign.
         others |= {shown.name: shown.of(self, at, rate) for shown in (*self.shown, *self.recorded)}
         if self.momentum_size is not None:

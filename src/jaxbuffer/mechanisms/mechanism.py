@@ -13,7 +13,7 @@ from ..errors import InputError, inside
 from ..fields import NON_NEGATIVE, POSITIVE, Part, all_of, get
 from ..hybrid import Options
 from .outcome import RunOutcome, Simulated
-from .quantity import Catalogue
+from .quantity import END_TIME, PEAK_FORCE, Catalogue
 from .system import ContactSystem
 from .view import View
 
@@ -229,6 +229,13 @@ class Mechanism:
     defaults: Defaults = dataclasses.field(default=Defaults(), compare=False)
     tuning: TuningRules = dataclasses.field(default=TuningRules(), compare=False)
     view: View = dataclasses.field(default=View(), compare=False)
+
+    def __post_init__(self) -> None:
+        """Add what is read of every run, where the mechanism does not list it: no sweep, objective or limit uses it."""
+        every = {"peak_force": PEAK_FORCE, "end_time": END_TIME}
+        hidden = {name: it._replace(swept=False, tuned=False) for name, it in every.items()}
+        missing = {name: it for name, it in hidden.items() if name not in self.quantities}
+        object.__setattr__(self, "quantities", {**self.quantities, **missing})
 
     @property
     def success(self) -> str | None:

@@ -47,7 +47,7 @@ class Series(NamedTuple):
 def series(history: History, names: Names) -> Iterator[Series]:
     """Yield contacts, the mechanism's own numbers, motion, multipliers and energies, in the order of a table."""
     for name, unit in CONTACT_UNITS.items():
-        for k, contact in enumerate(names.contacts):
+        for k, contact in enumerate(names.of_contacts(history.gap.shape[1])):
             values = getattr(history, name)[:, k]
             yield Series(f"{name} {contact}", unit, values, name, "contact", name.replace("_", " "))
     for name, unit, values in names.series(history.others):
@@ -94,7 +94,9 @@ def run_dataset(run: Any) -> Dataset:
         variables |= _history(history, names)
         coordinates |= {
             "time": Labelled(("step",), history.time, "s", "time of an accepted step"),
-            "contact": Labelled(("contact",), list(names.contacts), "", mechanism.view.contact),
+            "contact": Labelled(
+                ("contact",), list(names.of_contacts(history.gap.shape[1])), "", mechanism.view.contact
+            ),
             "body": Labelled(("body",), list(names.bodies), "", "body"),
         }
     return dataset(variables, coordinates, {**attributes(mechanism, run.design, run.scenario), **_ended(run)})
@@ -114,8 +116,7 @@ def run_quantities(run: Any) -> dict[str, Labelled]:
 def _numbers(run: Any, names: Names) -> dict[str, Labelled]:
     """Return the single numbers of the whole run."""
     contact = run.mechanism.view.contact
-    # The number is -1 where nothing touches.
-    largest = names.contacts[int(run.peak_contact)] if int(run.peak_contact) >= 0 else ""
+    largest = names.contact(int(run.peak_contact))  # the number is -1 where nothing touches
     counts = {"impact_count": run.impact_count, "steps_accepted": run.accepted, "steps_attempted": run.attempts}
     return {
         **run_quantities(run),
@@ -126,7 +127,7 @@ def _numbers(run: Any, names: Names) -> dict[str, Labelled]:
 
 def _impacts(run: Any, names: Names) -> dict[str, Labelled]:
     """Return arrays with one entry for each impact that happened."""
-    contacts = [names.contacts[int(k)] for k in np.asarray(run.impacts.contact)[: int(run.impacts.count)]]
+    contacts = [names.contact(int(k)) for k in np.asarray(run.impacts.contact)[: int(run.impacts.count)]]
     touched = Labelled(("impact",), np.array(contacts, str), "", run.mechanism.view.contact)
     return {f"impact_{name}": it for name, it in ({"contact": touched} | run.impacts.labelled()).items()}
 

@@ -30,6 +30,16 @@ class Names:
     others: Mapping[str, str] = dataclasses.field(default_factory=dict)
     shares: Mapping[str, str] = dataclasses.field(default_factory=dict)
 
+    def contact(self, number: int) -> str:
+        """Return the name of a contact by its number, a plain one where it has none; "" for -1, which is no contact."""
+        if number < 0:
+            return ""
+        return self.contacts[number] if number < len(self.contacts) else f"contact {number + 1}"
+
+    def of_contacts(self, count: int) -> tuple[str, ...]:
+        """Return the names of the ``count`` contacts that a mechanism has."""
+        return tuple(map(self.contact, range(count)))
+
     def series(self, others: Mapping[str, Any]) -> Iterator[tuple[str, str, Any]]:
         """Yield name in tables, unit and values of each of the history's ``others``."""
         for name, symbol in self.others.items():

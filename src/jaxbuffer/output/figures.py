@@ -95,12 +95,13 @@ def _forces(force: Axes, zoom: Axes | None, run: Run, window: Window) -> None:
     peak, at = float(run.peak_force), float(run.peak_time)
     (unit, factor), time = newtons(peak), np.asarray(history.time)
     shown = window.inside(time)
-    for k, contact in enumerate(names.contacts):
+    for k, contact in enumerate(names.of_contacts(history.contact_force.shape[1])):
         name = run.mechanism.view.contact_in_words(contact)
         force.plot(window.factor * time[shown], factor * history.contact_force[shown, k], **curve(k), label=name)
     force.locator_params(axis="x", nbins=6)
     if zoom is None:
-        label(force, "Contact force: nothing touches", f"time [{window.unit}]", f"contact force [{unit}]")
+        named = history.contact_force.shape[1] > 0  # a mechanism may have no contact, and then no legend of them
+        label(force, "Contact force: nothing touches", f"time [{window.unit}]", f"contact force [{unit}]", named)
         return
     force.plot(window.factor * at, factor * peak, "o", color=RED, markersize=4, label="peak")
     label(force, "Contact force", f"time [{window.unit}]", f"contact force [{unit}]")

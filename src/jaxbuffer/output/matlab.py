@@ -1,6 +1,9 @@
 """Runs and designs as MATLAB's .mat files: one structure for design and scenario, an array for each quantity."""
 
 import io
+import re
+import unicodedata
+from collections.abc import Collection, Mapping
 from typing import Any
 
 import numpy as np
@@ -11,6 +14,33 @@ from ..fields import Curve, Part, get, paths, unit
 from ..mechanisms.run import Run
 
 SUFFIX = ".mat"
+LONGEST = 63  # characters of a name in MATLAB
+KEYWORDS = frozenset(
+    [
+        "break",
+        "case",
+        "catch",
+        "classdef",
+        "continue",
+        "else",
+        "elseif",
+        "end",
+        "for",
+        "function",
+        "global",
+        "if",
+        "otherwise",
+        "parfor",
+        "persistent",
+        "return",
+        "spmd",
+        "switch",
+        "try",
+        "while",
+    ]
+)
+ORIGINAL_NAMES = "original_names"  # pairs of a name in the file and the one that it replaces
+Renamed = list[tuple[str, str]]
 HEADER = b"MATLAB 5.0 MAT-file, jaxbuffer".ljust(116)  # scipy's own has the time, and differs from run to run
 
 
@@ -27,15 +57,15 @@ def run_mat(run: Run) -> bytes:
     (0.194, 'N')
     """
     data = run.to_xarray()
-    return _content(
-        {
-            "outcome": run.outcome.name,
-            **_arrays(data),
-            "units": {str(name): it.attrs["units"] for name, it in data.variables.items() if "units" in it.attrs},
-            "design": structure(run.design),
-            "scenario": structure(run.scenario),
-        }
-    )
+    renamed: Renamed = []
+    # A quantity may be called like what the file has besides: it gets a number, and its unit is by that name too.
+    arrays = _valid(_arrays(data), renamed, taken=("outcome", "units", "design", "scenario", ORIGINAL_NAMES))
+    names = {original: name for name, original in renamed}
+    units = {
+        names.get(str(name), str(name)): it.attrs["units"] for name, it in data.variables.items() if "units" in it.attrs
+    }
+    outcome, design, scenario = run.outcome.name, structure(run.design), structure(run.scenario)
+    return _content({"outcome": outcome, **arrays, "units": units, "design": design, "scenario": scenario}, renamed)
 
 
 def design_mat(design: Part) -> bytes:
@@ -45,7 +75,7 @@ def design_mat(design: Part) -> bytes:
         if symbol := unit(design, path):
             section, _, name = path.rpartition(".")
             (units.setdefault(section, {}) if section else units)[name] = symbol
-    return _content({"design": structure(design), "units": units})
+    return _content({"design": structure(design), "units": units}, [])
 
 
 def structure(part: Part) -> dict[str, Any]:
@@ -71,9 +101,44 @@ def _arrays(data: Dataset) -> dict[str, Any]:
     return {name: it.astype(object) if it.dtype.kind in "UO" else it for name, it in values.items()}
 
 
-def _content(values: dict[str, Any]) -> bytes:
+def _content(values: dict[str, Any], renamed: Renamed) -> bytes:
+    """Return the file's content; ``renamed``: the names that were replaced so far, to which others are added."""
     file = io.BytesIO()
+    valid = _valid(values, renamed)
+    if renamed:
+        valid[ORIGINAL_NAMES] = np.array(list(dict.fromkeys(renamed)), dtype=object)
     # Columns, as MATLAB has the numbers of a history.
     # A name may have 63 characters in MATLAB, of which scipy allows 31 unless it is told.
-    scipy.io.savemat(file, values, long_field_names=True, oned_as="column")
+    scipy.io.savemat(file, valid, long_field_names=True, oned_as="column")
     return HEADER + file.getvalue()[len(HEADER) :]
+
+
+def _valid(values: Mapping[str, Any], renamed: Renamed, taken: Collection[str] = ()) -> dict[str, Any]:
+    """Return the values by names that MATLAB can have, those in structures too; ``renamed`` gets the new names."""
+    names = {it: it for it in values if _is_valid(it) and it not in taken}
+    # Names that need no change keep theirs, whatever the others become.
+    for original in values:
+        if original not in names:
+            names[original] = _unused(_ascii(original), {*taken, *names.values()})
+            renamed.append((names[original], original))
+    return {names[original]: _valid(it, renamed) if isinstance(it, dict) else it for original, it in values.items()}
+
+
+def _is_valid(name: str) -> bool:
+    return len(name) <= LONGEST and re.fullmatch("[A-Za-z][A-Za-z0-9_]*", name) is not None and name not in KEYWORDS
+
+
+def _ascii(name: str) -> str:
+    """Return a name of letters, digits and underscores that begins with a letter: "länge" becomes "lange"."""
+    plain = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode()
+    plain = re.sub("[^A-Za-z0-9_]", "_", plain)
+    return plain if re.match("[A-Za-z]", plain) and plain not in KEYWORDS else f"x_{plain}"
+
+
+def _unused(name: str, taken: Collection[str]) -> str:
+    """Return the name, as long as MATLAB allows, with a number behind it if it is taken."""
+    made, count = name[:LONGEST], 1
+    while made in taken:
+        count += 1
+        made = f"{name[: LONGEST - 1 - len(str(count))]}_{count}"
+    return made

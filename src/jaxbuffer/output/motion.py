@@ -143,15 +143,16 @@ def motion_figure(run: Run, times: Sequence[float] | None = None) -> Figure:
 
 def caption(at: Scene, k: int) -> str:
     """Return time and contact force of a panel: "0.4881 s, 253 N on the upper flank"."""
-    names, kind = at.run.mechanism.view.names(at.run.design).contacts, at.run.mechanism.view.contact
-    normal = np.asarray(at.instants.contact_force)[k]
+    normal, kind = np.asarray(at.instants.contact_force)[k], at.run.mechanism.view.contact
+    names = at.run.mechanism.view.names(at.run.design).of_contacts(len(normal))
     acting = [
         _acting(force, at.peak) + (f" on the {name} {kind}" if len(names) > 1 else "")
         for name, force in zip(names, normal, strict=True)
         if force > 0.0
     ]
     end = float(np.asarray(at.run.history.time)[-1])  # type: ignore[union-attr]
-    return f"{clock(at.times[k], end)}, {' and '.join(acting) or 'no contact'}"
+    # Where there is nothing to touch, that nothing touches says nothing.
+    return ", ".join([clock(at.times[k], end), *([" and ".join(acting) or "no contact"] if len(normal) else [])])
 
 
 def _acting(force: float, peak: float) -> str:

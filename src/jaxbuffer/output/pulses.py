@@ -95,7 +95,7 @@ def force_over_time(run: Run) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray
     **Arguments:** ``run``: one simulated with ``history=True``.
     """
     time = fine_times(run, TIMES)
-    return time, np.max(np.asarray(at_times(run, time).contact_force), axis=1)
+    return time, np.max(np.asarray(at_times(run, time).contact_force), axis=1, initial=0.0)
 
 
 def pulse_around(

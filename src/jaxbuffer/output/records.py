@@ -44,7 +44,7 @@ def run_record(run: Run, constraints: Constraints | None = None, trust: Trust | 
         "cautions": cautions(run.design, (run.scenario,)),
         "larger_force": mechanism.view.larger_force(run),
         "diagnosis": dict(mechanism.view.diagnosis(run)) if run.diagnosis else {},
-        f"peak_{mechanism.view.contact}": names.contacts[int(run.peak_contact)]
+        f"peak_{mechanism.view.contact}": names.contact(int(run.peak_contact))
         if int(run.impacts.count) and int(run.peak_contact) >= 0
         else None,
         "maximum_times": {heading(name, "s"): json_number(time) for name, time in run.maximum_times.items()},
@@ -147,7 +147,7 @@ def certificate_record(result: Sensitivity) -> dict[str, Any]:
         else {
             heading("force", "N"): peaks.force,
             heading("time", "s"): peaks.time,
-            mechanism.view.contact: names.contacts[peaks.contact],
+            mechanism.view.contact: names.contact(peaks.contact),
             "impact": peaks.impact + 1,
         },
         "runner_up": None

@@ -128,8 +128,9 @@ def _of_run(results: Results, others: Sequence[Results]) -> list[Cell]:
         counts = limit_counts(results, others) if results.tuned is None else None
         end = ended(results.mechanism, record["outcome"])
         phrases, mark = _with_limits(counts, end.mark)
+        peak = [f"peak force {record['peak_force']:.4g} N"] if record.get("peak_force") is not None else []
         larger = [text] if (text := record.get("larger_force")) else []
-        text = ", ".join([words(record["outcome"]), *phrases, f"peak force {record['peak_force']:.4g} N", *larger])
+        text = ", ".join([words(record["outcome"]), *phrases, *peak, *larger])
         cells.append(Cell(text, mark))
         # A run of --trust off has no verdict, which is nothing to warn of.
         verdict = (record.get("trust") or {}).get("verdict", "trusted")
@@ -239,7 +240,8 @@ def _run(results: Results, every: Sequence[Results]) -> str:
         return ""
     label = mechanism.view.label(scenario_of(mechanism, record["scenario"]))
     reason = mechanism.outcomes[record["outcome"]].reason
-    text = f"At {label} the {mechanism.view.run_name} ends after {record['end_time']:.4g} s: {reason}."
+    after = f" after {record['end_time']:.4g} s" if record.get("end_time") is not None else ""
+    text = f"At {label} the {mechanism.view.run_name} ends{after}: {reason}."
     if record.get("peak_force") is not None:
         text += f" Its largest contact force is {record['peak_force']:.4g} N{_larger(record)}."
     # The paragraph of a folder's tuning tells its limits, so that of its run need not.

@@ -9,6 +9,7 @@ from ..fields import Part
 from ..labelled.saved import Saved
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.outcome import NotComputed, RunOutcome
+from ..mechanisms.view import Names
 from ..run.request import NO_TENTH
 from ..run.trust import DOUBTFUL, VERDICTS
 from .grid import Places
@@ -72,10 +73,10 @@ class RunTable(Saved):
         """Return how many runs are not trusted, in words; ``where`` they are marked."""
         return sanity_checks(self.mechanism, len(self), tally(self.columns["trust"]), where)
 
-    def contacts(self) -> tuple[str, ...]:
-        """Return the names of the contacts, by their numbers."""
+    def names(self) -> Names:
+        """Return what the mechanism's parts are called."""
         design = self.mechanism.design() if self.design is None else self.design
-        return self.mechanism.view.names(design).contacts
+        return self.mechanism.view.names(design)
 
 
 def sanity_checks(mechanism: Mechanism, runs: int, verdicts: Mapping[int, int], where: str) -> list[str]:

@@ -97,10 +97,15 @@ def summary(sweep: RunTable, title: str, fields: Mapping[str, str], file: str) -
 def _beyond_validity(sweep: RunTable) -> list[str]:
     """Return a line for each limit of validity that runs exceed: how many do, and the worst of them."""
     mechanism, shares = sweep.mechanism, dict[str, np.ndarray]()
+    if "peak_force" not in sweep.columns:  # limits of validity are those of contact laws
+        return []
+    deep = sweep.columns.get("penetration")
     # Designs that differ in a choice do not go into one design with arrays: each batch has one of each choice.
     for batch in sweep.grid.batches(sweep.design, sweep.scenario):
         places = batch.places
-        for limit in mechanism.view.validity(batch.design, sweep.peak_force[places], sweep.penetration[places]):
+        for limit in mechanism.view.validity(
+            batch.design, sweep.peak_force[places], None if deep is None else deep[places]
+        ):
             share = shares.setdefault(limit.beyond, np.full(len(sweep), -np.inf))
             share[places] = np.where(limit.passed & sweep.solved[places], limit.share, -np.inf)
     lines = []
@@ -130,6 +135,8 @@ def _spread(sweep: RunTable) -> Table:
 
 
 def _extremes(sweep: RunTable) -> list[str]:
+    if "peak_force" not in sweep.columns:  # a mechanism need not have it among its quantities
+        return []
     force = np.where(sweep.solved, sweep.peak_force, np.nan)
     lines = [f"greatest peak force {_run(sweep, int(np.nanargmax(force)))}"]
     least = np.where(sweep.solved & sweep.mechanism.succeeded(sweep.code), sweep.peak_force, np.nan)
@@ -141,10 +148,11 @@ def _extremes(sweep: RunTable) -> list[str]:
 
 
 def _run(sweep: RunTable, index: int) -> str:
-    mechanism, names = sweep.mechanism, sweep.contacts()
+    mechanism = sweep.mechanism
     largest = int(sweep.columns[f"peak_{mechanism.view.contact}"][index])
-    contact, count = mechanism.view.contact_in_words(names[largest]), int(sweep.impact_count[index])
-    where = f"{contact} after {sweep.peak_time[index]:.4g} s, {count} impacts" if count else "no impact"
+    contact, count = mechanism.view.contact_in_words(sweep.names().contact(largest)), int(sweep.impact_count[index])
+    after = f" after {sweep.peak_time[index]:.4g} s" if "peak_time" in sweep.columns else ""
+    where = f"{contact}{after}, {count} impacts" if count else "no impact"
     return f"{sweep.peak_force[index]:.6g} N at {sweep.grid.point(index)}: {where}, {sweep.outcomes[index].name}"
 
 

@@ -68,10 +68,10 @@ def _outputs(sweep: RunTable) -> dict[str, Labelled]:
     mechanism, contact = sweep.mechanism, f"peak_{sweep.mechanism.view.contact}"
     outcomes = np.array([outcome.name for outcome in sweep.outcomes], str)
     quantities = {name: mechanism.quantities[name] for name in mechanism.swept}
-    names = sweep.contacts()
+    names = sweep.names()
     # A failed run, and one without an impact, has no contact with the largest force.
     where = [
-        names[k] if solved and k >= 0 else "" for k, solved in zip(sweep.columns[contact], sweep.solved, strict=True)
+        names.contact(int(k)) if solved else "" for k, solved in zip(sweep.columns[contact], sweep.solved, strict=True)
     ]
     trust = "how far the numbers can be trusted, empty for no verdict"
     return {

@@ -254,9 +254,10 @@ def _by_field(problem: Problem, stacked: dict[str, np.ndarray], lost: np.ndarray
         code != outcomes[problem.mechanism.outcomes.time_is_up()]
     )
     # A run that breaks off early, by bouncing out say, must not pass for a quick one: its end time is the duration.
-    time = problem.measured.index("end_time") - 1  # in the rest, which is without the peak force
-    run["rest"][ended_otherwise, time] = problem.duration
-    run["rest_slope"][ended_otherwise, time] = 0.0
+    if "end_time" in problem.measured:
+        time = problem.measured.index("end_time") - 1  # in the rest, which is without the peak force
+        run["rest"][ended_otherwise, time] = problem.duration
+        run["rest_slope"][ended_otherwise, time] = 0.0
     states = {"code": code, "solved": ~lost, "succeeded": ~lost & problem.succeeded(code)}
     return run | states | {name: stacked[name] for name in ("impacts", "slots")}
 

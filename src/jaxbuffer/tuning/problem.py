@@ -21,7 +21,7 @@ from .objective import ONE_LIMIT, Limits, Objective, SecondObjective, in_units, 
 from .tolerances import check_ends, corner_cases, read_tolerances
 from .variable import Variable, check_variables
 
-PEAK_FORCE = "peak_force"  # the quantity that every mechanism has, and a search knows of every impact
+PEAK_FORCE = "peak_force"  # the quantity that `Mechanism` sees to that all have, and a search knows of every impact
 
 
 @dataclasses.dataclass(frozen=True)
