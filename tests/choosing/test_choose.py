@@ -123,6 +123,48 @@ def test_roundings_are_judged_over_all_cases_and_say_their_cost(problem):
     assert f"{100.0 * (choice.best.value / exact - 1.0):+.2g} %" in str(choice)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "varied",
+    [
+        {"scenarios": [jb.Case(jb.Scenario(), values=(("probe.tip_mass", mass),)) for mass in (0.03, 0.2)]},
+        {"scenarios": [jb.Case(jb.Scenario(), shifts=(("probe.tip_mass", 0.02),))]},
+        {"scenarios": [jb.Case(jb.Scenario(), factors=(("probe.tip_mass", 1.4),))]},
+        {"scenarios": [jb.Scenario()], "tolerances": {"probe.tip_mass": "20 g"}},
+        {"scenarios": [jb.Scenario()], "tolerances": {"probe.tip_mass": "40 %"}},
+    ],
+    ids=["grid", "shift", "factor", "absolute tolerance", "relative tolerance"],
+)
+def test_choices_run_each_load_case_with_the_design_as_built(varied):
+    """Brute force: each load case simulated with `Case.of` of the design."""
+    problem = jb.Problem(jb.table2(), variables=[], **varied)
+    choices = (
+        jb.choose(problem, {"spring": {"S2": {"k_A": 200.0}, "S4": {"k_A": 400.0}}}, optimum=False),
+        jb.buildable(problem, {"buffer.k_A": "E3"}, jb.replace(jb.table2(), {"buffer.k_A": 300.0})),
+    )
+    for choice in choices:
+        runs = [jb.simulate(case.of(choice.design), case.scenario, rtol=1e-9) for case in choice.problem.cases]
+        assert choice.best.value == pytest.approx(max(float(run.peak_force) for run in runs), rel=1e-5)
+
+
+def test_a_number_that_scenarios_list_is_neither_chosen_nor_rounded():
+    cases = [jb.Case(jb.Scenario(), values=(("buffer.k_A", k),)) for k in (300.0, 900.0)]
+    listed = jb.Problem(jb.table2(), cases, [])
+    springs = {"spring": {"A": {"k_A": 300.0}, "B": {"k_A": 500.0}}}
+    with pytest.raises(jb.InputError, match=r"parts\.spring sets buffer\.k_A, and the scenarios list values"):
+        jb.choose(listed, springs)
+    with pytest.raises(jb.InputError, match=r"roundings\.buffer\.k_A sets buffer\.k_A, and the scenarios list values"):
+        jb.buildable(listed, {"buffer.k_A": "E12"})
+
+
+def test_a_second_objective_is_refused(problem):
+    then = dataclasses.replace(problem, then=jb.SecondObjective(jb.Objective({"stroke": 1.0})))
+    with pytest.raises(jb.InputError, match=r"problem\.then = stroke.*leave out problem\.then"):
+        jb.choose(then, PARTS)
+    with pytest.raises(jb.InputError, match=r"problem\.then = stroke.*leave out problem\.then"):
+        jb.buildable(then, {"buffer.k_A": "E12"})
+
+
 def test_what_cannot_be_chosen_is_said(problem):
     with pytest.raises(jb.InputError, match=r"parts\.spring sets buffer\.k_A, which is among the variables too"):
         tunable = dataclasses.replace(problem, variables=[jb.Variable("buffer.k_A", 100.0, 2000.0)])

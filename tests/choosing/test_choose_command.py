@@ -1,6 +1,7 @@
 """`jaxbuffer choose`: files, exit codes, going on after an interrupt."""
 
 import json
+import re
 
 import pytest
 
@@ -79,3 +80,15 @@ def test_check_says_what_is_chosen_from(study, capsys):
     shown = capsys.readouterr().out
     assert "2 × 2 = 4 combinations over 2 scenarios" in shown and "price ≤ 40 EUR of all parts" in shown
     assert "damper: 2, each with buffer.c_A, price: D14, D45" in shown
+
+
+def test_check_says_the_price_that_decides_and_refuses_it_without_parts(study, capsys):
+    (study / "study.toml").write_text(STUDY + "[problem.objective]\nprice = 1.0\n")
+    assert run(["check", "study.toml"]) == 0
+    shown = capsys.readouterr().out
+    assert re.search(r"objective +price\n", shown) and "peak_force, worst" not in shown
+    assert "price ≤ 40 EUR of all parts" in shown
+    for table, name in (("objective", "price"), ("constraints", "mass")):
+        (study / "study.toml").write_text(f"[problem.{table}]\n{name} = 1.0\n")
+        assert run(["check", "study.toml"]) == 2
+        assert f"problem.{table}.{name} is a sum over parts" in capsys.readouterr().err

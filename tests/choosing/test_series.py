@@ -4,8 +4,8 @@ import re
 
 import pytest
 
-from jaxbuffer import InputError, table2
-from jaxbuffer.choosing.series import SERIES, beside, check_rule, nearest
+from jaxbuffer import InputError, Problem, Scenario, table2
+from jaxbuffer.choosing.series import SERIES, beside, check_rule, nearest, rounded_catalogues
 
 
 def test_series_are_those_of_the_standard():
@@ -30,6 +30,16 @@ def test_series_are_those_of_the_standard():
 )
 def test_values_beside_a_number(value, rule, expected):
     assert beside(value, rule) == expected
+
+
+def test_zero_is_a_multiple_of_each_step_and_in_no_series():
+    problem = Problem(table2(), [Scenario()], [])
+    (catalogue,), (place,) = rounded_catalogues(problem, {"buffer.c_A": 0.0}, {"buffer.c_A": 0.5})
+    assert [part.fields["buffer.c_A"] for part in catalogue.parts] == [0.0, 0.5, 1.0] and place == 0
+    with pytest.raises(InputError, match=r"no value of E12 lies beside contact\.friction = 0.*allowed: \[0"):
+        rounded_catalogues(problem, {"contact.friction": 0.0}, {"contact.friction": "E12"})
+    with pytest.raises(InputError, match=r"multiples of 1\.5 lies beside contact\.restitution = 0\.3.*1\]"):
+        rounded_catalogues(problem, {"contact.restitution": 0.3}, {"contact.restitution": 1.5})
 
 
 def test_the_nearest_is_so_by_ratio():

@@ -2,7 +2,7 @@
 
 import dataclasses
 import shutil
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any
@@ -20,7 +20,7 @@ from .catalogue import CataloguePart, PartsCatalogue
 from .choice import Choice
 from .choose import EXAMPLE, ranked
 from .combinations import Combinations
-from .criterion import Criterion
+from .criterion import Criterion, check_obeyed
 from .means import OPTIMUM, Means
 from .runs import Runs
 from .series import check_rule, rounded_catalogues
@@ -57,7 +57,8 @@ def buildable(
 
     **Returns:** a `Choice` that says what rounding costs; a part is a value there.
 
-    **Raises:** `InputError` for what is no number of the design or no rounding.
+    **Raises:** `InputError` for what is no number of the design or no rounding, a number that scenarios list or that
+    has no allowed value beside it, and a second objective.
 
     **Example:**
 
@@ -68,6 +69,7 @@ def buildable(
     """
     check_type("problem", problem, Problem, EXAMPLE)
     rules = checked_rules(roundings, problem.design)
+    check_roundings(problem, rules)
     check_whole("ranking", ranking, 1)
     shown = counted(progress, problem.mechanism.view.run_name)
     means = Means(folder, resume, workers, executor, solver, shown, report, settings)
@@ -84,6 +86,11 @@ def checked_rules(roundings: Mapping[str, Any], design: Part) -> dict[str, str |
     for path in roundings:
         check_path(design, path)
     return {path: check_rule(f"roundings.{path}", path, it, design) for path, it in roundings.items()}
+
+
+def check_roundings(problem: Problem, paths: Iterable[str]) -> None:
+    """Raise `InputError`, ahead of any tuning, for what the choice of roundings of these numbers cannot obey."""
+    check_obeyed(problem, {path: f"roundings.{path}" for path in paths})
 
 
 def continuous_design(problem: Problem, means: Means) -> Part:

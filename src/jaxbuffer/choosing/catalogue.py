@@ -92,7 +92,7 @@ def read_catalogues(
     owners: dict[str, str] = {}
     for catalogue in catalogues:
         # A curve counts as the number that it stands for: the design has one of the two, so only one role may set it.
-        for path in dict.fromkeys(_stands_for(design, path) for path in catalogue.paths):
+        for path in dict.fromkeys(stands_for(design, path) for path in catalogue.paths):
             if path in owners:
                 raise InputError(f"{where}.{owners[path]} and {where}.{catalogue.role} both set {path}; keep one")
             owners[path] = catalogue.role
@@ -195,9 +195,9 @@ def _check_one_unit(path: str, cells: Sequence[CatalogueCell]) -> None:
 
 def _check_same_fields(parts: Sequence[CataloguePart], design: Part, where: str) -> None:
     """Raise `InputError` where a part lacks what another one has: it would keep the design's own number."""
-    first = {_stands_for(design, path): path for path in parts[0].fields}
+    first = {stands_for(design, path): path for path in parts[0].fields}
     for part in parts[1:]:
-        own = {_stands_for(design, path): path for path in part.fields}
+        own = {stands_for(design, path): path for path in part.fields}
         for have, lack, one, other in ((first, own, parts[0], part), (own, first, part, parts[0])):
             if missing := next((have[key] for key in have if key not in lack), None):
                 raise InputError(
@@ -210,7 +210,7 @@ def _check_same_fields(parts: Sequence[CataloguePart], design: Part, where: str)
             raise InputError(f"{where}.{lacking.name} has no {name}, which {having[0].name} has; give each part one")
 
 
-def _stands_for(design: Part, path: str) -> str:
+def stands_for(design: Part, path: str) -> str:
     """Return the number that a curve takes the place of; any other path as it is."""
     instead = metadata(design, path).get("instead_of") if path in paths(design) else None
     return f"{path.rpartition('.')[0]}.{instead[0]}" if instead else path

@@ -27,7 +27,7 @@ from .bound import continuous_optimum
 from .catalogue import PartsCatalogue, read_catalogues
 from .choice import Choice
 from .combinations import Combinations
-from .criterion import Criterion
+from .criterion import Criterion, check_obeyed
 from .enumeration import Enumeration
 from .means import OPTIMUM, TUNED, Means
 from .runs import Runs
@@ -82,8 +82,8 @@ def choose(
 
     **Returns:** a `Choice`, its numbers at tight tolerance; the same whether it was interrupted or not.
 
-    **Raises:** `InputError` for what is wrong with a catalogue, a part that sets a variable, and on resuming another
-    choice.
+    **Raises:** `InputError` for what is wrong with a catalogue, a part that sets a variable or a number that scenarios
+    list, a second objective, and on resuming another choice.
 
     **Example:**
 
@@ -127,6 +127,7 @@ def selection(
         for path in catalogue.paths:
             if path in problem.paths:
                 raise InputError(f"parts.{catalogue.role} sets {path}, which is among the variables too; keep one")
+    check_obeyed(problem, {path: f"parts.{it.role}" for it in combinations.catalogues for path in it.paths})
     shown = dataclasses.replace(problem, units={**combinations.units, **problem.units})
     return Criterion.of(shown, objective, at_most, combinations), combinations
 

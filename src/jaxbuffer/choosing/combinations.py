@@ -86,7 +86,7 @@ class Combinations:
         if isinstance(design, InputError):
             return design
         try:
-            built = case.of(design) if case.factors else design
+            built = case.of(design)
             mechanism_of(design).check_fit(built, case.scenario)
         except InputError as error:
             return error

@@ -14,7 +14,7 @@ from ..mechanisms.limit import Limit
 from ..mechanisms.quantity import Catalogue, Quantity
 from ..tuning.objective import ONE_LIMIT, Objective, quantity_in_words
 from ..tuning.problem import Problem
-from .catalogue import MASS, PRICE, TOTALS
+from .catalogue import MASS, PRICE, TOTALS, stands_for
 from .combinations import Combinations
 
 DESCRIPTIONS = {PRICE: "sum of the parts' prices", MASS: "sum of the parts' masses"}
@@ -92,6 +92,22 @@ class Criterion:
         if self.of_runs is None:
             return " + ".join(f"{w:g} {name}" if w != 1.0 else name for name, w in self.objective.weights.items())
         return self.problem.format(self.objective)
+
+
+def check_obeyed(problem: Problem, where: Mapping[str, str]) -> None:
+    """Raise `InputError` for a part of a problem that a choice cannot obey.
+
+    **Arguments:** ``where``: what sets each path of the design, as messages name it.
+    """
+    listed = {stands_for(problem.design, path): path for case in problem.cases for path, _ in case.values}
+    for path, setter in where.items():
+        if (other := listed.get(stands_for(problem.design, path))) is not None:
+            raise InputError(f"{setter} sets {path}, and the scenarios list values of {other}; keep one")
+    if problem.then is not None:
+        raise InputError(
+            f"problem.then = {problem.then.objective}: a choice among parts or roundings has one objective; leave out"
+            " problem.then, or limit the first objective in problem.constraints and choose by the second"
+        )
 
 
 def total_units(combinations: Combinations) -> dict[str, str]:

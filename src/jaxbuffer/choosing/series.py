@@ -8,7 +8,7 @@ from typing import Any
 from ..errors import InputError, as_number, check_number, shown
 from ..fields import POSITIVE, Part, in_unit, limits_of, no_number, typed_unit, unit
 from ..tuning.problem import Problem
-from ..value_text import with_unit
+from ..value_text import interval_text, with_unit
 from .catalogue import CataloguePart, PartsCatalogue
 
 # IEC 60063: the values of E24 are rounded by hand, the finer series by rule.
@@ -71,7 +71,9 @@ def beside(value: float, rule: str | float, count: int = BESIDE) -> list[float]:
 
 
 def nearest(value: float, values: list[float]) -> int:
-    """Return which of some values is nearest to a number, by ratio."""
+    """Return which of some values is nearest to a number, by ratio; beside zero by difference."""
+    if value == 0.0:
+        return min(range(len(values)), key=lambda k: values[k])
     return min(range(len(values)), key=lambda k: abs(math.log(values[k] / value)))
 
 
@@ -87,13 +89,32 @@ def rounded_catalogues(
         raise InputError(f"{len(rules)} numbers to round have {2 ** len(rules)} combinations, above {MOST}; fix some")
     catalogues, places = [], []
     for path, rule in rules.items():
-        limits = limits_of(problem.design, path)
-        values = [it for it in beside(numbers[path], rule, count) if _inside(it, limits)]
+        values = _allowed(problem, path, numbers[path], rule, count)
         symbol = problem.units.get(path, "")
         parts = [CataloguePart(with_unit(*problem.shown(path, it), 12), {path: it}) for it in values]
         catalogues.append(PartsCatalogue(path, tuple(parts), {path: symbol} if typed_unit(f"1 {symbol}") else {}))
         places.append(nearest(numbers[path], values))
     return tuple(catalogues), tuple(places)
+
+
+def _allowed(problem: Problem, path: str, value: float, rule: str | float, count: int) -> list[float]:
+    """Return the buildable values beside a number that its range allows. **Raises:** `InputError` where none is."""
+    limits = limits_of(problem.design, path)
+    # A series has positive values only, and zero is the one other number that is a multiple of every step.
+    usable = value > 0.0 or (value == 0.0 and not isinstance(rule, str))
+    values = [it for it in beside(value, rule, count) if _inside(it, limits)] if usable else []
+    if values:
+        return values
+    symbol = unit(problem.design, path)
+    low, high = max(limits.get("low", 0.0), 0.0), limits.get("high", math.inf)
+    if isinstance(rule, str):
+        text, hint = rule, f'round by a step, "{with_unit(1.0, symbol)}" say'
+    else:
+        text, hint = f"the multiples of {with_unit(*problem.shown(path, rule))}", "give a smaller step"
+    raise InputError(
+        f"roundings.{path}: no value of {text} lies beside {path} = {with_unit(*problem.shown(path, value))}; allowed:"
+        f" {interval_text(low, high, symbol)}; {hint}, or leave {path} out of the roundings"
+    )
 
 
 def _inside(value: float, limits: Mapping[str, Any]) -> bool:

@@ -112,7 +112,9 @@ class Config:
 
     def problem(self) -> Problem:
         """Read the design problem, whose start must lie within the bounds."""
-        check_no_sums(self.table.objective.weights if self.table.objective else {})
+        check_no_sums("objective", self.table.objective.weights if self.table.objective else ())
+        if not self.parts:
+            check_no_sums("constraints", self.table.constraints.at_most if self.table.constraints else ())
         # Messages say numbers in the units that they were typed with.
         with errors_in_typed_units(self.units):
             return read_problem(
@@ -133,7 +135,7 @@ class Config:
         # Some part may bring a latch, with which runs last longer: then all combinations are run for as long.
         study = self.varying([path for catalogue in self.parts for path in catalogue.paths])
         # No run has a price or a mass: the choice adds them to what the runs of a combination give.
-        if given is not None and set(given.weights) & set(TOTALS):
+        if self.parts and given is not None and set(given.weights) & set(TOTALS):
             weights = {name: weight for name, weight in given.weights.items() if name not in TOTALS}
             of_runs = dataclasses.replace(given, weights=weights) if weights else None
             table = dataclasses.replace(table, objective=of_runs)

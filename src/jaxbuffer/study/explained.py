@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from ..choosing.catalogue import PartsCatalogue
 from ..choosing.choose import selection
+from ..choosing.criterion import Criterion
 from ..experiments.ranges import ranges
 from ..fields import SCENARIO, Curve, Part, as_displayed, ends_as_typed, field_text, get, metadata, paths, unit
 from ..fitting.fit import checked
@@ -52,7 +53,7 @@ def explained(study: Config, name: str) -> str:
         "scenarios": _scenarios(study) if len(study.scenarios) > 1 else [],
         "options": [", ".join(_shown(study.options, path) for path in paths(study.options))],
         "variables": missing or ([] if problem is None else _variables(problem)),
-        "objective": [] if problem is None else [problem.format(problem.objective)],
+        "objective": [] if problem is None else [_objective(study, problem)],
         "own quantities": [f"{name} [{it.unit}] = {it.signature}" for name, it in own.items()],
         "limits": [] if problem is None else _limits(problem),
         "tolerances": [] if problem is None else _tolerances(problem),
@@ -101,9 +102,19 @@ def _parts(study: Config) -> list[str]:
     ]
     if not study.parts:
         return lines
-    told = study.selection()
-    criterion, _ = selection(told.problem, study.parts, told.objective, told.at_most)
+    criterion = _criterion(study)
     return lines + [f"{it.line(criterion.catalogue[it.name])} of all parts" for it in criterion.limits]
+
+
+def _criterion(study: Config) -> Criterion:
+    """Return what a study's parts are chosen by."""
+    chosen_by = study.selection()
+    return selection(chosen_by.problem, study.parts, chosen_by.objective, chosen_by.at_most)[0]
+
+
+def _objective(study: Config, problem: Problem) -> str:
+    """Return the objective in words; price and mass of parts are in that of a choice alone."""
+    return str(_criterion(study)) if study.parts else problem.format(problem.objective)
 
 
 def _listed(catalogue: PartsCatalogue) -> str:

@@ -1,6 +1,6 @@
 """``[parts]``, ``[roundings]`` and ``[choose]`` of a study: what `jaxbuffer choose` is to do."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
 from ..choosing.catalogue import FILE, TOTALS, PartsCatalogue, read_catalogues
@@ -67,10 +67,10 @@ def sums(catalogues: tuple[PartsCatalogue, ...], design: Part) -> dict[str, str]
     return total_units(Combinations(design, catalogues)) if catalogues else {}
 
 
-def check_no_sums(weights: Mapping[str, float]) -> None:
-    """Raise `InputError` for an objective of price or mass, which no run has."""
-    for name in TOTALS:
-        if name in weights:
+def check_no_sums(where: str, names: Iterable[str]) -> None:
+    """Raise `InputError` for an objective of price or mass, or a limit on it, which no run has."""
+    for name in names:
+        if name in TOTALS:
             raise InputError(
-                f"problem.objective.{name} is a sum over parts, which jaxbuffer choose alone has; leave it out"
+                f"problem.{where}.{name} is a sum over parts, which jaxbuffer choose alone has; leave it out"
             )

@@ -4,7 +4,7 @@ import dataclasses
 from collections.abc import Callable
 from typing import Any
 
-from ...choosing.buildable import continuous_design, rounded
+from ...choosing.buildable import check_roundings, continuous_design, rounded
 from ...choosing.choice import Choice
 from ...choosing.choose import ranked, selection, with_optimum, with_tuned
 from ...choosing.combinations import Combinations
@@ -88,6 +88,7 @@ def _roundings(study: Config) -> Callable[[Means], Choice]:
     for path in study.roundings:
         if path not in problem.paths:
             raise InputError(f"roundings.{path} is none of the variables, {', '.join(problem.paths)}: it is not tuned")
+    check_roundings(problem, study.roundings)
 
     def work(means: Means) -> Choice:
         report = lambda by: continuous_design(problem, dataclasses.replace(means, report=by))  # noqa: E731
