@@ -292,7 +292,7 @@ def test_report_prints_its_abstract_and_no_summary_again(computed, capsys, tmp_p
         *abstract, wrote = capsys.readouterr().out.splitlines()
         assert wrote == f"wrote {words[0]}/report.html"
         assert 1 <= len(abstract) <= 3 and not printed & set(abstract)
-        page = html.unescape(Path(words[0], "report.html").read_text())
+        page = html.unescape((tmp_path / words[0] / "report.html").read_text())
         assert all(line in page for line in abstract[-1:])
 
 
