@@ -184,3 +184,14 @@ def test_what_cannot_be_chosen_is_said(problem):
             role: {f"P{k}": {path: 0.01 + 1e-4 * k} for k in range(1200)} for role, path in (("a", "k_A"), ("b", "c_A"))
         }
         jb.choose(problem, many)
+
+
+@pytest.mark.slow
+def test_one_that_meets_a_limit_exactly_is_counted_where_it_is_ranked(problem, chosen):
+    """The limit is the first one's largest stroke at the tolerance of the ranking, so that it is kept there exactly; at
+    the search's tolerance it may be broken."""
+    exact = max(float(jb.simulate(chosen.design, case.scenario, rtol=1e-9).stroke) for case in problem.cases)
+    limited = dataclasses.replace(problem, limits=jb.Limits(at_most={"stroke": exact}))
+    parts = {role: {name: PARTS[role][name]} for role, name in zip(PARTS, chosen.best.names, strict=True)}
+    choice = jb.choose(limited, parts, optimum=False)
+    assert choice.feasible and choice.tally.complete == choice.tally.combinations == 1 and not choice.tally.infeasible

@@ -69,9 +69,9 @@ def test_the_ranking_is_that_of_a_look_at_every_run(over, seed):
     search = Enumeration(runs, objective, constant=constant, allowed=allowed, ranking=ranking)
     search.run()
     assert [int(k) for k in search.best()] == brute_force(runs, aggregate, constant, allowed, ranking)
-    assert len(set(runs.wanted)) == len(runs.wanted) == search.tally.runs < search.tally.possible
+    assert len(set(runs.wanted)) == len(runs.wanted) == search.tally({}).runs < search.tally({}).possible
     assert {number for number, _ in runs.wanted} <= set(np.flatnonzero(allowed))
-    tally = search.tally
+    tally = search.tally({})
     assert tally.priced_out + tally.infeasible + tally.beaten + tally.complete == tally.combinations == 400
 
 
@@ -79,7 +79,7 @@ def test_a_worst_case_objective_needs_little_more_than_a_run_a_combination():
     runs = made_up(7, Objective(), count=2000)
     search = Enumeration(runs, Objective(), constant=np.zeros(2000), allowed=np.ones(2000, bool), ranking=5)
     search.run()
-    assert search.tally.runs < 1.4 * 2000, search.tally
+    assert search.tally({}).runs < 1.4 * 2000, search.tally({})
 
 
 def test_the_cheapest_is_found_with_hardly_a_run():
@@ -90,7 +90,21 @@ def test_the_cheapest_is_found_with_hardly_a_run():
     search.run()
     keeps = np.all((runs.stroke <= STROKE) & runs.captured, axis=1)
     assert [int(k) for k in search.best()] == [int(k) for k in np.argsort(np.where(keeps, price, np.inf))[:3]]
-    assert search.tally.runs < 0.5 * search.tally.possible
+    assert search.tally({}).runs < 0.5 * search.tally({}).possible
+
+
+def test_a_verdict_at_a_smaller_tolerance_counts_and_each_combination_once():
+    """Values on a limit that another tolerance moves to its other side, and one asked for above a limit on price."""
+    runs, allowed = made_up(3, Objective()), np.arange(400) != 7
+    search = Enumeration(runs, Objective(), constant=np.zeros(400), allowed=allowed, ranking=5, first=[7])
+    search.run()
+    before, best = search.tally({}), [int(k) for k in search.best()]
+    lost = next(int(k) for k in np.flatnonzero(np.any(runs.stroke > STROKE, axis=1)) if search._farthest[k] > 0.0)
+    after = search.tally({best[0]: False, best[1]: True, lost: True, 7: True})
+    assert (after.complete, after.infeasible) == (before.complete, before.infeasible)
+    assert search.tally({lost: True}).complete == before.complete + 1
+    for it in (before, after):
+        assert it.priced_out == 1 and it.priced_out + it.infeasible + it.beaten + it.complete == 400
 
 
 def test_where_none_keeps_the_limits_the_nearest_are_told():

@@ -18,6 +18,7 @@ import jaxbuffer
 from jaxbuffer import Design, InputError, Outcome, Scenario, table2
 from jaxbuffer.cli.entry import main, run
 from jaxbuffer.cli.overrides import FIELDS, WITH_QUANTITIES, split
+from jaxbuffer.cli.quick import prepare
 from jaxbuffer.fields import paths, unit
 from jaxbuffer.mechanisms import all_mechanisms
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
@@ -422,7 +423,9 @@ def test_a_real_capture_from_another_process(tmp_path):
         shown, errors = process.communicate(timeout=300)
     assert process.returncode == 0 and "captured" in shown
     assert re.fullmatch(
-        r"simulating\ncompiling for about \d+ s \(first run only\)…\na tenth of the tolerance changes .*\n", errors
+        r"simulating\ncompiling a run, which usually takes about \d+ s \(first run only\)…\n"
+        r"(compiling .*…\n)*a tenth of the tolerance changes .*\n",
+        errors,
     )
     record = json.loads((tmp_path / "out" / "capture.json").read_text())
     assert record["outcome"] == "captured" and record["scenario"]["approach_speed [m/s]"] == 0.2
@@ -446,7 +449,7 @@ def test_ctrl_c_ends_a_compilation_at_once(tmp_path):
     signal.signal(signal.SIGINT, before)
     with process:
         assert process.stderr.readline() == "simulating\n"
-        assert process.stderr.readline().startswith("compiling for about ")
+        assert process.stderr.readline().startswith("compiling a run, which usually takes about ")
         time.sleep(2.0)  # s, into the compilation, which takes four at the least
         process.send_signal(signal.SIGINT)
         sent = time.monotonic()
@@ -515,3 +518,13 @@ def test_a_tuned_design_is_run_as_long_as_it_was_tuned_and_says_its_objectives_u
     assert re.search(r"before and after: \S+ mm, \S+ mm\.\n", text)
     assert run(["simulate", "out/design.toml"]) == 0
     assert computed.asked("simulate")["duration"] == 2.0
+
+
+def test_an_alarm_about_long_compilations_is_not_printed_unless_asked_for(monkeypatch):
+    """XLA logs it as an error, below what is fatal; a choice of the user's stays."""
+    for given, expected in ((None, "3"), ("0", "0")):
+        monkeypatch.delenv("TF_CPP_MIN_LOG_LEVEL", raising=False)
+        if given is not None:
+            monkeypatch.setenv("TF_CPP_MIN_LOG_LEVEL", given)
+        prepare()
+        assert os.environ["TF_CPP_MIN_LOG_LEVEL"] == expected

@@ -8,7 +8,7 @@ import pytest
 
 from jaxbuffer.cli import completion
 from jaxbuffer.contact.laws import LAWS
-from jaxbuffer.fields import addresses, paths
+from jaxbuffer.fields import addresses, meaning, metadata, paths
 from jaxbuffer.mechanisms import mechanism_named
 
 PROGRAM = """
@@ -139,3 +139,26 @@ def test_a_folder_that_cannot_be_written_or_a_damaged_file_costs_time_alone(tmp_
     completion._all_names.cache_clear()
     assert completion.names([])["fields"]
     assert kept.read_text().startswith('{"probe_cone"')
+
+
+@pytest.mark.parametrize(("shell", "line"), [("fish", "{}\t{}"), ("zsh", '"{}":"{}"')])
+@pytest.mark.parametrize(("typed", "name"), [("simulate --scenario.", "scenario"), ("simulate --buffer.", "buffer")])
+def test_each_field_is_offered_in_a_line_with_its_unit(shell, line, typed, name):
+    """As its declaration has it: neither markup nor the width of a terminal take anything away."""
+    mechanism = mechanism_named("probe_cone")
+    part = mechanism.scenario() if name == "scenario" else getattr(mechanism.design(), name)
+    lines, _ = offered(typed, shell=shell)
+    for path in paths(part):
+        known = metadata(part, path)
+        unit = f" [{known['unit']}]" if "unit" in known else ""
+        escaped = f"{meaning(part, path)}{unit}"
+        if shell == "zsh":
+            escaped = escaped.replace("'", "''").replace(":", "\\\\:")
+        assert any(line.format(f"--{name}.{path}", escaped) in it for it in lines), path
+    if shell == "fish":
+        assert all(it.startswith(f"--{name}.") for it in lines)
+
+
+def test_the_units_of_options_are_offered_too():
+    lines, _ = offered("simulate --dur", shell="fish")
+    assert lines == ["--duration\tSimulated time until timeout [s]; default 8, with a latch 20."]

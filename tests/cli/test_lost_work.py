@@ -153,22 +153,16 @@ DAMAGES = {
 
 @pytest.mark.parametrize("damage", DAMAGES)
 @pytest.mark.parametrize(
-    ("command", "name"), [("sweep", "sweep.nc"), ("simulate", "capture.txt"), ("tune", "tune.txt")]
+    ("command", "name"), [("sweep", "sweep.nc"), ("simulate", "capture.json"), ("tune", "tuned.json")]
 )
 def test_a_report_of_a_damaged_folder_is_one_line(computed, capsys, tmp_path, command, name, damage):
     assert run([command, "--output", "out"]) == 0
     file = tmp_path / "out" / name
     capsys.readouterr()
-    damaged = DAMAGES[damage](file.read_bytes())
-    if damage == "cut" and name.endswith(".txt"):
-        damaged = damaged.decode(errors="ignore").encode()  # between two characters
-    file.write_bytes(damaged)
+    file.write_bytes(DAMAGES[damage](file.read_bytes()))
     code = run(["report", "out"])
     shown = capsys.readouterr()
-    if damage == "cut" and name.endswith(".txt"):  # half a text is a text
-        assert (code, shown.err) == (0, "")
-    else:
-        assert code == 2 and shown.err.startswith(f"error: out/{name} is ") and shown.err.count("\n") == 1
+    assert code == 2 and shown.err.startswith(f"error: out/{name} is ") and shown.err.count("\n") == 1
 
 
 def test_the_same_sweep_makes_the_same_bytes(computed, tmp_path):
@@ -229,7 +223,7 @@ def test_another_process_prints_in_its_encoding(computed, tmp_path, encoding):
     with started(tmp_path, "report", "out", env={"PYTHONIOENCODING": encoding}) as process:
         shown, errors = process.communicate(timeout=60)
     assert (process.returncode, errors) == (0, b"")
-    assert b"0.05, 0.07 ... 0.25 m/s" in shown and shown.decode(encoding)
+    assert b"captures end captured in a sweep" in shown and shown.decode(encoding)
 
 
 @pytest.mark.long

@@ -7,6 +7,11 @@ import numpy as np
 
 from jaxbuffer.contact import KelvinVoigt
 from jaxbuffer.elements import Buffer, EndStop, EnergyShare, Latch, Oscillators, SpringDamper, Thrust
+from jaxbuffer.fields import Part
+from jaxbuffer.mechanisms.energy import Balance, Energy
+from jaxbuffer.mechanisms.plain_summary import plain_summary
+from jaxbuffer.mechanisms.quantity import Quantity
+from jaxbuffer.mechanisms.view import View
 from jaxbuffer.multibody import AxialSpringDamper, TorsionalSpringDamper
 
 ARM = AxialSpringDamper(0, 1, (0.0, 0.0), (0.0, 0.0), 300.0, 4.0, free_length=0.2)
@@ -58,3 +63,23 @@ def test_what_an_element_draws_and_has_of_the_energy():
 def test_an_element_without_words_says_nothing():
     spring = SpringDamper(TorsionalSpringDamper(0, 1, 5.0, 0.3))
     assert (spring.summary(run()), spring.panels(run()), spring.warnings(run()), spring.shares) == ([], [], [], ())
+
+
+def test_a_rig_s_summary_says_each_number_once_and_no_part_that_exceeds_its_whole():
+    """Gravity's work makes the total less than what is lost: each sum stands beside its own parts."""
+    quantities = {
+        "left_stroke": Quantity("m", lambda it: it.maxima["left_stroke"], "largest stroke", "left stroke", swept=True),
+        "speed": Quantity("m/s", lambda it: 2.0, "speed", "speed", swept=True),
+    }
+    told = run()
+    told.mechanism = SimpleNamespace(quantities=quantities, meant=lambda value_at: [*quantities], view=View())
+    told.outcome = SimpleNamespace(failed=False, reason="time is up")
+    told.design = told.scenario = Part()
+    told.impact_count, told.elements, told.accepted, told.attempts = 0, (BUFFER,), 9, 10
+    told.energy = Energy({"kinetic": 0.25, "gravity": -2.81}, {"left_arm_damper": 4.57})
+    told.balance = Balance(0.0, 0.0, 0.0, 0.0)
+    lines = plain_summary(told).splitlines()
+    assert [line for line in lines if "stroke" in line] == ["  left stroke              40 mm at 1.5 s"]
+    assert "  speed                    2 m/s" in lines
+    assert "  energy lost              4.57 J (left arm damper 4.57)" in lines
+    assert "  energy stored at the end -2.56 J (gravity -2.81, kinetic 0.25)" in lines

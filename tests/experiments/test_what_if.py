@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
-from jaxbuffer.experiments.what_if import GOOD, WIDTHS, most_runs, what_if
+from jaxbuffer.experiments.what_if import GOOD, WIDTHS, _quantities, most_runs, what_if
 from jaxbuffer.tuning.cases import Distribution, Scatter
 
 VARIABLES = [jb.Variable("impact.stiffness", 1e10, 1e12), jb.Variable("bar.ball_radius", 0.001, 0.004, "linear")]
+SETTLING = jb.Limits(at_most={"settling_time": 10.0})
 
 
 def problem(**options):
@@ -97,6 +98,17 @@ def test_a_study_s_own_quantity_has_a_model_though_nothing_limits_it():
     expected = float(run.quantity("peak_force")) * float(run.quantity("penetration"))
     model = found.models[1][q]
     assert model.at(share, found.shares) == pytest.approx(expected, rel=3.0 * model.error + 1e-5)
+
+
+def test_times_at_which_runs_end_have_no_models():
+    """A capture's settling time awaits that it is held, and none exceeds the duration; own quantities of it neither."""
+    late = jb.CustomQuantity(lambda end_time, penetration: end_time * penetration, "m s")
+    names, omitted = _quantities(problem(quantities={"late": late}))
+    assert names == ("peak_force", "penetration", "contact_time") and omitted == ("late",)
+    latched = jb.replace(jb.table2(), {"latch.stiffness": 1e4})
+    held = jb.Problem(latched, [jb.Scenario()], [jb.Variable("buffer.k_A", 100.0, 2000.0)], limits=SETTLING)
+    names, omitted = _quantities(held)
+    assert "peak_latch_force" in names and omitted == ("settling_time", "end_time")
 
 
 def test_of_many_scenarios_those_that_decide_are_taken():

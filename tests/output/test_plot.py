@@ -12,8 +12,10 @@ import pytest
 from jaxbuffer import InputError, Limits, Outcome, Scenario
 from jaxbuffer.output.figures import run_figure
 from jaxbuffer.output.style import png
+from jaxbuffer.output.sweep_figures import _between_safe
 from jaxbuffer.output.tune_figure import tune_figure
 from jaxbuffer.output.tuned_files import tuned_files
+from jaxbuffer.output.words import in_thousands
 from jaxbuffer.study.config import Config
 from made_up import PULSE, made_up_capture, made_up_tuning
 from output.drawn import check_readable
@@ -71,9 +73,11 @@ def test_tune_figure():
     names = [text.get_text() for text in figure.legends[0].get_texts()]
     assert names == ["before", "after", "lower bound: first impact, no buffer"]
     named = [text.get_text() for text in peaks.get_yticklabels()]
-    assert named == ["0.1 m/s, 0°", "0.15 m/s, 0°", "0.2 m/s, 0°", "0.25 m/s, 0°"]
+    assert named == ["1: 0.1 m/s, 0°", "2: 0.15 m/s, 0°", "3: 0.2 m/s, 0°", "4: 0.25 m/s, 0°"]
     objective = axes["Every design tried for:\npeak force, worst over the scenarios"]
-    labels = [text.get_text() for text in objective.get_legend().get_texts()]
+    legend = objective.get_legend()
+    assert legend.get_window_extent().x0 >= objective.get_window_extent().x1 - 1.0, "it hides no curve"
+    labels = [text.get_text() for text in legend.get_texts()]
     assert labels == ["starts", "search", "infeasible", "best so far"]
     assert np.all(np.diff(objective.lines[-1].get_ydata()) <= 0.0), "the best so far"
     ticks = [text.get_text() for text in axes["Worst over the scenarios, before → after"].get_yticklabels()]
@@ -96,9 +100,21 @@ def test_tune_figure_with_the_worst_scenario_over_time():
     tuned = made_up_tuning(Config().problem())
     figure = tune_figure(tuned, [made_up_capture(peak=400.0), made_up_capture(peak=320.0)])
     force = figure.axes[0]
-    assert force.get_title(loc="left") == "Force in the worst scenario, 0.1 m/s, 0°"
+    assert force.get_title(loc="left") == "Force in the worst scenario, number 1: 0.1 m/s, 0°"
     names = [text.get_text() for text in force.get_legend().get_texts()]
     assert names == ["before, at most 400 N", "after, at most 320 N"]
+
+
+def test_bounds_of_stiff_springs_need_no_exponent():
+    assert in_thousands("N/m", 100.0, 2e4) == ("kN/m", 1e-3) and in_thousands("N/m", 100.0, 9e3) == ("N/m", 1.0)
+    assert in_thousands("mm", 2e4) == ("mm", 1.0) and in_thousands("N s/m", 5e4) == ("kN s/m", 1e-3)
+
+
+def test_only_what_lies_between_safe_runs_is_shaded():
+    """By hand: one run of twelve is not safe, which leaves two of the six cells between them."""
+    safe = np.ones((3, 4), bool)
+    safe[1, 1] = False
+    assert _between_safe(safe).tolist() == [[False, False, True], [False, False, True]]
 
 
 def test_time_axes_end_soon_after_the_last_contact():

@@ -4,7 +4,7 @@ import numpy as np
 
 import jaxbuffer as jb
 from jaxbuffer.experiments.what_if import MovableNumber, WhatIf
-from jaxbuffer.experiments.what_if_model import fit
+from jaxbuffer.experiments.what_if_model import endings, fit
 from jaxbuffer.study.load import loads
 
 RUNS = 96
@@ -32,7 +32,9 @@ def quantity(name, case, u):
     return (100.0 + 60.0 * case) * np.maximum(np.exp(0.5 * x - 0.4 * y), 1.05 + 0.2 * y)  # two impacts
 
 
-def made_what_if(names=("peak_force", "stroke", "hinge_angle", "relative_energy"), failing=False):
+def made_what_if(
+    names=("peak_force", "stroke", "hinge_angle", "relative_energy"), failing=False, omitted=("end_time",)
+):
     """Models at the middle of both ranges; with ``failing`` the last scenario's runs end otherwise in a corner."""
     problem = loads(STUDY, "study.toml").problem()
     halfway = [v.scaled(0.5 * (v.low + float(jb.get(problem.design, v.path)))) for v in problem.variables]
@@ -61,11 +63,15 @@ def made_what_if(names=("peak_force", "stroke", "hinge_angle", "relative_energy"
         cases=problem.cases,
         left_out=0,
         quantities=names,
+        omitted=omitted,
         shares=shares,
         nominal=shares[0],
         models=tuple(models),
         succeeded=succeeded,
-        right=np.array([1.0, 1.0, 0.95]),
+        endings=tuple(
+            endings(shares, succeeded[:, case], apart, apart[:, 0] < (0.8 if failing and case == 2 else 2.0))
+            for case in range(3)
+        ),
         apart=20,
         runs=180,
     )

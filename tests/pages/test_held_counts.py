@@ -8,11 +8,14 @@ import pytest
 
 import jaxbuffer as jb
 from jaxbuffer.experiments.rectangle import UNDONE
+from jaxbuffer.fields import paths
 from jaxbuffer.files import write
 from jaxbuffer.output.folder import load
 from jaxbuffer.output.swept_files import swept_files
 from jaxbuffer.output.tuned_files import tuned_files
+from jaxbuffer.pages.abstract import _ended, _strictest
 from jaxbuffer.pages.compare import compared, comparison
+from jaxbuffer.pages.designs import _scenarios, requirements
 from jaxbuffer.pages.limit_check import limit_check
 from jaxbuffer.pages.review import review
 from jaxbuffer.sweeps.grid import grid
@@ -147,3 +150,41 @@ def test_a_run_whose_limited_quantity_is_not_known_is_not_safe():
         dataclasses.replace(swept, columns=columns), jb.Limits(at_most={"peak_stop_force": 1.0})
     )
     assert set(unknown.reasons.ravel()) == {"peak stop force not known"} and not unknown.safe.any()
+
+
+@pytest.mark.parametrize(
+    ("counts", "said"),
+    [
+        ({"held": 35, "timed_out": 14}, "35 of 49 captures end held in a sweep"),
+        (
+            {"held": 20, "latched": 15, "timed_out": 14},
+            "35 of 49 captures end held or latched in a sweep, held in 20 of 49",
+        ),
+        ({"timed_out": 49}, "0 of 49 captures end captured in a sweep, held in 0 of 49"),
+    ],
+)
+def test_one_count_is_said_once(tmp_path, counts, said):
+    results = folder_of(tmp_path, ["held"] * 4, jb.Limits())
+    assert f"{_ended(results.mechanism, counts)} in a sweep{_strictest(results, counts)}" == said
+
+
+def test_what_is_left_out_and_asked_fits_design_and_start(tmp_path):
+    """Of a design with latches what comes after capture is simulated; a free start has no contact distance."""
+    latched, free = folder_of(tmp_path, ["held"] * 4, jb.Limits()), jb.Scenario(start="free", offset=0.01)
+    mechanism = latched.mechanism
+    (text,) = requirements(latched, [latched]).text
+    assert "motion is planar" in text and "not simulated" not in text
+    plain = mechanism.view.left_out(lambda path: jb.get(jb.table2(), path))
+    assert any("what the parts do afterwards is not simulated" in line for line in plain)
+
+    def asked(*scenarios):
+        records = [{path: getattr(it, path) for path in paths(it)} for it in scenarios]
+        return {row[1] for row in _scenarios(mechanism, records, {})}
+
+    of_contact = {row[1] for row in requirements(latched, [latched]).tables[0].rows}
+    assert "contact distance" in of_contact and "offset" not in of_contact
+    assert "offset" in asked(free) and "contact distance" not in asked(free)
+    assert {"offset", "contact distance"} <= asked(free, jb.Scenario())
+    met = [free, jb.Scenario(), jb.Scenario(contact_distance=0.05)]
+    labels = [mechanism.view.label(it, met) for it in met]
+    assert ["contact distance" in it for it in labels] == [False, True, True]

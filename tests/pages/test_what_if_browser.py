@@ -59,8 +59,8 @@ def test_where_the_nearest_run_ended_otherwise_no_number_is_shown(browser, page)
     browser.run("document.querySelector('.what-if').whatIf.show([0.99, 0.5])")
     assert {row[1] for row in browser.run(CELLS)} == {"–"}
     words = browser.run("document.querySelector('.ends').textContent")
-    assert words == "No number is shown here: the nearest run is not captured in 0.3 m/s, 0°."
-    assert "is right for at least 95 % of those kept apart" in browser.run("document.body.textContent")
+    assert words == "No number is shown here: not all runs around are captured in 0.3 m/s, 0°."
+    assert "A number is shown only where all captures around" in browser.run("document.body.textContent")
     each = browser.run("[...document.querySelectorAll('.each tbody tr')].map(it => it.cells[1].textContent)")
     assert each[2] == "–" and "–" not in each[:2]
 

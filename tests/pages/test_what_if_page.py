@@ -94,6 +94,17 @@ def test_room_within_the_error_is_none(results):
     assert room(row._replace(side="least"), 30.0) == "5 (20 %)" and table
 
 
+def test_times_at_which_runs_end_have_no_number_and_failed_runs_none(results):
+    assert "No number is shown of end time: a capture's end jumps" in what_if(results).text[2]
+    record = json.loads(json.dumps(made_what_if(failing=True).record()))
+    record["cases"][2]["succeeded"][0] = False  # of the tuned design itself
+    folder = Results(results.folder, records=results.records | {"what_if": record}, design=results.design)
+    shown = data(folder.records["what_if"], folder)
+    assert {row["text"] for row in shown["rows"]} <= {"–", "no number: not good to 2 %"}
+    assert set(shown["cases"][2]["texts"]) == {"–"} and "–" not in shown["cases"][0]["texts"]
+    assert "some were not captured" in what_if(folder).text[3]
+
+
 def test_models_of_another_design_are_not_shown(results):
     moved = dict(results.records["what_if"].items()) | {"variables": {"buffer.free_length": 0.1, "buffer.k_A": 300.0}}
     other = Results(results.folder, records={"tuned": dict(results.records["tuned"].items()), "what_if": moved})
@@ -125,20 +136,26 @@ def test_the_page_has_them_and_loads_nothing(results):
 
 
 @pytest.mark.skipif(shutil.which("node") is None, reason="no node is installed")
-def test_the_script_computes_what_python_does(results, found):
-    known = data(results.records["what_if"], results)
-    places = np.random.default_rng(6).random((5, 2)).tolist()
+def test_the_script_computes_what_python_does(results):
+    found = made_what_if(failing=True)
+    record = json.loads(json.dumps(found.record()))
+    known = data(record, Results(results.folder, records=results.records | {"what_if": record}, design=results.design))
+    places = [*np.random.default_rng(6).random((5, 2)).tolist(), [0.82, 0.5], [0.95, 0.5], found.shares[7].tolist()]
     source = SCRIPT.read_text()
     last = source.rindex("document.querySelectorAll")
     told = """
+      const ends = WhatIf.prototype.endsWell, self = { data };
       const out = places.map(at => [
+        data.cases.map(it => ends.call(self, it, at)),
         data.cases.map(it => it.models.map(model => evaluate(model, data.shares, at))),
         data.cases.map(it => it.models.map(model => number(evaluate(model, data.shares, at), model.error)))]);
       console.log(JSON.stringify(out)); }"""
     program = f"const data = {json.dumps(known)}, places = {json.dumps(places)};\n{source[:last]}{told}"
     done = subprocess.run(["node", "-e", program], capture_output=True, text=True, check=True, timeout=60)
-    for place, (values, texts) in zip(places, json.loads(done.stdout), strict=True):
+    for place, (ended, values, texts) in zip(places, json.loads(done.stdout), strict=True):
         expected = [[model.at(np.array(place), found.shares) for model in models] for models in found.models]
+        both = zip(found.endings, found.succeeded.T, strict=True)
+        assert ended == [it.well(np.array(place), found.shares, of) for it, of in both]
         np.testing.assert_allclose(values, expected, rtol=1e-6)  # weights that cancel leave few digits
         errors = [[model.error for model in models] for models in found.models]
         assert texts == [

@@ -523,7 +523,7 @@ def test_watched_is_called_where_a_program_is_compiled(folder, traced):
     with cache.watched(calls.append):
         for _ in range(2):
             fresh()(*inputs())
-    assert calls == [cache.UNKNOWN, None], "the second is read"
+    assert calls == [(cache.PROGRAM, cache.UNKNOWN), None], "the second is read"
 
 
 def test_a_compilation_is_expected_to_take_as_long_as_the_last(folder):
@@ -534,6 +534,6 @@ def test_a_compilation_is_expected_to_take_as_long_as_the_last(folder):
     calls = []
     with cache.watched(calls.append):
         for shape in (1, 2):
-            stored(slow)(np.ones(shape))
-    assert calls[0] == cache.UNKNOWN and calls[1] is calls[3] is None
-    assert 0.3 < calls[2] < 5.0
+            stored(slow, what="slow things")(np.ones(shape))
+    assert calls[0] == ("slow things", cache.UNKNOWN) and calls[1] is calls[3] is None
+    assert 0.3 < calls[2].seconds < 5.0

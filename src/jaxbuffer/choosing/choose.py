@@ -197,13 +197,14 @@ def _enumerated(
         # A combination that is asked for may not go together either, and then it has no runs to be judged by.
         told = [k for k in dict.fromkeys([*chosen, *first]) if k not in runs.misfits]
         made = alternatives(criterion, runs, told, tight)
-    # Those nearest to the limits stay in their order: how far they are beyond comes before the objective.
-    order = sorted(chosen, key=lambda k: (not made[k].feasible, made[k].value)) if best else chosen
+    # Those nearest to the limits stay in their order: how far they are beyond comes before the objective. One on its
+    # limit may keep it at the smaller tolerance alone.
+    order = sorted(chosen, key=lambda k: (not made[k].feasible, made[k].value if best or made[k].feasible else 0.0))
     return Choice(
         criterion=criterion,
         catalogues=combinations.catalogues,
         ranked=tuple(made[k] for k in order),
-        tally=enumeration.tally,
+        tally=enumeration.tally({k: it.feasible for k, it in made.items()}),
         nearest=made.get(first[0]) if first else None,
         misfit=next(iter(runs.misfits.values()), ""),
         tight=tight,

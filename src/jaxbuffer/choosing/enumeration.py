@@ -4,7 +4,7 @@ A combination is dropped as soon as one load case shows it infeasible, or beaten
 far, with nothing for the others, is above that of as many complete feasible combinations as are ranked.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -121,20 +121,28 @@ class Enumeration:
         value = self.constant + (0.0 if self.objective is None else self._aggregated(self.judged.value))
         return np.where(np.all(self.judged.known, axis=1), value, np.nan)
 
-    @property
-    def tally(self) -> RunTally:
-        """Return how many combinations were decided in which way."""
-        unfit = np.isin(np.arange(len(self.allowed)), list(self.runs.misfits))
-        failed = np.any(self.judged.failed, axis=1) & ~unfit
-        broken = (self._farthest > 0.0) & ~unfit & ~failed
+    def tally(self, verdicts: Mapping[int, bool]) -> RunTally:
+        """Return how many combinations were decided in which way, each in one.
+
+        ``verdicts``: whether combinations keep all limits, of those run again at a smaller tolerance. These count: a
+        value on its limit is on either side of it at another tolerance.
+        """
+        again = np.isin(np.arange(len(self.allowed)), list(verdicts))
+        keeps = np.array([verdicts.get(k, False) for k in range(len(self.allowed))], bool)
+        unfit = np.isin(np.arange(len(self.allowed)), list(self.runs.misfits)) & self.allowed
+        failed = np.any(self.judged.failed, axis=1) & self.allowed & ~unfit & ~again
+        # Each combination is counted in the first of these ways that is its own.
+        left = self.allowed & ~unfit & ~failed
+        complete = np.where(again, keeps, self.feasible) & left
+        broken = np.where(again, ~keeps, self._farthest > 0.0) & left
         return RunTally(
             combinations=len(self.allowed),
             priced_out=int(np.sum(~self.allowed)),
             unfit=int(np.sum(unfit)),
             failed=int(np.sum(failed)),
             infeasible=int(np.sum(broken)),
-            beaten=int(np.sum(self.allowed & ~unfit & ~failed & ~broken & ~self.feasible)),
-            complete=int(np.sum(self.feasible)),
+            beaten=int(np.sum(left & ~broken & ~complete)),
+            complete=int(np.sum(complete)),
             runs=int(np.sum(self.judged.known[~unfit])),
             possible=self.judged.excess.size,
         )

@@ -6,6 +6,7 @@ import typer
 
 import jaxbuffer
 
+from . import completion
 from .fitting import fit
 from .many_runs import choose, pareto, sample, sweep, tune
 from .one_run import animate, laws, sensitivity, simulate
@@ -15,6 +16,7 @@ from .studies import check, compare, fields, init, report, reproduce, schema
 
 # In rich's markup a unit in brackets, [kg] say, would be a style and not be shown.
 app = typer.Typer(add_completion=True, rich_markup_mode=None, pretty_exceptions_enable=False)
+completion.show_plain_texts()
 
 
 @app.callback(invoke_without_command=True)

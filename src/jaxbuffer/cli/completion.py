@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import typer
+from typer import _completion_classes
 
 from ..errors import InputError
 from ..files import cache_folder, write
@@ -26,6 +27,17 @@ Offers = list[tuple[str, str]]  # a word and what it means
 WORDS = "jaxbuffer.words"  # the key of the words before the unfinished one in a context's ``meta``
 SOURCES = Path(__file__).parents[1]
 JOINED = ("--over",)  # options whose value is FIELD=WORD
+
+
+def show_plain_texts() -> None:
+    """Let shells show what words mean as it is written.
+
+    typer renders these texts as rich's markup, which takes a unit in brackets for a style, and breaks them into lines
+    of 80 characters, each of which fish offers as a word.
+    """
+    # Private, because typer has no setting for it; a version without it renders nothing.
+    if hasattr(_completion_classes, "_sanitize_help_text"):
+        _completion_classes._sanitize_help_text = lambda text: text
 
 
 class Offer(NamedTuple):

@@ -91,7 +91,7 @@ def report(
         str | None, typer.Option(metavar="N", help="Of --what-if, for each scenario and range; default 128.")
     ] = None,
 ) -> None:
-    """Make a page for a design review of the results in DIR, and print their summaries again.
+    """Make a page for a design review of the results in DIR, and print its abstract.
 
     The page, report.html, is one file that needs no network: the design, limits, scenarios, forces over time, why a
     run did not succeed, elasticities, the search, the envelope, samples, fronts, and where the numbers come from.

@@ -16,13 +16,14 @@ from ..tuning.evaluation import Evaluation, Evaluator
 from ..tuning.problem import Problem
 from ..tuning.tolerances import moved
 from ..value_text import percent_text
-from .what_if_model import Model, fit
+from .what_if_model import Endings, Model, endings, fit
 
 RUNS = 128  # of each scenario that models are fitted to
 LEAST, MOST = 32, 4096
 WIDTHS = (0.2, 0.1, 0.05)  # of each variable's range to either side of the design; the next where one is not good
 GOOD = 0.02  # the largest relative miss with which a model's numbers are shown
 MOST_CASES = 12
+END_TIME = "end_time"
 ROWS = 8  # between two reports of progress
 
 
@@ -46,12 +47,12 @@ class WhatIf:
     - ``sliders``: the d numbers that the models depend on: the problem's variables, then factors of what is built on
       what is drawn, then by how much a number that has a tolerance differs from the drawn one.
     - ``cases``: load cases; ``left_out``: how many others decide no quantity at the design.
-    - ``quantities``: names.
+    - ``quantities``: names; ``omitted``: those without models, since they are times at which a run ends.
     - ``shares`` (n, d) [-]: where in the sliders' ranges the runs lie that models are fitted to; ``nominal`` (d,):
       where the design lies.
     - ``models``: of each case and quantity, (cases, quantities); None where too few runs ended as they should.
-    - ``succeeded`` (n, cases): which of those runs did; ``right`` (cases,): the share of the runs kept apart that end
-      well or not as the nearest of the others does.
+    - ``succeeded`` (n, cases): which of those runs did; ``endings`` (cases,): where others do, as runs kept apart
+      confirm.
     - ``apart``: how many runs of each case were kept apart; ``runs`` in all.
 
     **Example:**
@@ -67,11 +68,12 @@ class WhatIf:
     cases: tuple[Case, ...]
     left_out: int
     quantities: tuple[str, ...]
+    omitted: tuple[str, ...]
     shares: Float[np.ndarray, "n d"]
     nominal: Float[np.ndarray, " d"]
     models: tuple[tuple[Model | None, ...], ...]
     succeeded: Bool[np.ndarray, "n cases"]
-    right: Float[np.ndarray, " cases"]
+    endings: tuple[Endings, ...]
     apart: int
     runs: int
 
@@ -96,21 +98,22 @@ class WhatIf:
 
     def record(self) -> dict[str, Any]:
         """Return what a page evaluates, as JSON: numbers of sliders in their units, of models in SI units."""
-        every = zip(self.models, self.succeeded.T, self.right, self.cases, strict=True)
+        every = zip(self.models, self.succeeded.T, self.endings, self.cases, strict=True)
         return {
             "kind": self.problem.mechanism.name,
             "sliders": [slider._asdict() for slider in self.sliders],
             "nominal": self.nominal.tolist(),
             "shares": self.shares.tolist(),
             "quantities": list(self.quantities),
+            "omitted": list(self.omitted),
             "cases": [
                 {
                     "label": case.label(self.cases),
                     "succeeded": np.asarray(succeeded).tolist(),
-                    "right": float(right),
+                    **ending._asdict(),
                     "models": [None if model is None else model.record() for model in models],
                 }
-                for models, succeeded, right, case in every
+                for models, succeeded, ending, case in every
             ],
             "left_out": self.left_out,
             "apart": self.apart,
@@ -164,7 +167,7 @@ class _Search:
     def __init__(self, problem: Problem, evaluator: Evaluator, runs: int, report: Callable[[int, int], None]) -> None:
         self.problem, self.evaluator, self.runs, self.report = problem, evaluator, runs, report
         self.factors, self.tolerances, self.most = _factors(problem), problem.tolerances, most_runs(problem, runs)
-        self.quantities = _quantities(problem)
+        self.quantities, self.omitted = _quantities(problem)
         self.every = _without_factors(problem)
         self.apart = runs // 2
         self.cases = self.every
@@ -207,18 +210,20 @@ class _Search:
             tuple(self._fit(shares, known, apart, kept, c, q) for q in range(len(self.quantities)))
             for c in range(len(self.cases))
         )
-        nearest = np.argmin(np.sum((apart[:, None, :] - shares[None, :, :]) ** 2, axis=2), axis=1)
         return WhatIf(
             problem=self.problem,
             sliders=self._sliders(low, high),
             cases=self.cases,
             left_out=len(self.every) - len(self.cases),
             quantities=self.quantities,
+            omitted=self.omitted,
             shares=shares,
             nominal=nominal,
             models=models,
             succeeded=known.succeeded,
-            right=np.mean(known.succeeded[nearest] == kept.succeeded, axis=0),
+            endings=tuple(
+                endings(shares, of, apart, ended) for of, ended in zip(known.succeeded.T, kept.succeeded.T, strict=True)
+            ),
             apart=self.apart,
             runs=self.evaluator.captures,
         )
@@ -294,12 +299,23 @@ class _Runs(NamedTuple):
     usable: Bool[np.ndarray, "n cases quantities"]
 
 
-def _quantities(problem: Problem) -> tuple[str, ...]:
+def _quantities(problem: Problem) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Return what a designer looks at: what is lowered and limited, what derivatives are usually of, and the own
-    quantities."""
+    quantities; then which of these have no models."""
     usual = problem.mechanism.defaults_for(problem.design).differentiated
     asked = (*problem.objective.weights, *problem.limits.names, *usual, *problem.quantities)
-    return tuple(dict.fromkeys(name for name in asked if name in problem.names))
+    names = tuple(dict.fromkeys(name for name in asked if name in problem.names))
+    omitted = tuple(name for name in names if _ends_runs(problem, name))
+    return tuple(name for name in names if name not in omitted), omitted
+
+
+def _ends_runs(problem: Problem, name: str) -> bool:
+    """Return whether a quantity depends on the time at which a run ends: it jumps where one swing more is waited for,
+    and none is longer than the duration."""
+    own = problem.quantities.get(name)
+    if own is not None:
+        return any(_ends_runs(problem, parameter) for parameter in own.parameters)
+    return name == END_TIME or bool(problem.mechanism.quantities[name].awaits)
 
 
 def _factors(problem: Problem) -> Mapping[str, Distribution]:

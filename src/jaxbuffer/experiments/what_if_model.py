@@ -1,11 +1,12 @@
-"""A model of one quantity in one load case, which a page evaluates: a quadratic, or a Gaussian process."""
+"""A model of one quantity in one load case, which a page evaluates: a quadratic, or a Gaussian process; and of how runs
+end, by the runs around a place."""
 
 import dataclasses
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 SMOOTH = 0.005  # the largest relative miss, each run left out in turn, up to which a quadratic is taken
 SMALL = 1e-3  # of the largest value: below that a miss is relative to it
@@ -114,3 +115,44 @@ def _process(places: np.ndarray, smooth: np.ndarray, logarithmic: bool, rows: np
     weights[rows] = deviation * product.k1.constant_value * np.ravel(process.alpha_)
     lengths = np.broadcast_to(product.k2.length_scale, places.shape[1:]).astype(float)
     return Model(logarithmic, np.inf, 0, mean, lengths=lengths, weights=weights)
+
+
+class Endings(NamedTuple):
+    """How runs of one load case end: well where the nearest ``neighbours`` all ended well, for none of the runs kept
+    apart contradicts that; ``confirmed``: how many of these lie at such places.
+
+    Whether a run is held in time jumps with the last swing, so that one neighbour says little.
+    """
+
+    neighbours: int
+    confirmed: int
+
+    def well(
+        self, at: Float[np.ndarray, " d"], shares: Float[np.ndarray, "n d"], succeeded: Bool[np.ndarray, " n"]
+    ) -> bool:
+        """Return whether a run at a place certainly ends well; at the place of a run, as that one did."""
+        squares = np.sum((shares - at) ** 2, axis=1)
+        nearest = int(np.argmin(squares))
+        if squares[nearest] == 0.0:
+            return bool(succeeded[nearest])
+        return _successes(squares, succeeded) >= self.neighbours
+
+
+def endings(
+    shares: Float[np.ndarray, "n d"],
+    succeeded: Bool[np.ndarray, " n"],
+    apart: Float[np.ndarray, "m d"],
+    ended_well: Bool[np.ndarray, " m"],
+) -> Endings:
+    """Return from how many neighbours on runs end well, by runs kept apart and whether these ended well."""
+    squares = np.sum((apart[:, None, :] - shares[None, :, :]) ** 2, axis=2)
+    successes = np.array([_successes(row, succeeded) for row in squares], int)
+    # d + 1 runs can surround a place. Beyond that, more than around any run that ended otherwise.
+    neighbours = max(shares.shape[1], *successes[~ended_well].tolist(), 0) + 1
+    return Endings(neighbours, int(np.sum(successes >= neighbours)))
+
+
+def _successes(squares: Float[np.ndarray, " n"], succeeded: Bool[np.ndarray, " n"]) -> int:
+    """Return how many of the nearest runs ended well before the first one that did not."""
+    ordered = succeeded[np.argsort(squares, kind="stable")]
+    return len(ordered) if ordered.all() else int(np.argmin(ordered))

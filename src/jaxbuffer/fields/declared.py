@@ -116,6 +116,11 @@ class Part(Portable):
                 in_unit(path, value, known[name]["unit"], **known[name]["limits"])
         return super().__new__(cls)
 
+    @property
+    def without_effect(self) -> tuple[str, ...]:
+        """Return the names of the fields that mean nothing with the others, such as those of another kind of start."""
+        return ()
+
     def __post_init__(self) -> None:
         # A measured curve stands for numbers beside it, whose defaults then mean nothing. That a number is the default
         # and was not given shows only in that it is the same object.

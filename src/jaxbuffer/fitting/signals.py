@@ -1,5 +1,6 @@
 """Histories of a run at any times, with derivatives: two compiled programs, whatever the length of a record."""
 
+import functools
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -107,7 +108,7 @@ def _separate(numbers: Array, count: int) -> list[Array]:
     return [numbers[k] for k in range(count)]
 
 
-@stored
+@functools.partial(stored, what="runs of a fit")
 def _steps(
     mechanism: Mechanism, parts: Any, numbers: Array, end: Array, rtol: Array, chosen: Static
 ) -> tuple[Steps, Array]:
@@ -121,7 +122,7 @@ def _steps(
     return result.steps, result.status
 
 
-@stored
+@functools.partial(stored, what="signals of a fit")
 def _block(mechanism: Mechanism, parts: Any, numbers: Array, given: Any, chosen: Static) -> tuple[Array, Array, Array]:
     """Return values, slopes and rates of a block of instants."""
     paths, names = chosen.value

@@ -3,6 +3,7 @@
 Both follow from a run's log and are computed after the run, where they are asked for.
 """
 
+import functools
 from collections.abc import Callable
 from typing import Any
 
@@ -21,7 +22,7 @@ FINEST, GROWTH, STEPS = 0.05, 1.03, 96  # steps of M203: the first, over the tim
 LAST = 4  # steps along the closing speed
 
 
-@stored
+@functools.partial(stored, what="the loads of impacts")
 def load(
     name: Static, parameters: tuple[Any, Any, Any], log: Log, numbers: Int[Array, " impacts"]
 ) -> Float[Array, " impacts"]:

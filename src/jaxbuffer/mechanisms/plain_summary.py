@@ -1,5 +1,6 @@
 """The summary of a run whose mechanism has none of its own."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import jax
@@ -19,16 +20,27 @@ def plain_summary(run: Any) -> str:
         f"  {'scenario':24} {view.label(run.scenario)}",
         f"  {'impacts':24} {int(run.impact_count)}",
     ]
+    of_elements = dict(line for element in run.elements for line in element.summary(run))
     for name in mechanism.meant(lambda path: get(run.design, path)):
         quantity = mechanism.quantities[name]
-        lines.append(f"  {quantity.title or name:24} {quantity.in_words(float(np.asarray(quantity.of(run))))}")
-    lines += [f"  {heading:24} {text}" for element in run.elements for heading, text in element.summary(run)]
+        title = quantity.title or name
+        # An element's own line of the same number says when it was reached besides.
+        if not of_elements.keys() & {title, name.replace("_", " ")}:
+            lines.append(f"  {title:24} {quantity.in_words(float(np.asarray(quantity.of(run))))}")
+    lines += [f"  {heading:24} {text}" for heading, text in of_elements.items()]
     # NumPy's numbers, so that sums compile nothing.
     energy, balance = jax.tree.map(np.asarray, (run.energy, run.balance))
-    lost = ", ".join(f"{name.replace('_', ' ')} {float(value):.3g}" for name, value in energy.lost.items())
     lines += [
-        f"  {'energy':24} {float(energy.total):.6g} J, of which dissipated {float(energy.dissipated):.6g} J ({lost})",
+        f"  {'energy lost':24} {float(energy.dissipated):.6g} J{_each(energy.lost)}",
+        # Of weights and thrusts negative, for they have put energy in: so the total may be less than what is lost.
+        f"  {'energy stored at the end':24} {float(energy.total - energy.dissipated):.6g} J{_each(energy.stored)}",
         f"  {'numerical balance':24} energy {float(balance.energy):.1e}, constraint drift {float(balance.drift):.1e} m",
         f"  {'steps':24} {int(run.accepted)} accepted of {int(run.attempts)}",
     ]
     return "\n".join([*lines, *(f"  {line}" for line in mechanism.view.warnings(run))])
+
+
+def _each(energies: Mapping[str, Any]) -> str:
+    """Return energies by name in brackets; "" for none."""
+    texts = ", ".join(f"{name.replace('_', ' ')} {float(value):.3g}" for name, value in energies.items())
+    return f" ({texts})" if texts else ""

@@ -329,7 +329,7 @@ class Run(Portable, Saved):
         return summary_html(repr(self))
 
 
-@functools.partial(stored, seconds=QUICK)
+@functools.partial(stored, seconds=QUICK, what="the parts of a mechanism")
 def _elements(parameters: tuple[Any, Any, Any]) -> Any:
     """Return the elements of a mechanism in numbers: assembled one operation after the other, it would compile a dozen
     programs."""

@@ -57,7 +57,8 @@ class Names:
 
 def plain_label(scenario: Part, among: Sequence[Part] = ()) -> str:
     """Return a scenario in a few words: its fields' values with their units."""
-    return ", ".join(f"{name.replace('_', ' ')} {_shown(scenario, name)}" for name in paths(scenario))
+    names = [name for name in paths(scenario) if name not in scenario.without_effect]
+    return ", ".join(f"{name.replace('_', ' ')} {_shown(scenario, name)}" for name in names)
 
 
 def _shown(scenario: Part, name: str) -> str:
@@ -83,7 +84,8 @@ class View:
       vehicle is the latch's, 636 N", or "";
     - ``contradictions``: of a design in a scenario, both with plain numbers, a line for each thing that their geometry
       rules out, such as a tip that misses the cone;
-    - ``limitations``: what the model leaves out, a line each, and where it is told; ``warnings``: a line for each limit
+    - ``limitations``: what the model leaves out, a line each, and where it is told; ``limitations_without``: what it
+      leaves out of a design without a part, the part's path and a line each; ``warnings``: a line for each limit
       that a run exceeds, by default those of its elements; ``validity``: the same limits for many runs, from design,
       peak forces [N] and penetrations [m];
     - ``chaotic``: whether small differences grow until later impacts cannot be known, so that the command line tells
@@ -107,12 +109,18 @@ class View:
     larger_force: Callable[[Any], str] = lambda run: ""
     contradictions: Callable[[Any, Any], list[str]] = lambda design, scenario: []
     limitations: tuple[str, ...] = ()
+    limitations_without: tuple[tuple[str, str], ...] = ()
     warnings: Callable[[Any], list[str]] = lambda run: [line for it in run.elements for line in it.warnings(run)]
     validity: Callable[..., list[ValidityLimit]] = lambda design, peak_force, penetration=None: []
     chaotic: bool = False
     panels: Callable[[Any], list[Panel]] = lambda run: [panel for it in run.elements for panel in it.panels(run)]
     meshes: Callable[..., list[Meshed]] = lambda run, times=None: []
     drawing: Callable[[Any, tuple[str, ...]], Drawing] = plain_drawing
+
+    def left_out(self, value_at: Callable[[str], Any]) -> tuple[str, ...]:
+        """Return what the model leaves out of a design, given as its value at a path, a line each."""
+        without = (line for path, line in self.limitations_without if value_at(path) is None)
+        return (*self.limitations, *without)
 
     def contact_in_words(self, name: str) -> str:
         """Return a contact by its name and what it is: "upper flank"; "cushion" where that is its name."""

@@ -220,7 +220,8 @@ def _curves(axes: Axes, run: Run) -> Any:
         label = run.mechanism.view.contact_in_words(name)
         axes.plot(time, force[:, k], **curve(k), linewidth=0.9, label=label)
     if len(names) > 1:
-        axes.legend(loc="upper left", ncols=len(names))
+        # Above the axes, whose title stands to the left: there it hides no curve.
+        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=len(names), borderaxespad=0.1)
     room = 0.01 * (time[-1] - time[0])
     axes.set_xlim(time[0] - room, time[-1] + room)
     # A run without a contact has no force to scale by.

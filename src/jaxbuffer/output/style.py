@@ -156,13 +156,15 @@ def panels(width: float, height: float, rows: int, columns: int) -> tuple[Figure
     return figure, figure.subplots(rows, columns, squeeze=False)
 
 
-def label(axes: Axes, title: str, x: str, y: str, legend: bool = True, columns: int = 1) -> None:
-    """Set title, labels with their units and, if asked for, a legend in columns."""
+def label(axes: Axes, title: str, x: str, y: str, legend: bool = True, columns: int = 1, beside: bool = False) -> None:
+    """Set title, labels with their units and, if asked for, a legend in columns; ``beside``: to the right of the axes,
+    where it hides no curve."""
     axes.set_title(title)
     axes.set_xlabel(x)
     axes.set_ylabel(y)
     if legend:
-        axes.legend(ncols=columns)
+        place = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)} if beside else {}
+        axes.legend(ncols=columns, **place)
 
 
 def curve(number: int) -> dict[str, Any]:

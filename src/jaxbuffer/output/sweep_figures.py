@@ -291,21 +291,33 @@ def _title(swept: Sweep) -> str:
 
 @styled
 def envelope_figure(rectangle: SafeRectangle) -> Figure:
-    """Draw a cell for each run: safe ones blue, the others marked with what they break.
+    """Draw a mark for each run, blue where it is safe and else for what it breaks; shade what lies between safe runs.
 
     Angles are in degrees, all other numbers as typed.
     """
     figure, ((axes,),) = panels(8.0, 6.0, 1, 1)
     (first, second), (x, y) = rectangle.axes, rectangle.values
     (across, over), (up, above) = (in_figures(axis.unit, axis.typed) for axis in rectangle.axes)
-    right, top = edges(x, first.scale) * over, edges(y, second.scale) * above
+    right, top = x * over, y * above
     from matplotlib.colors import ListedColormap
 
-    axes.pcolormesh(right, top, rectangle.safe.T.astype(float), cmap=ListedColormap([UNSAFE, SAFE]), vmin=0, vmax=1)
-    _border(axes, rectangle.safe, right, top)
+    # Nothing is known of a cell but its four corners, and nothing beyond the outermost runs.
+    proven = _between_safe(rectangle.safe)
+    axes.pcolormesh(right, top, proven.T.astype(float), cmap=ListedColormap([UNSAFE, SAFE]), vmin=0, vmax=1)
+    _border(axes, proven, right, top)
     _reasons(axes, rectangle, x * over, y * above)
     rows, columns = np.nonzero(rectangle.safe)
-    axes.scatter(x[rows] * over, y[columns] * above, s=8, marker=".", color=BLUE, linewidths=0, label="safe run")
+    axes.scatter(
+        x[rows] * over,
+        y[columns] * above,
+        s=float(np.clip(24e3 / rectangle.safe.size, 30.0, 140.0)),
+        marker=".",
+        color=BLUE,
+        edgecolors="white",
+        linewidths=0.5,
+        zorder=3,
+        label="safe run",
+    )
     title = f"{rectangle.counted} are safe: {rectangle.criterion}"
     if rectangle.first is not None and rectangle.second is not None:
         low, high = (np.array(part) * factor for part, factor in ((rectangle.first, over), (rectangle.second, above)))
@@ -316,17 +328,25 @@ def envelope_figure(rectangle: SafeRectangle) -> Figure:
     axes.grid(False)
     scaled(axes, "x", first.scale, x[0] * over, x[-1] * over)
     scaled(axes, "y", second.scale, y[0] * above, y[-1] * above)
+    # The marks of the outermost runs are whole.
+    axes.set_xlim(*edges(x * over, first.scale)[[0, -1]])
+    axes.set_ylim(*edges(y * above, second.scale)[[0, -1]])
     across_named, up_named = (field_axis(axis.name, axis.unit, axis.typed) for axis in rectangle.axes)
     label(axes, title, across_named, up_named, legend=False)
     legend_below(figure, *axes.get_legend_handles_labels())
     return figure
 
 
+def _between_safe(safe: np.ndarray) -> np.ndarray:
+    """Return which cells between runs (m, n) have safe runs at all four corners (m - 1, n - 1)."""
+    return safe[:-1, :-1] & safe[1:, :-1] & safe[:-1, 1:] & safe[1:, 1:]
+
+
 def _border(axes: Axes, safe: np.ndarray, right: np.ndarray, top: np.ndarray) -> None:
     """Draw the line between safe cells and the others."""
     m, n = safe.shape
     style: dict[str, Any] = {"color": "black", "linewidth": 1.4}
-    name = "border of what is safe"
+    name = "border of what lies between safe runs"
     for i in range(m):
         for j in range(n):
             if i + 1 < m and safe[i, j] != safe[i + 1, j]:

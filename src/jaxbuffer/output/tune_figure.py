@@ -14,12 +14,12 @@ from ..value_text import before_and_after, range_text, relative_change, unit_tex
 from .layout import legend_below, with_line_breaks
 from .pulses import force_over_time, last_contact
 from .style import BLUE, COLOURS, GREY, ORANGE, RED, blank, label, panels, styled
-from .words import force_text, seconds, shown
+from .words import force_text, in_thousands, seconds, shown
 
 POINTS = (("before", ORANGE, "o"), ("after", BLUE, "D"))
 ROW, MOST = 0.2, 40  # inch a scenario, and how many of them are drawn, those with the largest forces
 SMALL, LINE, WIDE = 7, 0.12, 170.0  # points of a row's text; inch a line of it; points that it is wide
-LONGEST = 36  # characters of a scenario's name beside its row; where one is longer, all are numbered
+NAMED, LONGEST = 12, 36  # of more scenarios one with a longer name, in characters: then all have numbers alone
 WIDEST = 200.0  # per cent of a limit that are drawn; what is beyond stands at the edge as an arrow
 PANELS = 4  # pairs of objectives that are drawn
 NEAR = 0.06  # of an axis: points less apart have their numbers in one text
@@ -102,8 +102,10 @@ def _cases(axes: Axes, tuned: Tuned) -> None:
     if limit is not None:
         axes.axvline(limit, color=RED, label=f"limit, {limit:.4g} N")
     names = [problem.cases[k].label(problem.cases) for k in drawn]
-    numbered = max(map(len, names)) > LONGEST  # scenarios of a sample differ in many numbers
-    axes.set_yticks(row, [str(k + 1) for k in drawn] if numbered else names)
+    # Scenarios of a sample differ in many numbers. A few have room for all of that, with line breaks.
+    numbered = len(names) > NAMED and max(map(len, names)) > LONGEST
+    texts = [with_line_breaks(f"{k + 1}: {name}", WIDE, SMALL) for k, name in zip(drawn, names, strict=True)]
+    axes.set_yticks(row, [str(k + 1) for k in drawn] if numbered else texts, fontsize=SMALL)
     # The axis goes down, so that the first scenario stands at the top.
     axes.set_ylim(len(row) - 0.4, -0.6)
     axes.set_xlim(left=0.0)
@@ -124,10 +126,9 @@ def _force(axes: Axes, tuned: Tuned, worst: Sequence[Run]) -> None:
     problem = tuned.problem
     number = worst_case(tuned)
     named = problem.cases[number].label(problem.cases)
-    if len(named) > LONGEST:
-        named = f"number {number + 1}: {named}"
+    named = f"number {number + 1}: {named}"
     which = "sample with the largest force" if problem.samples else "worst scenario"
-    label(axes, f"Force in the {which}, {named}", f"time [{unit}]", "contact force [N]")
+    label(axes, f"Force in the {which}, {named}", f"time [{unit}]", "contact force [N]", beside=True)
 
 
 def _variables(axes: Axes, tuned: Tuned) -> None:
@@ -139,12 +140,14 @@ def _variables(axes: Axes, tuned: Tuned) -> None:
     axes.hlines(row, 0.0, 1.0, color=GREY, linewidth=0.6, zorder=1)
     for (name, colour, marker), places in zip(POINTS, scaled, strict=True):
         axes.plot(np.clip(places, 0.0, 1.0), row, marker, color=colour, markersize=5, label=name)
+    names = []
     for k, v in enumerate(variables):
-        before, after = (tuned.problem.shown(v.path, each[k]) for each in values)
-        text = f"{before_and_after(before[0], after[0])}{unit_text(after[1])}"
+        (before, typed), (after, _) = (tuned.problem.shown(v.path, each[k]) for each in values)
+        low, high = (tuned.problem.shown(v.path, end)[0] for end in (v.low, v.high))
+        symbol, factor = in_thousands(typed, low, high, before, after)
+        text = f"{before_and_after(factor * before, factor * after)}{unit_text(symbol)}"
         axes.text(1.03, k, text, va="center", fontsize=SMALL)
-    ends = [[tuned.problem.shown(v.path, end)[0] for end in (v.low, v.high)] for v in variables]
-    names = [f"{v.path}\n{range_text(low, high, '', 4)}" for v, (low, high) in zip(variables, ends, strict=True)]
+        names.append(f"{v.path}\n{range_text(factor * low, factor * high, symbol, 4)}")
     axes.set_yticks(row, names, fontsize=SMALL)
     # The room beyond the high bound is for the values' texts.
     axes.set_xlim(-0.03, 1.75)
@@ -250,7 +253,7 @@ def _search(axes: Axes, tuned: Tuned, stage: int) -> None:
         f"Every design tried for:\n{_objective_text(tuned.problem, objective)}",
         "evaluation [-]",
         value,
-        columns=2,
+        beside=True,
     )
 
 

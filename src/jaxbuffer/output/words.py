@@ -59,6 +59,14 @@ def newtons(largest: float) -> tuple[str, float]:
     return unit_by_size(abs(largest), FORCE_UNITS, 10.0)
 
 
+def in_thousands(symbol: str, *values: float) -> tuple[str, float]:
+    """Return the unit in which people read values of one unit, and how many of it that one is: of forces, stiffness and
+    damping with a value of 10 000 or more kN, kN/m and so on, so that none needs an exponent."""
+    if symbol[:1] != "N":
+        return symbol, 1.0
+    return unit_by_size(max(map(abs, values)), ((f"k{symbol}", 1e-3), (symbol, 1.0)), 10.0)
+
+
 def seconds(longest: float) -> tuple[str, float]:
     """Return the unit of a time axis as long as this [s]: s, ms or µs; and how many of it a second is."""
     return unit_by_size(longest, TIME_UNITS, 0.1)

@@ -11,7 +11,7 @@ from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Results
 from ..value_text import change_text, percent_text, range_text, relative_change, table_text, unit_text, with_unit
 from .choice import choice_abstract, choice_badges
-from .experiments import ON_FRONT, OPEN, STATUS, outcome_counts, reached, safe_of, swept_fields
+from .experiments import ON_FRONT, OPEN, STATUS, outcome_counts, safe_of, strictest_count, swept_fields
 from .fit import fit_abstract, fit_badges
 from .limit_check import end_count, limit_check
 from .limits import LimitCounts, corners_verdict, fails_in_corners_alone, limit_counts
@@ -282,7 +282,7 @@ def _sweep(results: Results, every: Sequence[Results]) -> str:
     over = " and ".join(swept_fields(results))
     over = f"over {over}" if over else "of runs given one by one"
     counts = outcome_counts(results)
-    text = f"{_ended(results.mechanism, counts)} in a sweep {over}{reached(results, counts)}."
+    text = f"{_ended(results.mechanism, counts)} in a sweep {over}{_strictest(results, counts)}."
     force = np.asarray(results.sweep["peak_force"].values, float) if "peak_force" in results.sweep else np.zeros(0)
     if np.any(np.isfinite(force)):
         text += f" The largest contact force is {range_text(np.nanmin(force), np.nanmax(force), 'N', 4)}."
@@ -299,7 +299,7 @@ def _sample(results: Results, every: Sequence[Results]) -> str:
     left = record["runs"] - record["done"]
     # A sample's record counts computed runs only; of an interrupted one the others are told as well.
     counts = {**record["outcomes"], **({OPEN: left} if left else {})}
-    text = f"{_ended(mechanism, counts)} in a sample of {len(record['ranges'])} numbers{reached(results, counts)}."
+    text = f"{_ended(mechanism, counts)} in a sample of {len(record['ranges'])} numbers{_strictest(results, counts)}."
     # Indices of a surface that is not to be trusted are no fact; shares add up for first-order indices alone.
     doubtful = {it["quantity"] for it in record["surfaces"] if not it["trusted"]}
     known = [row for row in record["indices"] if row["from"] == "runs" or row["quantity"] not in doubtful]
@@ -340,8 +340,20 @@ def _front(results: Results, every: Sequence[Results]) -> str:
 
 def _ended(mechanism: Mechanism, counts: Mapping[str, Any]) -> str:
     """Return how many runs ended as they should."""
-    should, every = mechanism.successes or (mechanism.outcomes.time_is_up(),), sum(counts.values())
-    good = sum(counts.get(name, 0) for name in should)
-    ends = [words(name) for name in should if name in counts] or [words(should[0])]
-    text = f"{good} of {every} {mechanism.view.run_name}s end {' or '.join(ends)}"
+    good, ends = _successes(mechanism, counts)
+    text = f"{good} of {sum(counts.values())} {mechanism.view.run_name}s end {' or '.join(map(words, ends))}"
     return text + (f", {counts[OPEN]} are {OPEN}" if OPEN in counts else "")
+
+
+def _strictest(results: Results, counts: Mapping[str, Any]) -> str:
+    """Return in how many runs the strictest end was reached, after a comma; "" where `_ended` has said it."""
+    _, ends = _successes(results.mechanism, counts)
+    end = strictest_count(results, counts)
+    return "" if end is None or ends == [end.name] else f", {end}"
+
+
+def _successes(mechanism: Mechanism, counts: Mapping[str, Any]) -> tuple[int, list[str]]:
+    """Return how many runs ended as they should, and the names of these ends."""
+    should = mechanism.successes or (mechanism.outcomes.time_is_up(),)
+    ends = [name for name in should if name in counts] or [should[0]]
+    return sum(counts.get(name, 0) for name in ends), ends

@@ -38,7 +38,9 @@ def requirements(first: Results, every: Sequence[Results]) -> PageSection | None
         rows += _tolerances(tuned)
     elif run is not None:
         rows += _scenarios(mechanism, [run["scenario"]], units_of(first))
-    text = [f"What the model leaves out: {' '.join(mechanism.view.limitations)}"] if mechanism.view.limitations else []
+    drawn = mechanism.design() if first.design is None else first.design
+    left_out = mechanism.view.left_out(lambda path: get(drawn, path))
+    text = [f"What the model leaves out: {' '.join(left_out)}"] if left_out else []
     if not rows and not text:
         return None
     return PageSection(TITLE, text, tables=[Table(TITLE, ("what", "of", "asked"), rows)] if rows else [])
@@ -68,7 +70,8 @@ def _scenarios(
     """Return how many there are, and the range of each field; ranges of what is built otherwise than drawn."""
     met, usual = [scenario_of(mechanism, case) for case in cases], mechanism.scenario()
     name = "scenario" if len(met) == 1 else f"{len(met)} scenarios"
-    rows = [[name, *_range(met, usual, path, units.get(f"scenario.{path}", ""))] for path in paths(usual)]
+    meant = [path for path in paths(usual) if any(path not in one.without_effect for one in met)]
+    rows = [[name, *_range(met, usual, path, units.get(f"scenario.{path}", ""))] for path in meant]
     # Those of tolerances are listed by themselves.
     built = dict.fromkeys(path for case in cases for path in case.get("factors", {}) if not toleranced)
     for path in built:

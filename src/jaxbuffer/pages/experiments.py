@@ -7,7 +7,7 @@ import numpy as np
 
 from ..fields import as_typed, ends_as_typed, get
 from ..labelled.record import Record, heading, parts
-from ..mechanisms.mechanism import Mechanism
+from ..mechanisms.mechanism import EndCount, Mechanism
 from ..output.folder import Results
 from ..value_text import degrees_text, percent_text, table_text, unit_text
 from .page import Cell, PageSection, Table
@@ -51,16 +51,22 @@ def reached(results: Results, counts: Mapping[str, int]) -> str:
 
     It is "" where the design can have none. ``counts``: as of `outcome_counts`.
     """
+    end = strictest_count(results, counts)
+    return f", {end}" if end else ""
+
+
+def strictest_count(results: Results, counts: Mapping[str, int]) -> EndCount | None:
+    """Return in how many computed runs of a sweep or sample the strictest end was reached that the design can have;
+    None where it can have none."""
     design = results.design
     if design is None:
-        return ""
+        return None
     axes = [
         *results.records.get("sweep", Record()).get("axes", ()),
         *results.records.get("sample", Record()).get("ranges", ()),
     ]
     moved, computed = {axis["path"] for axis in axes}, {name: n for name, n in counts.items() if name != OPEN}
-    end = results.mechanism.end_count(lambda path: path in moved or get(design, path), computed)
-    return f", {end}" if end else ""
+    return results.mechanism.end_count(lambda path: path in moved or get(design, path), computed)
 
 
 def safe_of(envelope: Record) -> str:

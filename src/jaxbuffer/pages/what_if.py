@@ -10,7 +10,7 @@ import numpy as np
 from ..errors import InputError
 from ..experiments.what_if import RUNS
 from ..experiments.what_if import what_if as fit_around
-from ..experiments.what_if_model import Model
+from ..experiments.what_if_model import Endings, Model
 from ..fields import SCENARIO
 from ..files import user_path, write
 from ..labelled.record import Record, heading
@@ -106,6 +106,7 @@ def data(record: Record, results: Results) -> dict[str, Any]:
     models = [[None if it is None else Model.of(dict(it.items())) for it in case["models"]] for case in record["cases"]]
     shares, nominal = np.array(record["shares"]), np.array(record["nominal"])
     at = [[None if it is None else it.at(nominal, shares) for it in case] for case in models]
+    ended_well = [_endings_of(case).well(nominal, shares, np.array(case["succeeded"])) for case in record["cases"]]
     return {
         "good": record["good"],
         "success": record["success"] or SOLVED,
@@ -117,10 +118,13 @@ def data(record: Record, results: Results) -> dict[str, Any]:
         "rows": [
             row._asdict()
             | {"limit_text": NONE if row.limit is None else number(row.limit, 0.0)}
-            | _at_nominal(row, shown[row.quantity], at, record)
+            | _at_nominal(row, shown[row.quantity], at, record, all(ended_well))
             for row in rows
         ],
-        "cases": [_case(case, values, shown, record["good"]) for case, values in zip(record["cases"], at, strict=True)],
+        "cases": [
+            _case(case, values, shown, record["good"], ended)
+            for case, values, ended in zip(record["cases"], at, ended_well, strict=True)
+        ],
     }
 
 
@@ -136,16 +140,26 @@ def _text(record: Record, results: Results) -> list[str]:
         f" {percent_text(record['good'])} shows no number. Simulate what you choose.",
         f"Held fixed: every other number of the design, and of the scenarios{_sampled(results)}.",
     ]
-    failing = [case for case in record["cases"] if not all(case["succeeded"])]
-    if failing:
-        counts = (f"{case['succeeded'].count(False)} in {case['label']}" for case in failing)
-        right = percent_text(min(case["right"] for case in failing), ".3g")
-        ended = record["success"] or SOLVED
-        lines.append(
-            f"Of those {len(record['shares'])}, some were not {ended}: {'; '.join(counts)}. Whether one is, is taken"
-            f" from the nearest of them, which is right for at least {right} of those kept apart."
-        )
-    return lines
+    if record["omitted"]:
+        own = (results.tuned or Record()).get("quantities", {})
+        names = " and ".join(display(results.mechanism, it, own).title for it in record["omitted"])
+        lines.append(f"No number is shown of {names}: a {name}'s end jumps where it waits for one swing more.")
+    return [*lines, *_endings(record, name)]
+
+
+def _endings(record: Record, name: str) -> list[str]:
+    """Return where numbers are shown although some runs did not end well, and how far to trust that."""
+    doubtful = [case for case in record["cases"] if not all(case["succeeded"]) or case["confirmed"] < record["apart"]]
+    if not doubtful:
+        return []
+    ended = record["success"] or SOLVED
+    counts = "; ".join(f"{case['succeeded'].count(False)} in {case['label']}" for case in doubtful)
+    most, least = max(case["neighbours"] for case in doubtful), min(case["confirmed"] for case in doubtful)
+    return [
+        f"Of those {len(record['shares'])}, some were not {ended}: {counts}. A number is shown only where all {name}s"
+        f" around, up to {most}, were {ended}; of the {record['apart']} kept apart at least {least} lie there, all"
+        f" {ended}."
+    ]
 
 
 def _sampled(results: Results) -> str:
@@ -177,7 +191,9 @@ def _measured(models: Sequence[Record]) -> str:
     return f"{'below' if share == FINEST else 'at most'} {percent_text(share, '.2g')} in {worst['tested']} runs"
 
 
-def _at_nominal(row: SliderRow, shown: Display, at: Sequence[Sequence[float | None]], record: Record) -> dict[str, str]:
+def _at_nominal(
+    row: SliderRow, shown: Display, at: Sequence[Sequence[float | None]], record: Record, ended_well: bool
+) -> dict[str, str]:
     """Return the texts of a row at the tuned design, for print and where no script runs; the script says the same."""
     models = [case["models"][row.quantity] for case in record["cases"]]
     errors = [None if model is None else model["error"] for model in models]
@@ -185,8 +201,8 @@ def _at_nominal(row: SliderRow, shown: Display, at: Sequence[Sequence[float | No
     few = any(error is None for error in errors)
     none = f"no number: {'too few runs ended well' if few else 'not good to ' + percent_text(record['good'])}"
     found = deciding(row.side, values, errors, record["good"])
-    if found is None or row.error is None:
-        return {"text": none, "none": none, "where": NONE, "room": NONE, "told": row.of_all}
+    if found is None or row.error is None or not ended_well:
+        return {"text": none if ended_well else NONE, "none": none, "where": NONE, "room": NONE, "told": row.of_all}
     return {
         "none": none,
         "told": row.measured,
@@ -232,11 +248,17 @@ def number(value: float, error: float) -> str:
     return np.format_float_positional(float(f"{value:.{digits}g}"), trim="-")
 
 
-def _case(case: Record, values: Sequence[float | None], shown: Sequence[Display], good: float) -> dict[str, Any]:
+def _endings_of(case: Record) -> Endings:
+    return Endings(case["neighbours"], case["confirmed"])
+
+
+def _case(
+    case: Record, values: Sequence[float | None], shown: Sequence[Display], good: float, ended_well: bool
+) -> dict[str, Any]:
     models = [None if model is None else dict(model.items()) for model in case["models"]]
     texts = [
         NONE
-        if model is None or value is None
+        if model is None or value is None or not ended_well
         else number(it.factor * value, model["error"])
         if model["error"] <= good
         else f"not good to {percent_text(good)}"
@@ -245,7 +267,7 @@ def _case(case: Record, values: Sequence[float | None], shown: Sequence[Display]
     return {
         "label": case["label"],
         "succeeded": case["succeeded"],
-        "right": case["right"],
+        "neighbours": case["neighbours"],
         "models": models,
         "texts": texts,
     }

@@ -36,17 +36,27 @@ from .process import check_ready, kind
 
 R = TypeVar("R")
 
+
+class Compilation(NamedTuple):
+    """A compilation that begins: ``what`` is compiled, in words, and how long that usually takes (``seconds``)."""
+
+    what: str
+    seconds: float
+
+
+Watcher = Callable[[Compilation | None], None]
+
 UNKNOWN = 10.0  # s, a run's on two cores
+PROGRAM = "a program"
 EXPORT = "JAXBUFFER_EXPORT"  # the variable of the environment by which a build of a wheel has programs exported
 _log = logging.getLogger(__name__)
-_watcher: Callable[[float | None], None] | None = None
+_watcher: Watcher | None = None
 _compiling = threading.RLock()
 
 
 @contextlib.contextmanager
-def watched(watcher: Callable[[float | None], None]) -> Iterator[None]:
-    """Call ``watcher`` whenever a program's compilation begins, with the time that it is expected to take [s], and with
-    None when it has ended."""
+def watched(watcher: Watcher) -> Iterator[None]:
+    """Call ``watcher`` whenever a program's compilation begins, with what that is, and with None when it has ended."""
     global _watcher  # noqa: PLW0603 # one front shows what the whole process does
     before, _watcher = _watcher, watcher
     try:
@@ -91,9 +101,13 @@ class stored(Generic[R]):  # a decorator
     """
 
     def __init__(
-        self, function: Callable[..., R], first: Callable[..., Any] | None = None, seconds: float = UNKNOWN
+        self,
+        function: Callable[..., R],
+        first: Callable[..., Any] | None = None,
+        seconds: float = UNKNOWN,
+        what: str = PROGRAM,
     ) -> None:
-        self.last, self.first, self.seconds = function, first, seconds
+        self.last, self.first, self.seconds, self.what = function, first, seconds, what
 
         self.jitted = jax.jit(self.function)
         self.programs: dict[Any, _Program] = {}
@@ -162,7 +176,7 @@ class stored(Generic[R]):  # a decorator
             stored = store.read_shipped(name)
             if stored is None:
                 return None
-            with _announced(_expected(self.last.__name__, self.seconds)):
+            with _announced(Compilation(self.what, _expected(self.last.__name__, self.seconds))):
                 built = _built([export.deserialize(bytearray(it)).call for it in stored.exported], given, keep=True)
                 program = _checked(stored.description, built.parts, given)
         except Exception as error:  # tracing helps
@@ -201,7 +215,7 @@ class stored(Generic[R]):  # a decorator
 
         begin = time.monotonic()
         functions = [begun, flat] if self.first else [flat]
-        with _announced(_expected(self.last.__name__, self.seconds)):
+        with _announced(Compilation(self.what, _expected(self.last.__name__, self.seconds))):
             built = _built(functions, given, keep=file is not None)
         program = _Program(built.parts, result[0], result[1], time.monotonic() - begin)
         if file is not None and built.codes:
@@ -210,11 +224,13 @@ class stored(Generic[R]):  # a decorator
         return program
 
 
-def after(first: Callable[..., Any], seconds: float = UNKNOWN) -> Callable[[Callable[..., R]], stored[R]]:
+def after(
+    first: Callable[..., Any], seconds: float = UNKNOWN, what: str = PROGRAM
+) -> Callable[[Callable[..., R]], stored[R]]:
     """Mark a function as `stored` whose last argument is what ``first`` finds from the others: each is a program of its
     own, and the second is traced and compiled while XLA is at work on the first. ``seconds``: how long that takes,
-    roughly, until it has been done once."""
-    return lambda function: stored(function, first, seconds)
+    roughly, until it has been done once; ``what``: what it computes, in words."""
+    return lambda function: stored(function, first, seconds, what)
 
 
 def _kind(leaf: Any) -> Any:
@@ -228,10 +244,10 @@ def _kind(leaf: Any) -> Any:
 
 
 @contextlib.contextmanager
-def _announced(expected: float) -> Iterator[None]:
-    """Tell the watcher that a compilation begins, with the time that it is expected to take [s], and when it ends."""
+def _announced(compilation: Compilation) -> Iterator[None]:
+    """Tell the watcher that a compilation begins, and when it ends."""
     watcher = _watcher or (lambda _: None)
-    watcher(expected)
+    watcher(compilation)
     try:
         yield
     finally:

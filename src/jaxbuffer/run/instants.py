@@ -1,5 +1,6 @@
 """A run's history at any times, between its steps too."""
 
+import functools
 from typing import Any
 
 import jax
@@ -122,7 +123,7 @@ def _within(coordinates: int, start: tuple[Array, Array], end: tuple[Array, Arra
     return state.at[own].set(jnp.where(rounded > SMALL * change, smooth, state[own]))
 
 
-@stored
+@functools.partial(stored, what="instants of a run")
 def _instants(
     mechanism: Mechanism,
     parameters: tuple[Any, Any, Array],

@@ -156,6 +156,6 @@ def _array(value: Any) -> Any:
     return jnp.asarray(value, float) if isinstance(value, jax.Array) else np.asarray(value, float)
 
 
-@after(stepped)
+@after(stepped, what="a run")
 def _simulate(request: Request, unchecked: Static, result: Result) -> Run:
     return run_of(request, result)

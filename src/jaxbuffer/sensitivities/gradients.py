@@ -95,7 +95,7 @@ def _stepped(
     return stepper_of(mechanism).step_with_tangents(make, separate, inputs)
 
 
-@after(_stepped, seconds=20.0)
+@after(_stepped, seconds=20.0, what="a run with its derivatives")
 def _gradients(
     mechanism: Mechanism,
     inputs: Inputs,

@@ -70,7 +70,7 @@ def _stepped(
     return stepper_of(mechanism).many(one)(chunk, enabled)
 
 
-@after(_stepped)
+@after(_stepped, what="the runs of a sweep")
 def solve_chunk(
     mechanism: Mechanism,
     chunk: Chunk,

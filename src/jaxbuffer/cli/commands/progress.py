@@ -21,7 +21,7 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
-from ...programs.cache import watched
+from ...programs.cache import Compilation, watched
 from ...tuning.store import Record, in_words
 
 T = TypeVar("T")
@@ -29,7 +29,7 @@ T = TypeVar("T")
 STACK = 64 * 2**20  # bytes; compilers recurse deeply, and some systems give threads little
 PERIOD = 5.0  # s between lines where nobody watches
 SPINNER, TEXT, CLOCK = SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn()
-COMPILING = "compiling for about {:.0f} s (first run only)…"
+COMPILING = "compiling {}, which usually takes about {:.0f} s (first run only)…"
 
 
 def working(text: str, work: Callable[[], T]) -> T:
@@ -132,17 +132,18 @@ def _bar(text: str, total: int | None, *columns: ProgressColumn) -> Iterator[Cal
     # On stderr, so that a result can be piped, --json above all.
     console, before = Console(stderr=True), ""
 
-    def say(expected: float | None) -> None:
+    def say(compilation: Compilation | None) -> None:
         nonlocal before
-        if expected is not None and not before:
-            before = COMPILING.format(expected)
-            _line(before)
+        # Once each, also where several shapes of one program are compiled.
+        if compilation is not None and compilation.what != before:
+            before = compilation.what
+            _line(COMPILING.format(*compilation))
 
-    def show(expected: float | None) -> None:
+    def show(compilation: Compilation | None) -> None:
         nonlocal before
-        if expected is not None:
+        if compilation is not None:
             before = progress.tasks[0].description
-        progress.update(task, description=before if expected is None else COMPILING.format(expected))
+        progress.update(task, description=before if compilation is None else COMPILING.format(*compilation))
 
     if not console.is_terminal:
         with watched(say):

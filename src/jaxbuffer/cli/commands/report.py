@@ -17,7 +17,7 @@ from .progress import sweeping
 
 
 def report(folders: list[Path], html: Path | None, title: str, what_if: bool, runs: str | None) -> int:
-    """Make a page of folders of results and print their summaries."""
+    """Make a page of folders of results and print its abstract."""
     if runs is not None and not what_if:
         raise InputError("--runs are those of --what-if; give both")
     # The page shows what the folder holds, so the models must lie there first.
@@ -25,11 +25,9 @@ def report(folders: list[Path], html: Path | None, title: str, what_if: bool, ru
         _make_sliders(folders, runs)
     page = review([loaded(folder) for folder in folders], title)
     file = _saved(html or folders[0] / "report.html", page)
-    for folder in folders:
-        for text in sorted(file for file in folder.glob("*.txt") if file.is_file()):
-            show(_text(text))
-        for figure in sorted(folder.glob("*.png")):
-            show(f"figure {figure}")
+    # Each folder's own summary was printed by its command and lies in the folder.
+    for text in filter(None, ("; ".join(cell.text for cell in page.verdicts), *page.abstract)):
+        show(text)
     show(f"wrote {file}")
     return OK
 
@@ -73,14 +71,3 @@ def _saved(file: Path, page: Page) -> Path:
     if write_page(page, file, "--html FILE"):
         note(f"the page {file} is overwritten")
     return file
-
-
-def _text(file: Path) -> str:
-    try:
-        text = file.read_text(encoding="utf-8").rstrip("\n")
-    except UnicodeDecodeError as error:
-        raise InputError(f"{file} is damaged: byte {error.start} is not text") from None
-    # A file is written whole, so an empty one was cut short by something else.
-    if not text:
-        raise InputError(f"{file} is damaged: it is empty")
-    return text

@@ -150,11 +150,16 @@ class Scenario(Part):
     )
     thrust_time: Number = number(None, "s", **POSITIVE, needs=on("thrust"), doc="how long that force lasts")
 
+    @property
+    def without_effect(self) -> tuple[str, ...]:
+        """Return the names of the fields that belong to the other kind of start."""
+        return ("contact_distance",) if self.start == "free" else OF_FREE_START
+
     def check_together(self) -> None:
         free = self.start == "free"
         usual = {field.name: field for field in dataclasses.fields(self)}
         # A number of the other kind of start would have no effect.
-        for name in ("contact_distance",) if free else OF_FREE_START:
+        for name in self.without_effect:
             value, default = concrete(getattr(self, name)), usual[name].default
             if value is not None and np.any(value != default):
                 symbol = usual[name].metadata["unit"]

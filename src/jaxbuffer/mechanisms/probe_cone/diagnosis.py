@@ -1,5 +1,6 @@
 """What held back a capture that did not succeed: way left, where the energy went, the impact that turned it round."""
 
+import functools
 from typing import Any, NamedTuple
 
 import jax
@@ -35,7 +36,7 @@ class Course(NamedTuple):
     relative: Float[Array, " slots"]
 
 
-@stored
+@functools.partial(stored, what="what held a run back")
 def course(
     parameters: tuple[Any, Any, Array], states: Float[Array, "slots state"], closed: Float[Array, "slots contacts"]
 ) -> Course:

@@ -27,7 +27,7 @@ def scenario_label(scenario: Scenario, among: Sequence[Scenario] = ()) -> str:
     alike = any(f"{other.approach_speed:.4g}" == f"{speed:.4g}" and other.approach_speed != speed for other in among)
     label = f"{with_unit(speed, 'm/s', 9 if alike else 4)}, {degrees_text(angle)}"
     for name, shown in (("contact_distance", "mm"), ("passive_rate", "deg/s")):
-        if len({float(getattr(other, name)) for other in among}) > 1:
+        if name not in scenario.without_effect and len({float(getattr(other, name)) for other in among}) > 1:
             label += _field(scenario, name, shown)
     return label + _free_start(scenario) + _thrust(scenario)
 

@@ -59,8 +59,13 @@ VIEW = View(
     larger_force=larger_than_contact,
     limitations=(
         "The motion is planar: nothing moves or turns out of the plane.",
-        "Without latches (latch.stiffness) the run ends at capture: what the parts do afterwards is not simulated.",
         "The forces have not been compared with a test of hardware: docs/verification.md.",
+    ),
+    limitations_without=(
+        (
+            "latch.stiffness",
+            "Without latches (latch.stiffness) the run ends at capture: what the parts do afterwards is not simulated.",
+        ),
     ),
     warnings=warnings,
     validity=limits,

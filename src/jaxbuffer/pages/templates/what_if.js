@@ -44,13 +44,11 @@ class WhatIf {
     root.whatIf = this;
   }
 
-  endsWell({ succeeded }, at) { // as the nearest of the runs did
-    let nearest = 0, least = Infinity;
-    this.data.shares.forEach((place, k) => {
-      const square = place.reduce((sum, u, i) => sum + (u - at[i]) ** 2, 0);
-      if (square < least) { least = square; nearest = k; }
-    });
-    return succeeded[nearest];
+  endsWell({ succeeded, neighbours }, at) { // as Endings.well: where all of the nearest runs did
+    const square = place => place.reduce((sum, u, i) => sum + (u - at[i]) ** 2, 0);
+    const nearest = this.data.shares.map((place, k) => [square(place), k]).sort((a, b) => a[0] - b[0] || a[1] - b[1]);
+    if (nearest[0][0] === 0) return succeeded[nearest[0][1]];
+    return neighbours <= nearest.length && nearest.slice(0, neighbours).every(([, k]) => succeeded[k]);
   }
 
   values(at) { // of each scenario and quantity, in the units shown; null where there is no model
@@ -91,7 +89,7 @@ class WhatIf {
     const failing = this.data.cases.filter((_, c) => !ended[c]);
     this.ends.classList.toggle("warning", failing.length > 0);
     this.ends.textContent = failing.length
-      ? `No number is shown here: the nearest run is not ${this.data.success} in ${failing.map(it => it.label).join("; ")}.`
+      ? `No number is shown here: not all runs around are ${this.data.success} in ${failing.map(it => it.label).join("; ")}.`
       : "";
   }
 
