@@ -163,7 +163,7 @@ def label(axes: Axes, title: str, x: str, y: str, legend: bool = True, columns: 
     axes.set_xlabel(x)
     axes.set_ylabel(y)
     if legend:
-        place = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)} if beside else {}
+        place: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)} if beside else {}
         axes.legend(ncols=columns, **place)
 
 
