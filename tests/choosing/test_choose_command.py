@@ -91,4 +91,4 @@ def test_check_says_the_price_that_decides_and_refuses_it_without_parts(study, c
     for table, name in (("objective", "price"), ("constraints", "mass")):
         (study / "study.toml").write_text(f"[problem.{table}]\n{name} = 1.0\n")
         assert run(["check", "study.toml"]) == 2
-        assert f"problem.{table}.{name} is a sum over parts" in capsys.readouterr().err
+        assert f"problem.{table}.{name} is unknown" in capsys.readouterr().err

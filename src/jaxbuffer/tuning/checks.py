@@ -154,7 +154,8 @@ def _flight(problem: Problem, built: Part, case: Case) -> Flight | None:
     # Nothing is touched, so that there is no touchdown which the buffer could move. A run that ends where it starts has
     # no length to repeat.
     if not int(with_buffer.impact_count):
-        return Flight(end if end > 0.0 else problem.duration, True)
+        whole = problem.mechanism.duration(built) if problem.duration is None else problem.duration
+        return Flight(end if end > 0.0 else float(whole), True)
     touch, release = float(with_buffer.impacts.time[0]), float(with_buffer.impacts.release_time[0])
     # A little longer, for the bounds allow other lengths of the flight.
     duration = (1.0 + SPARE) * touch + DURATIONS * (release - touch if np.isfinite(release) else end - touch)
