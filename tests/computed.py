@@ -32,11 +32,12 @@ class Computed:
         capture = made_up_capture(scenario, outcome=self.outcome, design=design)
         return made_up_sensitivity(capture, wrt, options["quantities"], verdict=self.verdict)
 
-    def tune(self, problem, *, report, **settings):
+    def tune(self, problem, keep, *, report, **settings):
         self._note("tune", problem=problem, **settings)
         tuned = made_up_tuning(problem)
         for record in tuned.records:
             report(record)
+        keep(tuned)
         return tuned
 
     def sweep(self, design, scenario, duration, *, progress, over=None, **options):

@@ -10,7 +10,8 @@ from ...output.tuned_files import tuned_design, tuned_files
 from ...study.tuned_toml import tuned_toml
 from ...tuning import Problem
 from ...tuning.cases import grid_address
-from ...tuning.tune import best_so_far, tune_with
+from ...tuning.tune import best_so_far
+from ...tuning.tune import tune_with as compute
 from ...value_text import with_unit
 from ..exits import INTERRUPTED, LIMITS_BROKEN, OK, fail, interrupted
 from ..streams import note
@@ -33,7 +34,7 @@ def tune(request: CommandLine, scheduler: str | None, resume: bool, **search: st
     try:
         with executor_at(scheduler) as (executor, _):
             tuned = tuning(
-                lambda report: tune_with(
+                lambda report: compute(
                     problem,
                     lambda first: files.keep("design.toml", tuned_design(first)),
                     **settings,
