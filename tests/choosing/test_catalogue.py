@@ -85,6 +85,7 @@ BAD = [
     ({"spring": {"S1": S1 | {"price": "cheap"}}}, "is no price"),
     ({"spring": {"S1": S1 | {"price": "9,50 EUR"}}}, "is no price; write 12.5"),
     ({"spring": {"S1": S1 | {"price": "1 200 EUR"}}}, "is no price"),
+    ({"spring": {"S1": S1 | {"price": "1.200.000 EUR"}}}, "is no price"),
     ({"spring": {"S1": S1 | {"price": float("nan")}}}, "parts.spring.S1.price = nan"),
     ({"spring": {"S1": S1 | {"buffer.k_A": 400.0}}}, "S1 sets buffer.k_A twice"),
     ({"contact": {"X": {"young_modulus": 7e10}}}, "young_modulus may be"),

@@ -51,3 +51,12 @@ def test_an_end_that_is_not_established_is_said():
     jump = lambda x: np.array([100.0 if x[0] > 0.6 else 0.0, 0.1 * (x[0] - 0.5)])  # noqa: E731
     known = known_of(jump, lambda x: np.array([[0.0], [10.0]]), [0.5])
     assert not known.closed[0] and known.high[0] >= 0.6
+
+
+def test_runs_that_fail_on_the_way_leave_finite_ends():
+    """Beyond 0.8 every run fails, and its residuals are infinite."""
+    matrix = np.array([[3.0, 1.0], [1.0, 3.0]])
+    failing = lambda x: np.full(2, np.inf) if x[0] > 0.8 else matrix @ (x - 0.5)  # noqa: E731
+    known = known_of(failing, lambda x: matrix, [0.5, 0.5])
+    assert np.all(np.isfinite([known.low, known.high])) and not known.closed[0]
+    assert 0.75 < known.high[0] <= 0.8

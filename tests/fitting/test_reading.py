@@ -46,7 +46,10 @@ def test_units_are_those_of_the_headings(tmp_path):
     assert test.values["stroke"][1] == 0.2
 
 
-@pytest.mark.parametrize("heading", ["stroke [mm]", "stroke (mm)", "stroke / mm", "stroke/mm", '"stroke\n[mm]"'])
+@pytest.mark.parametrize(
+    "heading",
+    ["stroke [mm]", "stroke (mm)", "stroke / mm", "stroke/mm", "stroke (mm) left", "stroke / (mm)", '"stroke\n[mm]"'],
+)
 def test_a_unit_counts_in_brackets_and_behind_a_slash(tmp_path, heading):
     test = read(tmp_path, PLAIN.replace("stroke [mm]", heading), {heading.strip('"'): jb.Channel("stroke")})
     assert np.allclose(test.values[heading.strip('"')], [1e-3, 2e-3, 3e-3])
@@ -57,6 +60,8 @@ def test_a_unit_counts_in_brackets_and_behind_a_slash(tmp_path, heading):
     [
         ("time [s]\tstroke [mm]\n0.050\t1,194\n0.1\t3\n", 'line 2, column "stroke [mm]": 1,194 beside line 2, column'),
         ("time [s];stroke [mm]\n0;1,5\n1;2\n2;3.5\n", 'line 4, column "stroke [mm]": 3.5 beside line 2, column'),
+        ('time [s],stroke [mm]\n0,"1,194"\n1,"2,181"\n', "1,194 beside commas between the cells"),
+        ("time [s]\tstroke [mm]\tother\n0\t1,194\t20.5\n1\t2,1\t3\n", "20.5 beside line 2"),
         ("time [s];stroke [mm]\n0;1.194,5\n1;2\n", "line 2: column \"stroke [mm]\" has '1.194,5', which is not a"),
     ],
 )

@@ -31,7 +31,7 @@ TOTALS = (PRICE, MASS)
 FILE = "file"  # the key that names a CSV file
 EXAMPLE = 'S1 = {buffer.k_A = "500 N/m", price = 12}'
 # The word begins with a letter or a sign of money: ",50 EUR" of "9,50 EUR" is none.
-AMOUNT = re.compile(r"\s*([-+]?[0-9.]+(?:[eE][-+]?\d+)?)\s*((?:[^\W\d_]|[$€£¥])\D*?)?\s*")
+AMOUNT = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*((?:[^\W\d_]|[$€£¥])\D*?)?\s*")
 
 
 @dataclasses.dataclass(frozen=True)

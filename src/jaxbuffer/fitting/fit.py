@@ -1,6 +1,7 @@
 """`fit`: the numbers of a design that measured tests tell."""
 
 import dataclasses
+import itertools
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -95,12 +96,14 @@ def _distinct(recordings: Sequence[Recording]) -> list[Recording]:
     """Return the tests with a number behind each name that several have: results go by a test's name."""
     for recording in recordings:
         check_type("measurements", recording, Recording, "jb.read_recording(file, channels)")
-    counts, numbers = Counter(it.name for it in recordings), Counter[str]()
+    counts = Counter(it.name for it in recordings)
+    taken = {name for name, count in counts.items() if count == 1}
     distinct = []
     for recording in recordings:
-        numbers[recording.name] += 1
-        suffix = f" ({numbers[recording.name]})" if counts[recording.name] > 1 else ""
-        distinct.append(dataclasses.replace(recording, name=recording.name + suffix))
+        numbered = (f"{recording.name} ({k})" for k in itertools.count(1))
+        name = recording.name if counts[recording.name] == 1 else next(it for it in numbered if it not in taken)
+        taken.add(name)
+        distinct.append(dataclasses.replace(recording, name=name))
     return distinct
 
 

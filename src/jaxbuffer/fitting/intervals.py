@@ -66,25 +66,28 @@ def _end(
     # The others move along with the one that is held, as the covariance says; designs beyond the bounds are not run.
     along = covariance[:, k] / covariance[k, k]
     bound, rise_asked = float(deviations > 0.0), deviations**2
-    inner, outer = (x[k], 0.0), (bound, np.inf)
+    inner, outer, bracketed = (x[k], 0.0), (bound, np.inf), False
     point, place = x, x[k] + deviations * np.sqrt(covariance[k, k])
     for attempt in range(TRIES):
         place = float(np.clip(place, 0.0, 1.0))
         point = np.clip(point + (place - point[k]) * along, 0.0, 1.0)
         point[k] = place
-        total, gradient, hessian = _sum(residuals, point)
-        step = np.zeros_like(x)
-        step[others] = _bounded_step(gradient[others], hessian[np.ix_(others, others)], point[others])
-        # Half the gradient and half the Hessian, as they are, make the parabola's whole fall.
-        rise = max(total + 2.0 * (gradient @ step) + step @ hessian @ step - least, 0.0)
+        with np.errstate(invalid="ignore"):
+            total, gradient, hessian = _sum(residuals, point)
+        step, rise = np.zeros_like(x), np.inf
+        if np.isfinite(total):  # else the run failed, and its slopes say nothing
+            step[others] = _bounded_step(gradient[others], hessian[np.ix_(others, others)], point[others])
+            # Half the gradient and half the Hessian, as they are, make the parabola's whole fall.
+            rise = max(total + 2.0 * (gradient @ step) + step @ hessian @ step - least, 0.0)
         if abs(rise / rise_asked - 1.0) < ALIKE or (rise < rise_asked and place == bound):
             return place, True
         if rise < rise_asked:
             inner = (place, rise)
         else:
-            outer = (place, rise)
-        place, point = _next_place(inner, outer, x[k], rise_asked, attempt), point + step
-    return outer[0], False
+            outer, bracketed = (place, rise), True
+        place = _between(inner, outer, rise_asked, attempt) if bracketed else _further(inner, x[k], rise_asked)
+        point = point + step
+    return (outer if np.isfinite(outer[1]) else inner)[0], False
 
 
 def _bounded_step(gradient: np.ndarray, hessian: np.ndarray, point: np.ndarray) -> np.ndarray:
@@ -95,16 +98,17 @@ def _bounded_step(gradient: np.ndarray, hessian: np.ndarray, point: np.ndarray) 
     return lsq_linear(lower.T, -np.linalg.solve(lower, gradient), (0.0 - point, 1.0 - point)).x
 
 
-def _next_place(
-    inner: tuple[float, float], outer: tuple[float, float], best: float, rise_asked: float, attempt: int
-) -> float:
-    """Return where to look for the end of an interval next. ``inner``, ``outer``: the places nearest to it and their
-    rises, below and above the one that is asked for; infinite of a bound that was not looked at."""
-    if np.isinf(outer[1]):
-        # Near the minimum the rise is a square of the distance; on a flat side it is less, and the bound is the limit.
-        ratio = np.clip(np.sqrt(rise_asked / max(inner[1], 1e-300)), 1.1, 4.0)
-        return best + ratio * (inner[0] - best)
-    if attempt % 3 == 2:  # a secant may leave one end where it is for ever
+def _further(inner: tuple[float, float], best: float, rise_asked: float) -> float:
+    """Return where to look for the end of an interval beyond a place with too small a rise, ``inner``."""
+    # Near the minimum the rise is a square of the distance; on a flat side it is less, and the bound is the limit.
+    ratio = np.clip(np.sqrt(rise_asked / max(inner[1], 1e-300)), 1.1, 4.0)
+    return best + ratio * (inner[0] - best)
+
+
+def _between(inner: tuple[float, float], outer: tuple[float, float], rise_asked: float, attempt: int) -> float:
+    """Return where to look next between two places with too small a rise and too large a one; infinite where the run
+    failed."""
+    if np.isinf(outer[1]) or attempt % 3 == 2:  # a secant may leave one end where it is for ever
         return 0.5 * (inner[0] + outer[0])
     roots = np.sqrt([inner[1], rise_asked, outer[1]])
     return inner[0] + (outer[0] - inner[0]) * (roots[1] - roots[0]) / (roots[2] - roots[0])

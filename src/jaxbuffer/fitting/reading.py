@@ -16,30 +16,33 @@ from ..value_text import is_plain
 from .recording import Bounds, Channel, Recording
 
 UNIT = re.compile(r"\[([^\[\]]*)\]")
-OTHER_UNIT = re.compile(r"\(([^()]*)\)\s*$|/\s*([^/\s][^/]*)$")  # of a heading without brackets: "gap (mm)", "gap / mm"
+OTHER_UNIT = re.compile(
+    r"\(([^()]*)\)|/(.*)"
+)  # of a heading without brackets: "gap (mm) left", "gap / mm", "a / m/s^2"
 MARKED = re.compile(r"[-+]?\d*([.,])\d*(?:[eE][-+]?\d+)?")  # a number with a decimal mark
 DIGIT = re.compile(r"(?<=[A-Za-zµ])(\d)")  # of a power, as in m/s2
-HEADER = 1  # its line
 
 
 class CsvTable(NamedTuple):
-    """A table as text: ``file``; ``headings``; ``rows`` of cells with the ``lines`` that they stand in; the decimal
-    ``mark`` of its numbers."""
+    """A table as text: ``file``; ``headings``; ``rows`` of cells with the ``lines`` that they stand in; the line of the
+    ``header``; the decimal ``mark`` of its numbers."""
 
     file: str
     headings: list[str]
     rows: list[list[str]]
     lines: list[int]
+    header: int
     mark: str = "."
 
-    def with_mark(self, names: Sequence[str]) -> "CsvTable":
-        """Return the table with the decimal mark that the first number with one has in the columns of these names.
+    def with_mark(self, delimiter: str) -> "CsvTable":
+        """Return the table with the decimal mark that the first number with one has, in any column. Between commas it
+        is a point.
 
         **Raises:** `InputError` that names line and column of a number with the other mark: one of both is then a
         mark of thousands, and nothing says which.
         """
-        first: tuple[str, str] | None = None
-        for name in names:
+        first: tuple[str, str] | None = (".", "commas between the cells") if delimiter == "," else None
+        for name in self.headings:
             for k, cell in enumerate(self.column(name)):
                 match = MARKED.fullmatch(cell.strip())
                 if match is None:
@@ -57,7 +60,9 @@ class CsvTable(NamedTuple):
         if name not in self.headings:
             have = ", ".join(f'"{it}"' for it in self.headings)
             hint = suggest(name, self.headings)
-            raise InputError(f'{self.file}, line {HEADER}: there is no column "{name}"{hint or f"; it has {have}"}')
+            raise InputError(
+                f'{self.file}, line {self.header}: there is no column "{name}"{hint or f"; it has {have}"}'
+            )
         place = self.headings.index(name)
         return [row[place] for row in self.rows]
 
@@ -115,7 +120,7 @@ def read_recording(
     (array([0.  , 0.05]), array([0.194 , 0.1817]))
     """
     path = user_path(file)
-    table = _table(path).with_mark([time, *channels])
+    table = _table(path)
     times = table.numbers(time, _factor(table, time, "s"))
     for k, step in enumerate(np.diff(times), 1):
         if step <= 0.0:
@@ -169,7 +174,8 @@ def _table(path: Path) -> CsvTable:
             raise InputError(
                 f"{path}, line {line} has {len(row)} cells, and line {first} names {len(headings)} columns"
             )
-    return CsvTable(str(path), headings, [row for _, row in rows], [line for line, _ in rows])
+    table = CsvTable(str(path), headings, [row for _, row in rows], [line for line, _ in rows], first)
+    return table.with_mark(delimiter)
 
 
 def _cells(file: str, text: str, delimiter: str) -> Iterator[tuple[int, list[str]]]:
@@ -189,9 +195,9 @@ def _unit(table: CsvTable, name: str) -> str:
     """Return the unit in a heading, "" for none. **Raises:** `InputError` for several."""
     units: Sequence[Any] = UNIT.findall(name)
     if len(units) > 1:
-        raise InputError(f'{table.file}, line {HEADER}: column "{name}" has two units; keep one')
+        raise InputError(f'{table.file}, line {table.header}: column "{name}" has two units; keep one')
     if not units and (other := OTHER_UNIT.search(name)):
-        units = [other[1] or other[2] or ""]
+        units = [(other[1] or other[2] or "").strip(" ()")]
     return DIGIT.sub(r"^\1", units[0].strip()) if units else ""
 
 
@@ -200,7 +206,7 @@ def _factor(table: CsvTable, name: str, unit: str) -> float:
     given = _unit(table, name)
     if not given or is_plain(given) or given == unit:
         return 1.0
-    where = f'{table.file}, line {HEADER}: column "{name}"'
+    where = f'{table.file}, line {table.header}: column "{name}"'
     if given in ("g", "G") and unit == "m/s²":
         raise InputError(f"{where}: g is a gram; multiply the column by 9.80665 and write [m/s^2]")
     return float(in_unit(where, f"1 {given}", unit))
