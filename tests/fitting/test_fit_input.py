@@ -1,11 +1,14 @@
 """What a fit and its study refuse before anything is computed."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
 import jaxbuffer as jb
 from jaxbuffer.cli.commands import fit as fit_command
 from jaxbuffer.cli.entry import run
+from jaxbuffer.fitting.fit import checked
 from made_up_fit import made_up_fit
 
 DESIGN = jb.replace(jb.table2(), {"buffer.friction": 0.3})
@@ -100,3 +103,9 @@ def test_a_fit_that_does_not_explain_its_test_is_saved_and_ends_with_1(tmp_path,
     assert (tmp_path / "out" / "design.toml").exists()
     error = capsys.readouterr().err
     assert (doubt in error and "does not explain the test" in error) == bool(code)
+
+
+def test_tests_of_one_name_get_names_that_are_free():
+    named = [dataclasses.replace(recording(), name=name) for name in ("a", "a", "a (2)")]
+    _, predictions = checked(DESIGN, jb.Scenario(), named, FREE)
+    assert [it.recording.name for it in predictions] == ["a (1)", "a (3)", "a (2)"]

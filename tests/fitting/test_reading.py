@@ -55,6 +55,16 @@ def test_a_unit_counts_in_brackets_and_behind_a_slash(tmp_path, heading):
     assert np.allclose(test.values[heading.strip('"')], [1e-3, 2e-3, 3e-3])
 
 
+def test_a_unit_behind_a_slash_may_have_one_itself(tmp_path):
+    test = read(tmp_path, PLAIN.replace("a [m/s2]", "a / mm/s^2"), {"a / mm/s^2": CHANNELS["a [m/s2]"]})
+    assert np.allclose(test.values["a / mm/s^2"], [5e-4, 2.5e-4, -1e-4])
+
+
+def test_the_line_of_the_headings_is_the_files_own(tmp_path):
+    with pytest.raises(jb.InputError, match=r"test.csv, line 3: there is no column"):
+        read(tmp_path, "# bench\n# two\n" + PLAIN.replace("stroke", "strok"))
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [
