@@ -183,6 +183,23 @@ def test_every_process_has_the_same_hash_of_code_and_of_the_objects_that_it_read
     assert [len(told) for told in first.split()] == [16] * 3 and len(set(first.split())) == 3
 
 
+WRAPPED = {
+    "MultiSteps": lambda rate: optax.MultiSteps(optax.adam(rate), 4),
+    "its transformation": lambda rate: optax.MultiSteps(optax.adam(rate), 4).gradient_transformation(),
+    "of a schedule": lambda rate: optax.MultiSteps(optax.adam(optax.cosine_decay_schedule(rate, 10)), lambda step: 3),
+    "number of steps": lambda rate: optax.MultiSteps(optax.adam(0.1), int(100 * rate)),
+    "masked": lambda rate: optax.masked(optax.adam(rate), [True, False]),
+    "hyperparameters": lambda rate: optax.inject_hyperparams(optax.adam)(learning_rate=rate),
+    "partition": lambda rate: optax.partition({"a": optax.adam(rate), "b": optax.sgd(0.1)}, ["a", "b"]),
+}
+
+
+@pytest.mark.parametrize("wrapper", WRAPPED)
+def test_a_rate_inside_a_wrapper_tells_optimizers_apart(wrapper):
+    one, same, other = (source_hash(WRAPPED[wrapper](rate)) for rate in (0.1, 0.1, 0.2))
+    assert one == same != other
+
+
 def test_optimizers_that_differ_in_a_schedule_far_ahead_are_told_apart():
     def optimizers(factor, rate=0.1):
         return (

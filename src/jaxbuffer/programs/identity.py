@@ -123,22 +123,33 @@ class Description:
         kind = type(thing)
         if isinstance(thing, enum.Enum):
             return (self._of(kind), thing.name)
-        if kind.__bases__ == (object,) and getattr(thing, "__dict__", None) == {}:  # an empty mark
+        inside = {name: getattr(thing, name) for name in _INSIDE if hasattr(thing, name)}
+        # A method shows its function's names, and is no empty mark for all that.
+        if not inside and kind.__bases__ == (object,) and getattr(thing, "__dict__", None) == {}:  # an empty mark
             return self._of(kind)
         if dataclasses.is_dataclass(thing):
             compared = [field.name for field in dataclasses.fields(thing) if field.compare]
             return (self._of(kind), self._of({name: getattr(thing, name, None) for name in compared}))
         self.of_user = True  # it may hold anything
-        inside = {name: getattr(thing, name) for name in _INSIDE if hasattr(thing, name)}
         if isinstance(thing, (jax.custom_jvp, jax.custom_vjp)) or not (known(kind) or _installed(kind) or inside):
             # Whether a cached property was asked for yet says nothing of the thing.
             cached = {name for name, value in vars(kind).items() if isinstance(value, functools.cached_property)}
             inside |= {name: value for name, value in getattr(thing, "__dict__", {}).items() if name not in cached}
         pickled = ""
         if not inside:
-            with contextlib.suppress(Exception):  # a lock, a stream: its type says what can be said
+            try:
                 pickled = hashlib.sha256(pickle.dumps(thing, protocol=4)).hexdigest()
+            except Exception:  # it holds what cannot be pickled, such as an optimizer's functions
+                # Of a lock or a stream, which holds nothing by name, its type says what can be said.
+                inside = self._held(thing)
         return (self._of(kind), self._of(inside), pickled)
+
+    def _held(self, thing: Any) -> dict[str, Any]:
+        """Return what an object of a package holds by name, the first time that it is met; then nothing."""
+        if id(thing) in self._visited:  # it may be held by what it holds
+            return {}
+        self._visited[id(thing)] = (len(self._visited), thing)
+        return dict(getattr(thing, "__dict__", {}))
 
     def _class(self, cls: type) -> Hashable:
         """Describe a class of the user's: bases, fields, attributes and methods, but not what dataclasses add to it."""
