@@ -14,8 +14,8 @@ from jaxbuffer.fields import Part, number
 from jaxbuffer.mechanisms.assembled import Assembled
 from jaxbuffer.mechanisms.mechanism import Mechanism
 from jaxbuffer.mechanisms.probe_cone.assembly import assemble
-from jaxbuffer.mechanisms.registry import register
 from jaxbuffer.multibody import GROUND, AxialSpringDamper, Body, Prismatic, System
+from registration import registered
 
 MASS, SPEED, STIFFNESS, THICKNESS, PLACE = 3.0, 0.4, 2e3, 0.02, 0.01  # kg, m/s, N/m, m, m
 
@@ -44,11 +44,11 @@ def test_a_mass_into_rubber_by_energy():
     """The largest compression is where the force, summed up, has taken the mass's energy."""
     depth = brentq(lambda end: quad(force, 0.0, end)[0] - 0.5 * MASS * SPEED**2, 0.0, 0.9 * THICKNESS, xtol=1e-14)
     assert force(depth) > 1.5 * STIFFNESS * depth, "far from linear"
-    register(Mechanism("wagon", Wagon, Start, {}, into_rubber))
-    run = jb.simulate(Wagon(), Start(), 0.25)
+    with registered(Mechanism("wagon", Wagon, Start, {}, into_rubber)):
+        run = jb.simulate(Wagon(), Start(), 0.25)
+        damped = jb.simulate(Wagon(damping=20.0), Start(), 0.25)
     assert float(run.maxima["stop_force"]) == pytest.approx(force(depth), rel=1e-6)
     assert abs(float(run.balance.energy)) < 1e-6
-    damped = jb.simulate(Wagon(damping=20.0), Start(), 0.25)
     assert float(damped.energy.stop_damper) > 0.05 * 0.5 * MASS * SPEED**2
     assert abs(float(damped.balance.energy)) < 1e-6
 

@@ -10,9 +10,9 @@ from jaxbuffer.fields import NON_NEGATIVE, POSITIVE, Part, number
 from jaxbuffer.mechanisms.assembled import Assembled
 from jaxbuffer.mechanisms.mechanism import Defaults, Mechanism
 from jaxbuffer.mechanisms.quantity import Quantity
-from jaxbuffer.mechanisms.registry import register
 from jaxbuffer.mechanisms.view import Names
 from jaxbuffer.multibody import GROUND, AxialSpringDamper, Body, Prismatic, System
+from registration import registered
 
 pytestmark = pytest.mark.slow
 SPEED, MASS, SPRING, DAMPER = 0.5, 2.0, 200.0, 3.0
@@ -50,8 +50,8 @@ STROKE = Quantity("m", lambda run: run.maxima["stroke"], "largest stroke", "stro
 def track():
     """The mechanism, with the default view."""
     defaults = Defaults(duration=0.5, differentiated=("stroke",), mapped=("stroke",))
-    register(Mechanism("cart_on_track", Track, Kick, {"stroke": STROKE}, on_track, defaults=defaults))
-    return Track()
+    with registered(Mechanism("cart_on_track", Track, Kick, {"stroke": STROKE}, on_track, defaults=defaults)):
+        yield Track()
 
 
 def largest(spring):

@@ -14,9 +14,9 @@ from jaxbuffer.mechanisms.assembled import Assembled
 from jaxbuffer.mechanisms.mechanism import Mechanism
 from jaxbuffer.mechanisms.outcome import INPUT, NOT_FINITE, PENETRATION, STEP_SIZE, STEPS, RunOutcome, outcome_code
 from jaxbuffer.mechanisms.quantity import END_TIME
-from jaxbuffer.mechanisms.registry import _BY_DESIGN, register
 from jaxbuffer.mechanisms.view import View
 from jaxbuffer.multibody import AppliedForce, Body, System
+from registration import registered
 
 GRAVITY, MARK = 9.81, 0.03  # m/s², m
 
@@ -62,11 +62,8 @@ def thrown(design, scenario, stabilisation=20.0):
 @pytest.fixture(autouse=True, scope="module")
 def _registered():
     """The ball is known to these tests alone: others list all mechanisms."""
-    before = dict(_BY_DESIGN)
-    register(Mechanism("thrown", Thrown, Throw, {"end_time": END_TIME}, thrown, view=View(title="Thrown ball")))
-    yield
-    _BY_DESIGN.clear()
-    _BY_DESIGN.update(before)
+    with registered(Mechanism("thrown", Thrown, Throw, {"end_time": END_TIME}, thrown, view=View(title="Thrown ball"))):
+        yield
 
 
 @pytest.mark.parametrize("speed", [0.775, 0.8, 0.825])
