@@ -141,10 +141,10 @@ class Description:
                 pickled = hashlib.sha256(pickle.dumps(thing, protocol=4)).hexdigest()
             except Exception:  # it holds what cannot be pickled, such as an optimizer's functions
                 # Of a lock or a stream, which holds nothing by name, its type says what can be said.
-                inside = self._held(thing)
+                inside = self._attributes(thing)
         return (self._of(kind), self._of(inside), pickled)
 
-    def _held(self, thing: Any) -> dict[str, Any]:
+    def _attributes(self, thing: Any) -> dict[str, Any]:
         """Return what an object of a package holds by name, the first time that it is met; then nothing."""
         if id(thing) in self._visited:  # it may be held by what it holds
             return {}
