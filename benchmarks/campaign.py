@@ -204,7 +204,7 @@ def campaign(title: str, studies: list[Structure], count: int, seed: int) -> int
         jax.clear_caches()  # the programs of one structure serve no other
     print(f"{title}: {done} runs, {', '.join(f'{n} {name}' for name, n in ended.most_common())}")
     for heading, cases in (lists | {f"energy off by more than {UNBALANCED:g}": unbalanced}).items():
-        runs = len({case.rsplit(" ", 2)[0] for case in cases})
+        runs = len({case.split()[0] for case in cases})
         print(f"  {heading}: {runs}  {'; '.join(cases[:8])}", flush=True)
     return len(lists["below its history"]) + len(lists["missed silently"])
 

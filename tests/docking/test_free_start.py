@@ -1,5 +1,6 @@
 """Where everything is, and how it moves, at a free start: section "start" of the model, in plain trigonometry."""
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -78,3 +79,25 @@ def test_the_first_energy_of_relative_motion_is_that_of_two_bodies():
     expected = 0.5 * front * passive / whole * 0.1**2 - 0.5 * turning**2 / inertia
     assert_allclose(assembled.relative_energy(at, active), expected, rtol=1e-12)
     assert_allclose(assembled.part(at.state, "first energy"), expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("start", ["contact", "free"])
+@pytest.mark.parametrize("side", [1.0, -1.0], ids=["upper", "lower"])
+def test_a_tip_that_goes_round_the_rim_has_escaped_before_it_is_behind_the_flank(start, side):
+    """On a circle about the rim, from in front of the flank to behind it: there the distance changes its sign, which
+    without an escape would count as a penetration."""
+    assembled = mechanism(start=start)
+    state, _ = assembled.start()
+    rim = np.array([-0.096 - 0.0735 * np.sqrt(0.5), side * (0.015 + 0.0735 * np.sqrt(0.5))])
+    tip = np.asarray(assembled.evaluated(assembled.evaluate(state), "throat").tip)
+    guards = []
+    for turn in np.radians(np.linspace(-60.0, 150.0, 106)):  # from the axis' direction back over the rim
+        centre = rim + 1.3 * 0.015 * np.array([-np.cos(turn), side * np.sin(turn)])
+        moved = np.array(state)
+        for body in range(3):
+            moved[3 * body : 3 * body + 2] += centre - tip
+        guards.append(assembled.terminals_at(assembled.evaluate(jnp.asarray(moved))))
+    names = assembled.end_outcomes
+    escaped, deep = (np.asarray(guards)[:, names.index(name)] > 0.0 for name in ("escaped", "failed_penetration"))
+    assert not escaped[0] and escaped[-1] and deep.any(), "it goes all the way"
+    assert np.argmax(escaped) <= np.argmax(deep)

@@ -12,8 +12,8 @@ from benchmarks.campaign import ANY_PARTS, BELOW_HISTORY, STUDIES, below, measur
 from jaxbuffer.errors import InputError
 from jaxbuffer.mechanisms.registry import mechanism_of
 
-# Of the initial energy. A plate that bends rings through thousands of steps, whose errors add up: the worst of 30 such
-# drops is off by 9.6e-6, a known shortfall (CHANGELOG); at rtol 1e-7 by 1.2e-6.
+# Of the initial energy. With a plate that bends it is off by some 4e-6 to 1e-5 at the default tolerance, a known
+# shortfall (CHANGELOG): `python -m benchmarks campaign --mechanism "bar drop, bending plate"`.
 ENERGY = {"docking, any parts": 1e-6, "slider-crank, any parts": 1e-6, "bar drop, any parts": 1e-5}
 PARTS = [(title, part) for title, (_, parts) in ANY_PARTS.items() for part in parts]
 

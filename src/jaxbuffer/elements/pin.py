@@ -95,8 +95,8 @@ class Pin(Element):
         holds while the radius of the area it touches is small against the pin's: √(R δ) ≤ √(0.1) R_pin, with R of
         M54."""
         bounces = (
-            f"errors may grow: the pin bounces in its play, and in about one run of ten forces of the {self.stored_in}"
-            f" are off by over 0.1 %; {BY_HOW_MUCH}"
+            f"errors may grow: the pin bounces in its play, and forces of the {self.stored_in} may be off by far more"
+            f" than the tolerance; {BY_HOW_MUCH}"
         )
         pin, bush, depth = self._sizes(run)
         square = pin * bush / (bush - pin) * depth
