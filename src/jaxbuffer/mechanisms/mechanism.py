@@ -57,11 +57,15 @@ class LowerBound:
     """What limits a tuned peak force from below: the first impact, which the tuned parts do not soften.
 
     ``first_impact``: its closed form from design and scenario, with ``elastic_peak`` [N], ``effective_energy`` [J] and
-    ``duration`` [s]; ``compliant_parts``: paths of the parts that are taken away to find it.
+    ``duration`` [s]; ``compliant_parts``: paths of the parts that are taken away to find it; ``elasticities``: of the
+    elastic peak by the design's numbers, by path, from design and scenario; ``quantities``: further largest values
+    that the first impact alone reaches, however soft the compliant parts are.
     """
 
     first_impact: Callable[[Any, Any], Any]
     compliant_parts: tuple[str, ...]
+    elasticities: Callable[[Any, Any], Mapping[str, float]] = lambda design, scenario: {}
+    quantities: tuple[str, ...] = ()
 
 
 @dataclasses.dataclass(frozen=True)

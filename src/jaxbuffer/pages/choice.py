@@ -8,9 +8,10 @@ from ..fields import as_typed, unit
 from ..labelled.record import Record, heading, parts
 from ..mechanisms.limit import IMPACTS, Limit
 from ..output.folder import Results
+from ..tuning.limit_rows import CLOSE, state_of
 from ..value_text import percent_text, relative_change, table_text, with_unit
 from .limit_check import LimitCheck, required_success
-from .limits import CLOSE, HEADINGS, limit_rows, verdict
+from .limits import CELLS, HEADINGS, limit_cells
 from .page import Cell, PageSection, Table
 from .records import display, ended, figure, sentence, units_of, words
 
@@ -169,7 +170,7 @@ def _in_figures(results: Results, record: Record) -> tuple[str, float]:
 
 def _limits(record: Record, best: Record, check: LimitCheck) -> Table:
     """Return the best combination against every limit, on price and mass too."""
-    rows, totals = limit_rows(check), {name: it for name, _, it in _sums(best)}
+    rows, totals = limit_cells(check), {name: it for name, _, it in _sums(best)}
     for limit, symbol in _limits_on_sums(record):
         value = totals[limit.name]
         share = limit.margin(value)
@@ -181,7 +182,7 @@ def _limits(record: Record, best: Record, check: LimitCheck) -> Table:
             limit.bound_text(),
             percent_text(share, ".3g"),
         ]
-        rows.append([*text, verdict(limit, value, share)])
+        rows.append([*text, CELLS[state_of(limit, value, share)]])
     over = "largest over all samples, no bound" if "sample" in record else "worst over all scenarios"
     return Table(f"The best combination, {over}, against the limits of its study", HEADINGS, rows)
 

@@ -336,12 +336,13 @@ class Constraints(NamedTuple):
 
     def broken_by(self, run: Run) -> list[str]:
         """Return a line for each limit that the run breaks."""
-        return self.limits.broken_by(run, self._own_catalogue())
+        return self.limits.broken_by(run, self.catalogue(run.mechanism))
 
     def values(self, run: Run) -> dict[str, float]:
         """Return each limited quantity of the run, in its unit."""
-        catalogue = {**run.mechanism.quantities, **self._own_catalogue()}
+        catalogue = self.catalogue(run.mechanism)
         return {name: float(catalogue[name].of(run)) for name in self.limits.names}
 
-    def _own_catalogue(self) -> Catalogue:
-        return {name: derived.as_quantity(name) for name, derived in self.own.items()}
+    def catalogue(self, mechanism: Mechanism) -> Catalogue:
+        """Return the mechanism's quantities and the own ones."""
+        return {**mechanism.quantities, **{name: derived.as_quantity(name) for name, derived in self.own.items()}}

@@ -16,7 +16,7 @@ from ..errors import InputError
 from .assessment import assess
 from .evaluation import Evaluation, Evaluator
 from .goal import Ceiling, Goal
-from .message import ending, message
+from .message import ending, search_report
 from .problem import Problem
 from .search import AGREE, BEHIND, RUNNING, Branch, Search, advance, without_hopeless
 from .settings import Settings
@@ -163,7 +163,7 @@ class Rounds:
             branch.best,
             search.scale,
             branch.penalty,
-            lambda after: message(search.goal, branch, after, progress, self.settings),
+            search_report(branch, progress, self.settings),
             self.store.records,
             ended=ending(branch, self.settings),
             confirmed=progress.searches > 1 and progress.apart <= AGREE,

@@ -18,11 +18,13 @@ from ..mechanisms.energy import energy_text
 from ..mechanisms.mechanism import EndCount
 from ..tables import html, table, text
 from ..value_text import before_and_after, change_text, percent_text, relative_change
+from .broken_limits import broken_limits
 from .checks import PeakForceBound
 from .corners import Corners
 from .evaluation import Evaluation, validity_lines
 from .goal import Goal
-from .message import broken_limits, headline
+from .limits_in_the_way import first_impact_levers, limits_in_the_way
+from .message import SearchReport, headline
 from .problem import Problem
 from .settings import Settings
 from .spread import Spread, Tightening, spread_lines, spread_table
@@ -54,6 +56,7 @@ class Tuned(Saved):
     - ``spreads``: the scatter of the objective's and of each limited quantity by tolerances; ``tightening``: which
       tolerance to tighten first; none without tolerances.
     - ``missing``: a line for each part of the evidence that could not be computed.
+    - ``report``: what the search says of itself, of which ``message`` is made; None for a tuning without a search.
     - ``identity``: a hash of all that makes it the tuning it is, as its folder has it; "" where that is not known.
 
     **Example:**
@@ -84,6 +87,7 @@ class Tuned(Saved):
     tight: float = 1e-9
     identity: str = ""
     missing: tuple[str, ...] = ()
+    report: SearchReport | None = None
 
     @property
     def objective(self) -> tuple[float, float]:
@@ -134,7 +138,7 @@ class Tuned(Saved):
 
         A line says in how many scenarios, how far, and which variables hold the result back to first order.
         """
-        lines = [str(limit) for limit in broken_limits(self.goal, self.after)]
+        lines = [str(limit) for limit in broken_limits(self.goal, self.after, self.lower_bound)]
         if self.corners is not None and not self.corners.hold:
             lines.append(self.corners.verdict)
         return lines
@@ -194,12 +198,13 @@ def tuned_parts(tuned: Tuned) -> list[str | Table]:
     lines += [] if tuned.corners is None else tuned.corners.lines(problem)
     lines += spread_lines(problem, tuned.spreads, tuned.tightening)
     lines += tuned_warnings(tuned)
-    lines += [f"limit {line}" for line in broken_limits(tuned.goal, tuned.after)]
+    lines += [f"limit {line}" for line in broken_limits(tuned.goal, tuned.after, tuned.lower_bound)]
     broken = tuned.goal.broken(tuned.after)
     lines += [f"broken: {line}" for line in broken[:SHOWN]]
     # A slice of one: the line is there only where some are left out.
     lines += [f"and {len(broken) - SHOWN} more" for _ in broken[SHOWN : SHOWN + 1]]
-    tables = [_tuned_objective(tuned), _tuned_cases(tuned), _left_open(tuned), _tuned_variables(tuned)]
+    limits = limits_in_the_way(tuned.goal, tuned.after, tuned.lower_bound, tuned.inactive_variables)
+    tables = [_tuned_objective(tuned), limits, _tuned_cases(tuned), _left_open(tuned), _tuned_variables(tuned)]
     tables.append(spread_table(problem, tuned.spreads))
     first = headline(tuned.message, tuned.goal.feasible(tuned.after), tuned.end_count(tuned.after))
     return [first, *(it for it in tables if it is not None), *lines]
@@ -297,6 +302,7 @@ def _floor_facts(tuned: Tuned) -> list[str]:
         f" from an energy of {energy_text(np.max(lower_bound.energy))} that the contact takes up"
         " (effective energy T_c⁻)",
         lowest,
+        *first_impact_levers(tuned.problem, lower_bound, tuned.after),
     ]
 
 

@@ -11,6 +11,7 @@ from jaxtyping import Array, Float
 
 from ..._types import Scalar
 from ...contact.laws import HystereticLaw
+from ...fields import Curve, get, paths
 from ...programs.cache import stored
 from ..assembled import Assembled
 from ..layout import EvaluatedState
@@ -42,15 +43,43 @@ def first_impact(design: Design, scenario: Scenario | None = None) -> FirstImpac
     """
     scenario = Scenario() if scenario is None else scenario
     check_fit(design, scenario)
-    return _first_impact(
-        jax.tree.map(lambda x: x if isinstance(x, jax.Array) else np.asarray(x, float), (design, scenario))
-    )
+    return _first_impact(_arrays(design, scenario))
+
+
+def first_impact_elasticities(design: Design, scenario: Scenario) -> dict[str, float]:
+    """Return the elasticities of the first impact's elastic peak (M80) by the numbers of a design that change it, by
+    path: the change in per cent for one per cent more of a number [-]. There are none of a free start."""
+    slopes = _log_peak_slopes(_arrays(design, scenario))
+    elasticities = dict[str, float]()
+    for path in paths(design):
+        value = get(design, path)
+        if value is None or isinstance(value, (str, bool, int, Curve)):
+            continue
+        elasticity = float(value) * float(get(slopes, path))
+        if np.isfinite(elasticity) and elasticity != 0.0:
+            elasticities[path] = elasticity
+    return elasticities
+
+
+def _arrays(design: Design, scenario: Scenario) -> tuple[Design, Scenario]:
+    return jax.tree.map(lambda x: x if isinstance(x, jax.Array) else np.asarray(x, float), (design, scenario))
 
 
 @stored
 def _first_impact(parameters: tuple[Design, Scenario]) -> FirstImpact:
     mechanism = assemble(*parameters)
     return predict(mechanism, mechanism.first_evaluation()[0])
+
+
+@stored
+def _log_peak_slopes(parameters: tuple[Design, Scenario]) -> Design:
+    """Return the slopes of the logarithm of the elastic peak by the numbers of the design, in the design's form."""
+
+    def log_peak(design: Design) -> Float[Array, ""]:
+        mechanism = assemble(design, parameters[1])
+        return jnp.log(predict(mechanism, mechanism.first_evaluation()[0]).elastic_peak)
+
+    return jax.grad(log_peak)(parameters[0])
 
 
 def predict(mechanism: Assembled, at: EvaluatedState) -> FirstImpact:
