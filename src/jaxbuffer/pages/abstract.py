@@ -272,7 +272,7 @@ def _sensitivity(results: Results, every: Sequence[Results]) -> str:
     most, verdict = max(rows, key=lambda row: abs(row["elasticity"])), rows[0]["verdict"]
     change = f"{most['elasticity']:+.2g} % ({'not certified' if verdict is None else verdict})"
     moved = f"{most['parameter']} moves the {title(mechanism, name)} most"
-    return f"Of {len(rows)} numbers {moved}: 1 % more of it changes it by {change}."
+    return f"Of the {len(rows)} numbers differentiated {moved}: 1 % more of it changes it by {change}."
 
 
 def _sweep(results: Results, every: Sequence[Results]) -> str:

@@ -110,8 +110,9 @@ def _beneath(goal: Goal, limit: Limit, bound: PeakForceBound | None) -> str:
     worst = WorstCase(least.value, limit.bound, limit.bound, least.slope, True, quantity.in_figures)
     # Within the bounds nothing is left to gain: that is what makes it the lower bound.
     widened = [_words(goal, worst, it) for it in helpful_variables(goal, least.scaled, worst) if it.at_bound]
-    levers = levers_text(bound.levers(problem.paths))
-    lowered = [*widened, *([f"by other numbers of the design, {levers}"] if levers else [])]
+    outside = {path: it for path, it in least.elasticities.items() if path not in problem.paths}
+    levers = levers_text(outside)
+    lowered = [*widened, *([f"by numbers that are no variables, {levers}"] if levers else [])]
     return (
         f"it lies under the lower bound of {limit.name}, {value}{where}: within the bounds of the variables the first"
         " impact alone, which no buffer softens, has that much"

@@ -8,14 +8,17 @@ the closed form stands beside it and says what it is made of.
 
 import dataclasses
 import functools
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
 import scipy
 from jaxtyping import Float
 
+from ..errors import InputError
 from ..fields import Curve, Part, get, replace
+from ..mechanisms.limit import Limit
 from ..run.simulate import simulate
 from .cases import Case
 from .evaluation import built_design
@@ -28,6 +31,7 @@ DURATIONS = 4.0  # of an undamped Hertz impact, 2.943 δ/v each
 SHARPER = 0.1  # of the problem's tolerance
 LATE = 1e-3  # of a flight: by how much the touchdown may move without the buffer
 SPARE = 0.1  # of a flight: by how much that of another design within the bounds may be longer
+STEP = 0.01  # of a number, for central differences: far above what a run's tolerance leaves
 FAR = 10.0  # times the lower bound at the design: what counts for designs whose parts do not fit, or that fail
 
 
@@ -36,13 +40,15 @@ class LeastValue(NamedTuple):
     within the variables' bounds.
 
     ``value``, in the quantity's unit; ``case``: the load case that has it; ``scaled``: the variables there, and
-    ``slope`` of the value by them.
+    ``slope`` of the value by them; ``elasticities`` of it by the design's numbers, by path, where a limit lies under
+    it.
     """
 
     value: float
     case: int
     scaled: Float[np.ndarray, " variables"]
     slope: Float[np.ndarray, " variables"]
+    elasticities: Mapping[str, float] = MappingProxyType({})
 
 
 @dataclasses.dataclass(frozen=True)
@@ -67,10 +73,6 @@ class PeakForceBound:
     def highest(self) -> float:
         """Return the largest of all load cases [N]; NaN where one is not known."""
         return float(np.max(self.simulated))
-
-    def levers(self, variables: Collection[str]) -> dict[str, float]:
-        """Return the elasticities of the first impact by numbers that are none of the ``variables``."""
-        return {path: value for path, value in self.elasticities.items() if path not in variables}
 
     @property
     def unknown(self) -> int:
@@ -130,8 +132,37 @@ def _least(
         if np.isfinite(value) and value > 0.0:
             values, slopes = evaluate(best)
             case = int(np.argmax(values))
-            least[name] = LeastValue(value, case, best, slopes[case])
+            it = LeastValue(value, case, best, slopes[case])
+            beneath = not Limit(name, problem.limits.at_most[name]).keeps(value)
+            least[name] = it._replace(elasticities=_levers(problem, name, it, flights[case])) if beneath else it
     return least
+
+
+def _levers(problem: Problem, name: str, least: LeastValue, flight: Flight | None) -> Mapping[str, float]:
+    """Return the elasticities of a quantity's lower bound by the numbers of the design that move the first impact: in
+    closed form of the peak force, of others by central differences of the first impact."""
+    known, case = problem.mechanism.tuning.lower_bound, problem.cases[least.case]
+    built = built_design(problem, least.scaled, case)
+    if known is None or built is None:
+        return {}
+    closed = known.elasticities(built, case.scenario)
+    if name == PEAK_FORCE:
+        return closed
+    place, elasticities = [it for it in problem.measured if it != PEAK_FORCE].index(name), dict[str, float]()
+
+    def value(path: str, factor: float) -> float:
+        try:
+            changed = replace(built, {path: factor * float(get(built, path))})
+            run = _first_impact(problem, changed, case, flight, alone=False, slopes=False)
+        except InputError:  # beyond the number's range, or parts that do not fit
+            return np.nan
+        return np.nan if run is None else float(run.rest[place])
+
+    for path in closed:
+        change = (value(path, 1.0 + STEP) - value(path, 1.0 - STEP)) / (2.0 * STEP * least.value)
+        if np.isfinite(change):
+            elasticities[path] = change
+    return elasticities
 
 
 def _elasticities(
@@ -238,9 +269,10 @@ def _flight(problem: Problem, built: Part, case: Case) -> Flight | None:
 
 
 def _first_impact(
-    problem: Problem, built: Part, case: Case, flight: Flight | None, alone: bool = True
+    problem: Problem, built: Part, case: Case, flight: Flight | None, alone: bool = True, slopes: bool = True
 ) -> Measurement | None:
     """Simulate the first impact of a design, ``alone``, without its buffer, or with it; None where that fails.
+    ``slopes``: whether derivatives are wanted.
 
     Where the buffer takes part in the ``flight`` to it, under thrust say, it stays: it hardly moves within an impact.
     """
@@ -259,6 +291,7 @@ def _first_impact(
         paths=problem.paths,
         duration=duration,
         rtol=SHARPER * problem.rtol,
+        slopes=slopes,
     )
     return run if run.code < problem.mechanism.outcomes["failed_steps"] else None
 

@@ -232,7 +232,8 @@ class Goal:
         where it keeps all."""
         if failed := self.failed(evaluation):
             return failed
-        return next((self._breach_text(evaluation, it) for it in self.breaches(evaluation)), "")
+        breaches = [self._breach_text(evaluation, it) for it in self.breaches(evaluation)[:1]]
+        return next(iter(breaches), self.above_ceiling(evaluation) or "")
 
     def nearest_limit(self, evaluation: Evaluation) -> str:
         """Return the limit with the least room, and the load case that leaves it, in words; "" where each has more

@@ -80,17 +80,15 @@ def _lower_bounds(
 
 
 def first_impact_levers(problem: Problem, lower_bound: PeakForceBound, after: Evaluation) -> list[str]:
-    """Return which numbers outside the variables move the first impact, and how much less or more the variables do;
-    none unless the largest peak force is near its lower bound or a limit lies under one."""
-    above = relative_change(lower_bound.highest, float(np.max(after.peak_force)))
-    beneath = any(least.value > problem.limits.at_most[name] for name, least in lower_bound.least.items())
-    outside = levers_text(lower_bound.levers(problem.paths))
-    if not outside or not (beneath or (above is not None and above < NEAR)):
+    """Return which numbers that are no variables move the first impact, and how much less or more the variables do;
+    none unless the largest peak force is near its lower bound."""
+    above, each = relative_change(lower_bound.highest, float(np.max(after.peak_force))), lower_bound.elasticities
+    outside = levers_text({path: value for path, value in each.items() if path not in problem.paths})
+    if not outside or above is None or above >= NEAR:
         return []
-    inside = {path: value for path, value in lower_bound.elasticities.items() if path in problem.paths}
     # However weak: that is what the others are compared with.
-    among = ", ".join(f"{path} {with_unit(value, '', 2, sign=True)}" for path, value in inside.items())
+    inside = [f"{path} {with_unit(value, '', 2, sign=True)}" for path, value in each.items() if path in problem.paths]
     return [
-        f"  numbers outside the variables move it, {outside}",
-        f"  of the variables {among or 'none does'}",
+        f"  numbers that are no variables move it, {outside}",
+        f"  of the variables {', '.join(inside) or 'none does'}",
     ]

@@ -239,7 +239,7 @@ def record_of(
         "feasible": goal.feasible(point),
         # The excess of a value that is not known is infinite, which JSON lacks.
         "excess": excess if np.isfinite(excess := float(np.sum(goal.excess(point)))) else None,
-        "obstacle": goal.obstacle(point) or goal.nearest_limit(point),
+        "obstacle": goal.nearest_limit(point) if goal.feasible(point) else goal.obstacle(point),
         "radius": None if branch is None else branch.radius,
         "residual": None if branch is None or np.isnan(branch.residual) else branch.residual,
         "status": "start" if branch is None else STATUS[branch.status],
