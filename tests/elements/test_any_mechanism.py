@@ -154,7 +154,10 @@ def test_two_parts_of_one_name_are_refused():
         mechanism((STOPS[0], EndStop(AXIAL, KelvinVoigt(1e4, 20.0), 0.07)))
     with pytest.raises(InputError, match="2 observables are called 'stroke'"):
         mechanism((Buffer(AXIAL), Buffer(AXIAL, name="other")))
-    assert mechanism((Buffer(AXIAL), Buffer(AXIAL, name="other", stroke="other_stroke"))).observed[-1] == "other_stroke"
+    assert mechanism((Buffer(AXIAL), Buffer(AXIAL, name="other", stroke="other_stroke"))).observed[-2:] == (
+        "other_stroke",
+        "other_extension",
+    )
 
 
 def test_a_switch_is_closed_at_the_start_where_the_start_is_beyond_its_place():

@@ -79,6 +79,15 @@ QUANTITIES: dict[str, Quantity] = {
         tuned=True,
         shown=MILLIMETRES,
     ),
+    "extension": Quantity(
+        "m",
+        lambda c: c.extension,
+        "how far the buffer's rod goes out beyond its free position; 0 where it never does",
+        "buffer extension",
+        swept=True,
+        tuned=True,
+        shown=MILLIMETRES,
+    ),
     "hinge_angle": Quantity(
         "rad",
         lambda c: c.hinge_angle,
@@ -261,6 +270,7 @@ QUANTITIES: dict[str, Quantity] = {
         shown=("deg/s", 180.0 / math.pi),
     ),
     "stroke_time": _time_of("stroke", "the buffer's stroke"),
+    "extension_time": _time_of("extension", "the buffer's extension"),
     "hinge_angle_time": _time_of("hinge_angle", "the hinge angle"),
     "peak_hinge_force_time": _time_of("hinge_force", "the reaction in the hinge"),
     "peak_buffer_force_time": _time_of("buffer_force", "the force of the axial spring-damper"),

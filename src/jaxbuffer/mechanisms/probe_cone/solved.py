@@ -33,6 +33,7 @@ def capture(mechanism: Assembled, solved: Solved) -> Capture:
         peak_buffer_force=largest["buffer_force"],
         peak_stop_force=largest.get("stop_force", 0.0 * known),
         stroke=largest["stroke"],
+        extension=largest["extension"],
         stroke_margin=margin * known,
         hinge_angle=largest["hinge_angle"],
         bending=largest.get("bending", 0.0 * known),
