@@ -86,7 +86,7 @@ def test_rates_of_the_losses(place, tip, seed):
 def test_observables(place, tip):
     assembled, state, active, exact, (q, v, memory) = both(tip, place, 7)
     seen = assembled.observables(state, assembled.derivative(0.0, state, active), active)
-    names = ("lower", "upper", "hinge_force", "buffer_force", "stroke", "hinge_angle")
+    names = ("lower", "upper", "hinge_force", "buffer_force", "stroke", "hinge_angle", "extension")
     expected = exact.quantities(np.concatenate([q, v]), memory)
     assert_allclose([seen[assembled.observed.index(name)] for name in names], expected, rtol=1e-9)
 

@@ -28,7 +28,6 @@ def names(design: Design) -> Names:
             "buffer_force": "N",
             "stop_force": "N",
             "stroke": "m",
-            "extension": "m",
             "hinge_angle": "rad",
             "throat_distance": "m",
             "hinge_gap": "m",
