@@ -116,7 +116,7 @@ def test_the_lower_bound_of_a_limited_hinge_force_is_the_first_impacts():
             for factor in (1.003, 0.997)
         )
         slope = float(np.log(up.peak_hinge_force / down.peak_hinge_force)) / np.log(1.003 / 0.997)
-        assert least.elasticities[path] == pytest.approx(slope, abs=2e-3) and abs(slope) > 0.05
+        assert least.elasticities[path] == pytest.approx(slope, abs=1e-4) and abs(slope) > 0.02
     assert lower_bound(stated([Scenario()]), problem.start()).least == {}
 
 
