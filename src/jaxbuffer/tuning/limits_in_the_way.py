@@ -14,6 +14,7 @@ from .goal import Goal
 from .limit_rows import ShownRow, limit_rows, limit_table
 from .problem import PEAK_FORCE, Problem
 
+ROUNDED = 6  # decimals of a room: a search for a lower bound ends no nearer to it
 NEAR = 0.05  # relative distance from its lower bound within which a force is near it
 
 
@@ -75,7 +76,8 @@ def _lower_bounds(
         state = "above the limit" if limit is not None and bound > limit else "near" if above < NEAR else ""
         shown, least = quantity.in_words(value, 4), quantity.in_words(bound, 4)
         title = f"first impact: {quantity.title or name}"
-        rows.append(ShownRow(title, shown, f"≥ {least}", percent_text(above, ".3g"), labels[case], state))
+        room = percent_text(round(above, ROUNDED), ".3g")
+        rows.append(ShownRow(title, shown, f"≥ {least}", room, labels[case], state))
     return rows
 
 
