@@ -327,6 +327,14 @@ def test_a_run_outside_the_studys_limits_exits_with_1_and_says_which(computed, c
     kept = "error: [problem.constraints] not kept: stroke 7.5 mm is above 5 mm; end_time 0.04 s is below 0.05 s"
     assert shown.err.splitlines()[-1] == kept
     assert shown.out and any((tmp_path / "out").iterdir()), "the result is saved and shown all the same"
+    if command == "simulate":
+        table = shown.out[shown.out.index("Limits: what stands in the way") :].splitlines()
+        rows = [" ".join(line.split()) for line in table[4:10]]
+        # The one that is farthest broken stands first.
+        assert rows[0].startswith("buffer stroke 7.5 mm ≤ 5 mm -50 % ") and rows[0].endswith("broken")
+        assert rows[1].startswith("end time 0.04 s ≥ 0.05 s -20 % ") and rows[1].endswith("broken")
+        assert {row.split(" ", 2)[0] for row in rows[2:]} == {"end", "share", "impacts", "captured"}
+        assert table[4] in (tmp_path / "out" / "capture.txt").read_text()
     computed.outcome = Outcome.timeout
     (tmp_path / "study.toml").write_text("[problem.constraints]\nstroke = 0.02\n")
     assert run([command, "study.toml"]) == 1
