@@ -12,6 +12,7 @@ from ..tuning.tuned import Tuned, tuning_history
 from . import style, tuned_records
 from .formats import Contents, Made, Writers, compact_json, csv_text
 from .matlab import design_mat
+from .motion import contact_names
 from .page_data import force_record
 from .provenance import record_text
 from .tune_figure import front_figure, tune_figure, worst_case
@@ -35,6 +36,9 @@ def tuned_files(tuned: Tuned, made: Made = None, report: Callable[[str], None] =
             ]
         except (InputError, RuntimeError) as error:
             return left_out(str(error))
+        # Without a contact there is no force to draw.
+        if not contact_names(runs[0]):
+            return []
         failed = [run.outcome.name for run in runs if run.outcome.failed]
         return left_out(failed[0]) if failed else runs
 

@@ -24,7 +24,7 @@ from .cases import Case
 from .evaluation import built_design
 from .measurement import Measurement, measure
 from .objective import Objective
-from .problem import PEAK_FORCE, Problem
+from .problem import Problem
 
 GONE = 1e-6  # what is left of the buffer's springs and dampers
 DURATIONS = 4.0  # of an undamped Hertz impact, 2.943 δ/v each
@@ -93,13 +93,13 @@ class Flight(NamedTuple):
 
 def lower_bound(problem: Problem, scaled: Float[np.ndarray, " variables"]) -> PeakForceBound | None:
     """Compute the lower bound at a design, and the lowest one within the bounds; None for a mechanism without one."""
-    known = problem.mechanism.tuning.lower_bound
-    if known is None:
+    known, peak = problem.mechanism.tuning.lower_bound, problem.peak_quantity
+    if known is None or peak is None:
         return None
     built = [(built_design(problem, scaled, case), case.scenario) for case in problem.cases]
     pairs = zip(built, problem.cases, strict=True)
     flights = [None if design is None else _flight(problem, design, case) for (design, _), case in pairs]
-    first_peaks = functools.partial(_first_impacts, problem, flights=flights, quantity=PEAK_FORCE)
+    first_peaks = functools.partial(_first_impacts, problem, flights=flights, quantity=peak)
     simulated = first_peaks(scaled)[0]
     lowest, best = _lowest(problem.objective, scaled, first_peaks)
     closed = [None if design is None else known.first_impact(design, scenario) for design, scenario in built]
@@ -124,7 +124,7 @@ def _least(
     assert known is not None
     least = dict[str, LeastValue]()
     for name in problem.limits.at_most:
-        if name not in (PEAK_FORCE, *known.quantities):
+        if name not in (problem.peak_quantity, *known.quantities):
             continue
         evaluate = functools.partial(_first_impacts, problem, flights=flights, quantity=name)
         # A limit holds in every load case, so that the largest of them counts, whatever the objective makes of them.
@@ -146,9 +146,9 @@ def _levers(problem: Problem, name: str, least: LeastValue, flight: Flight | Non
     if known is None or built is None:
         return {}
     closed = known.elasticities(built, case.scenario)
-    if name == PEAK_FORCE:
+    if name == problem.peak_quantity:
         return closed
-    place, elasticities = [it for it in problem.measured if it != PEAK_FORCE].index(name), dict[str, float]()
+    place, elasticities = problem.measured_rest.index(name), dict[str, float]()
 
     def value(path: str, factor: float) -> float:
         try:
@@ -219,10 +219,9 @@ def _first_impacts(
     """
     known, values = problem.mechanism.tuning.lower_bound, problem.values(scaled)
     assert known is not None
-    alone = quantity == PEAK_FORCE
+    alone = quantity == problem.peak_quantity
     # The compliant parts are taken away whatever their variables say, so the bound has no slope by these.
     gone = _gone(problem.design, known.compliant_parts) if alone else {}
-    others = [name for name in problem.measured if name != PEAK_FORCE]
     numbers, slopes = np.full(len(problem.cases), np.nan), np.full((len(problem.cases), len(scaled)), np.nan)
     for k, case in enumerate(problem.cases):
         if (built := built_design(problem, scaled, case)) is None:
@@ -239,7 +238,7 @@ def _first_impacts(
             first = int(np.argmin(run.slots))  # a run that goes on for longer may have higher peaks
             numbers[k], slope = float(run.peaks[first]), run.peaks_slope[first]
         else:
-            place = others.index(quantity)
+            place = problem.measured_rest.index(quantity)
             numbers[k], slope = float(run.rest[place]), run.rest_slope[place]
         slopes[k] = slope * np.array(scale)
     return numbers, slopes
@@ -287,7 +286,8 @@ def _first_impact(
     run = measure(
         (design, case.scenario),
         mechanism=problem.mechanism,
-        measured=problem.measured,
+        measured=problem.measured_rest,
+        peak=problem.peak_quantity,
         paths=problem.paths,
         duration=duration,
         rtol=SHARPER * problem.rtol,

@@ -12,7 +12,7 @@ from .checks import PeakForceBound
 from .evaluation import Evaluation
 from .goal import Goal
 from .limit_rows import ShownRow, limit_rows, limit_table
-from .problem import PEAK_FORCE, Problem
+from .problem import Problem
 
 ROUNDED = 6  # decimals of a room: a search for a lower bound ends no nearer to it
 NEAR = 0.05  # relative distance from its lower bound within which a force is near it
@@ -64,8 +64,9 @@ def _lower_bounds(
     """Return a row for each quantity with a lower bound: the peak force at this design, limited ones within the
     variables' bounds."""
     bounds = {name: (least.value, least.case) for name, least in lower_bound.least.items()}
-    if np.isfinite(lower_bound.highest) and lower_bound.highest > 0.0:
-        bounds.setdefault(PEAK_FORCE, (lower_bound.highest, int(np.argmax(lower_bound.simulated))))
+    peak = problem.peak_quantity
+    if peak is not None and np.isfinite(lower_bound.highest) and lower_bound.highest > 0.0:
+        bounds.setdefault(peak, (lower_bound.highest, int(np.argmax(lower_bound.simulated))))
     rows = []
     for name, (bound, case) in bounds.items():
         quantity, limit = problem.catalogue[name], problem.limits.at_most.get(name)
