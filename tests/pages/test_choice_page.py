@@ -128,3 +128,12 @@ def test_parts_of_one_name_for_two_roles_are_told_apart():
     parts = {"spring": [{"name": "A1", "buffer.k_A": 300.0}], "damper": [{"name": "A1", "buffer.c_A": 5.0}]}
     results = SimpleNamespace(records={"choice": {"ranking": [best], "parts": parts}})
     assert chosen_by(results) == {"buffer.k_A": "spring A1", "buffer.c_A": "damper A1"}
+
+
+def test_a_second_objective_stands_on_the_page_and_in_the_figure(tmp_path):
+    then = jb.SecondObjective(jb.Objective({"stroke": 1.0}), tolerance=0.2)
+    page = review([results_of(made_up_choice(then=then), tmp_path)]).html()
+    assert "of those within 20 % of the least objective" in page and "then [mm]" in page
+    assert "it orders all within 20 % of the least objective, up to" in page
+    record = json.loads((tmp_path / "choice.json").read_text())
+    assert [it["then"] for it in record["ranking"]] == [0.010, 0.010] and record["then_unit"] == "m"

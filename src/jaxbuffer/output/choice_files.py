@@ -40,6 +40,7 @@ def choice_record(choice: Choice) -> dict[str, Any]:
         "feasible": choice.feasible,
         "objective": str(criterion),
         "objective_unit": criterion.objective.unit(criterion.catalogue),
+        **_then_record(choice),
         **limits_record(problem.limits, problem.quantities),
         "limits_on_sums": {heading(it.name, criterion.catalogue[it.name].unit): it.bound for it in criterion.limits},
         "tally": choice.tally._asdict() | {"spared": choice.tally.spared},
@@ -70,6 +71,19 @@ def choice_record(choice: Choice) -> dict[str, Any]:
     }
 
 
+def _then_record(choice: Choice) -> dict[str, Any]:
+    """Return the second objective; nothing without one."""
+    then, catalogue = choice.criterion.then, choice.criterion.catalogue
+    if then is None:
+        return {}
+    return {
+        "then": choice.criterion.in_words(then.objective),
+        "then_unit": then.objective.unit(catalogue),
+        heading("then_tolerance", "-"): then.tolerance,
+        "ceiling": json_number(choice.ceiling),
+    }
+
+
 def _plain(value: Any) -> Any:
     """Return a part's value as JSON has it; a curve as its points."""
     return value.points() if hasattr(value, "points") else value
@@ -82,6 +96,7 @@ def _alternative(choice: Choice, it: Alternative) -> dict[str, Any]:
         "feasible": it.feasible,
         "broken": list(it.broken),
         "objective": json_number(it.value),
+        **({} if it.second is None else {"then": json_number(it.second)}),
         **{heading(name, known[name].unit): value for name, value in it.totals.items()},
         "set_by": set_by(choice, it),
         "corners": None
