@@ -37,3 +37,13 @@ def test_balls_flanks_holes_and_springs_where_they_are():
     ends = [(shape.first, shape.second) for shape in drawing.shapes if isinstance(shape, Spring)]
     assert ends == [(Spot(0, 0.0, 1.0), Spot(1)), (Spot(GROUND), Spot(1, 0.5))]
     assert [touch.side for touch in drawing.touches] == [1.0, -1.0, 1.0]
+
+
+def test_a_flank_of_arrays_with_one_entry_is_drawn_as_one_of_numbers():
+    numbers = (0.02, -1.0, 0.0, 1.0, 2.0)
+    drawn = []
+    for given in (numbers, [np.array([it]) for it in numbers], [jnp.array([it]) for it in numbers]):
+        pair = BallPair(0.02, Segment(*given), -1.0, Hertz(1.0), SMOOTH)
+        made = Assembled(System((Body(1.0, 1.0),)), jnp.zeros(3), jnp.zeros(3), (BallContact(0, GROUND, pair),))
+        drawn.append([shape.corners for shape in assembled_drawing(made).shapes if isinstance(shape, Outline)][-1])
+    assert np.array_equal(drawn[1], drawn[0]) and np.array_equal(drawn[2], drawn[0])

@@ -25,7 +25,7 @@ from ..mechanisms.registry import mechanism_of
 from ..programs.process import check_ready
 from ..programs.threads import cores
 from ..progress import counted
-from ..run.request import DEFAULT_TOLERANCE, TOLERANCES, check_pair
+from ..run.request import DEFAULT_TOLERANCE, TOLERANCES, check_assembly, check_pair
 from .chunk import CHUNK, SweepSettings, columns_of_chunk, task_size
 from .columns import empty_columns
 from .grid import Batch, grid
@@ -120,9 +120,18 @@ def sweep(
     result = Sweep(mechanism, {}, design, scenarios, axes, spec.identity)  # type: ignore[arg-type]
     with Pool(executor, _workers(workers)) as pool:
         _run(result, spec, pool, counted(progress, mechanism.view.run_name), folder, resume)
+    _check_some_run(result, spec)
     if save and folder is not None:
         result.save(folder, force=True, figures=False)
     return result
+
+
+def _check_some_run(result: Sweep, spec: SweepSpec) -> None:
+    """Raise `InputError` where all runs have failed because parts of the first one do not go together."""
+    if np.all(result.columns["code"] >= int(result.mechanism.outcomes["failed_steps"])):
+        first, _ = spec.batches[0].chunk(0, 1)
+        design, scenario = jax.tree.map(lambda column: float(column[0]), first[:2])
+        check_assembly(result.mechanism, design, scenario)
 
 
 def _workers(given: int | None) -> int:
