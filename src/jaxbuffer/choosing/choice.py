@@ -163,7 +163,7 @@ class Choice(Saved):
 
     def label(self, case: int) -> str:
         """Return what people call a load case."""
-        return self.problem.cases[case].label(self.problem.cases)
+        return self.problem.label(case)
 
     def holding(self, alternative: Alternative) -> int:
         """Return in how many corners of the tolerances a combination keeps every limit and ends as it must."""

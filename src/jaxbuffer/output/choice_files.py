@@ -5,7 +5,6 @@ from typing import Any
 import numpy as np
 
 from ..choosing.choice import Alternative, Choice, beyond, lines, ranking_rows, reported, set_by
-from ..fields import Part
 from ..labelled.record import heading, json_number, part_record
 from ..study.tuned_toml import tuned_toml
 from ..version import version
@@ -125,10 +124,10 @@ def _alternative(choice: Choice, it: Alternative) -> dict[str, Any]:
 
 def _design(choice: Choice) -> str:
     """Return the best combination as a study, with the parts' names in its first lines."""
-    told, scenarios = [choice.message], list[Part]()
+    told, worst = [choice.message], None
     if choice.best is not None:
         told += [f"{path}: {name}" for path, name in set_by(choice, choice.best).items()]
-        # `simulate` takes the first scenario of a study, which should be the one with the largest force.
-        worst_first = np.argsort(-choice.best.evaluation.peak_force, kind="stable")
-        scenarios = [choice.problem.scenarios_met[k] for k in worst_first]
-    return tuned_toml(choice.design, choice.problem, "\n".join(told), scenarios)
+        # `simulate` takes the one with the largest force.
+        number = choice.problem.number(int(np.argmax(choice.best.evaluation.peak_force)))
+        worst = choice.problem.drawn[number - 1].scenario
+    return tuned_toml(choice.design, choice.problem, "\n".join(told), worst)

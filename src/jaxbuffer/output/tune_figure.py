@@ -101,16 +101,16 @@ def _cases(axes: Axes, tuned: Tuned) -> None:
     limit = problem.limits.at_most.get("peak_force")
     if limit is not None:
         axes.axvline(limit, color=RED, label=f"limit, {limit:.4g} N")
-    names = [problem.cases[k].label(problem.cases) for k in drawn]
+    names = [problem.label(k) for k in drawn]
     # Scenarios of a sample differ in many numbers. A few have room for all of that, with line breaks.
     numbered = len(names) > NAMED and max(map(len, names)) > LONGEST
-    texts = [with_line_breaks(f"{k + 1}: {name}", WIDE, SMALL) for k, name in zip(drawn, names, strict=True)]
-    axes.set_yticks(row, [str(k + 1) for k in drawn] if numbered else texts, fontsize=SMALL)
+    texts = [with_line_breaks(name, WIDE, SMALL) for name in names]
+    axes.set_yticks(row, [problem.number_text(k) for k in drawn] if numbered else texts, fontsize=SMALL)
     # The axis goes down, so that the first scenario stands at the top.
     axes.set_ylim(len(row) - 0.4, -0.6)
     axes.set_xlim(left=0.0)
     some = f", the {MOST} of {count} scenarios where it is largest" if count > MOST else ""
-    which = "number of the scenario in tuned.json [-]" if numbered else ""
+    which = "number of the scenario [-]" if numbered else ""
     label(axes, f"Peak contact force{some}", "peak force [N]", which, legend=False)
 
 
@@ -124,9 +124,7 @@ def _force(axes: Axes, tuned: Tuned, worst: Sequence[Run]) -> None:
         most = force_text(float(run.peak_force))
         axes.plot(time, force, color=colour, linewidth=0.9, label=f"{name}, at most {most}")
     problem = tuned.problem
-    number = worst_case(tuned)
-    named = problem.cases[number].label(problem.cases)
-    named = f"number {number + 1}: {named}"
+    named = problem.label(worst_case(tuned))
     which = "sample with the largest force" if problem.samples else "worst scenario"
     label(axes, f"Force in the {which}, {named}", f"time [{unit}]", "contact force [N]", beside=True)
 

@@ -79,8 +79,15 @@ def _scenarios(tuned: Tuned) -> list[dict[str, Any]]:
     before_and_after = (_cases(tuned, point) for point in (tuned.before, tuned.after))
     each = zip(tuned.problem.cases, _lower_bounds(tuned), *before_and_after, strict=True)
     return [
-        {**part_record(case.scenario), **built_record(case), **lower_bound, "before": before, "after": after}
-        for case, lower_bound, before, after in each
+        {
+            "number": tuned.problem.number_text(k),
+            **part_record(case.scenario),
+            **built_record(case),
+            **lower_bound,
+            "before": before,
+            "after": after,
+        }
+        for k, (case, lower_bound, before, after) in enumerate(each)
     ]
 
 
@@ -200,9 +207,9 @@ def tuned_comment(tuned: Tuned) -> str:
         f"Simulated up to {problem.duration:g} s at rtol {problem.rtol:g}; {', '.join(limits) or 'no limits'}.",
         f"{problem.format(problem.objective)}, before and after: {before}, {after}.",
     ]
-    for k, case in enumerate(problem.cases[:SHOWN]):
+    for k in range(min(len(problem.cases), SHOWN)):
         peaks = f"{tuned.before.peak_force[k]:.6g} N, {tuned.after.peak_force[k]:.6g} N"
-        lines.append(f"  peak at {case.label(problem.cases)}: {peaks}")
+        lines.append(f"  peak at {problem.label(k)}: {peaks}")
     return "\n".join(lines)
 
 

@@ -13,6 +13,7 @@ from ..mechanisms import mechanism_named
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
 from ..run.request import check_pair
+from ..tuning.cases import Case
 from ..tuning.problem import Problem
 from ..tuning.settings import Settings
 from ..tuning.tolerances import Tolerance
@@ -30,7 +31,7 @@ from .model import (
     StudyOptions,
 )
 from .parts_toml import PARTS, ChoiceSettings, Selection, check_no_sums
-from .problem_toml import read_problem
+from .problem_toml import numbered_cases, read_problem
 from .tables import PartTable, subtable
 
 DEFAULT_KIND = "probe_cone"
@@ -130,6 +131,11 @@ class Config:
                 units=self.units,
                 tolerances=self.tolerances,
             )
+
+    @property
+    def cases(self) -> tuple[Case, ...]:
+        """Return the scenarios in their numbers' order, each with what a grid makes of the design."""
+        return numbered_cases(self.table, self.scenario, self.scenarios, self.design)
 
     def selection(self) -> Selection:
         """Read what parts are chosen by: without [problem.variables] nothing else is to be tuned."""

@@ -92,13 +92,9 @@ class Tuned(Saved):
         return first.value(self.before), first.value(self.after)
 
     @property
-    def worst_first(self) -> tuple[Part, ...]:
-        """Return the scenarios, without tolerances, by their peak contact force with the tuned design, the largest
-        first."""
-        drawn = self.problem.drawn
-        # The cases of each scenario, its corners among them, stand together.
-        peaks = self.after.peak_force.reshape(len(drawn), -1).max(axis=1)
-        return tuple(drawn[k].scenario for k in np.argsort(-peaks, kind="stable"))
+    def worst(self) -> Part:
+        """Return the scenario, without tolerances, that has the largest peak contact force with the tuned design."""
+        return self.problem.drawn[self.problem.number(int(np.argmax(self.after.peak_force))) - 1].scenario
 
     @property
     def screened(self) -> int:
@@ -318,7 +314,7 @@ def _tuned_cases(tuned: Tuned) -> Table:
     for k in _shown_cases(tuned):
         start, end = float(before.peak_force[k]), float(after.peak_force[k])
         cases.add_row(
-            problem.cases[k].label(problem.cases),
+            problem.label(k),
             before_and_after(start, end, 5),
             change_text(start, end),
             *(_before_and_after(tuned, name, k) for name in others),
@@ -340,7 +336,7 @@ def _left_open(tuned: Tuned) -> Table | None:
     left = table(f"What is left where the {mechanism.view.run_name} ends", ("scenario",), headings)
     for k in _shown_cases(tuned):
         values = (_before_and_after(tuned, name, k) for name in names)
-        left.add_row(problem.cases[k].label(problem.cases), *values)
+        left.add_row(problem.label(k), *values)
     return left
 
 
