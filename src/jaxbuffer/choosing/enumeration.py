@@ -88,7 +88,12 @@ class Enumeration:
         self.goal, self.allowed = Goal(problem, objective or problem.objective), allowed
         self.cases = len(problem.cases)
         shape = len(allowed), self.cases
-        self.judged = Judged(*(np.full(shape, np.nan) for _ in range(3)), np.zeros(shape, bool))
+        self.judged = Judged(
+            value=np.full(shape, np.nan),
+            second=np.full(shape, np.nan),
+            excess=np.full(shape, np.nan),
+            failed=np.zeros(shape, bool),
+        )
         self.lower = self.constant + self._least(self.judged.value)
         self.open, self.first, self.progress = allowed.copy(), list(first), progress
         self.order = np.arange(self.cases)

@@ -30,15 +30,16 @@ def _number(part: Any, path: tuple[Any, ...], leaf: Any) -> Any:
 
 def _is_number(part: Any, path: tuple[Any, ...]) -> bool:
     """Return whether the field that a leaf stands in is declared as a number or as several of them."""
-    owner, field, here = None, "", part
+    owner: type | None = None
+    field, here = "", part
     for key in path:
         if isinstance(key, jax.tree_util.GetAttrKey):
-            owner, field, here = here, key.name, getattr(here, key.name)
+            owner, field, here = type(here), key.name, getattr(here, key.name)
         elif isinstance(key, jax.tree_util.SequenceKey):
             here = here[key.idx]
         else:  # no point or tuple of numbers, such as a mapping
             return False
-    return owner is not None and field in _numbers(type(owner))
+    return owner is not None and field in _numbers(owner)
 
 
 @functools.cache

@@ -14,10 +14,10 @@ def check_unit(name: str, x: Any, y: Any) -> None:
 
     **Arguments:** ``name``: of the axis in messages; ``x``, ``y``: numbers or arrays; of traced ones nothing is known.
     """
-    known = concrete(x), concrete(y)
-    if known[0] is None or known[1] is None:
+    known_x, known_y = concrete(x), concrete(y)
+    if known_x is None or known_y is None:
         return
-    columns = np.broadcast_arrays(*(np.ravel(it) for it in known))
+    columns = np.broadcast_arrays(np.ravel(known_x), np.ravel(known_y))
     lengths = np.hypot(*columns)
     for x_of, y_of, length in zip(*columns, lengths, strict=True):
         if not abs(length - 1.0) <= UNIT:
