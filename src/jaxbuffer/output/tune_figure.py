@@ -19,7 +19,7 @@ from .words import force_text, in_thousands, seconds, shown
 POINTS = (("before", ORANGE, "o"), ("after", BLUE, "D"))
 ROW, MOST = 0.2, 40  # inch a scenario, and how many of them are drawn, those with the largest forces
 SMALL, LINE, WIDE = 7, 0.12, 170.0  # points of a row's text; inch a line of it; points that it is wide
-NAMED, LONGEST = 12, 36  # of more scenarios one with a longer name, in characters: then all have numbers alone
+NAMED, LONGEST = 12, 40  # of more scenarios one with a longer name, in characters: then all have numbers alone
 WIDEST = 200.0  # per cent of a limit that are drawn; what is beyond stands at the edge as an arrow
 PANELS = 4  # pairs of objectives that are drawn
 NEAR = 0.06  # of an axis: points less apart have their numbers in one text
@@ -101,7 +101,7 @@ def _cases(axes: Axes, tuned: Tuned) -> None:
     limit = problem.limits.at_most.get("peak_force")
     if limit is not None:
         axes.axvline(limit, color=RED, label=f"limit, {limit:.4g} N")
-    names = [problem.label(k) for k in drawn]
+    names = [f"{problem.number_text(k)}: {problem.cases[k].label(problem.cases)}" for k in drawn]
     # Scenarios of a sample differ in many numbers. A few have room for all of that, with line breaks.
     numbered = len(names) > NAMED and max(map(len, names)) > LONGEST
     texts = [with_line_breaks(name, WIDE, SMALL) for name in names]
@@ -124,7 +124,8 @@ def _force(axes: Axes, tuned: Tuned, worst: Sequence[Run]) -> None:
         most = force_text(float(run.peak_force))
         axes.plot(time, force, color=colour, linewidth=0.9, label=f"{name}, at most {most}")
     problem = tuned.problem
-    named = problem.label(worst_case(tuned))
+    worst_place = worst_case(tuned)
+    named = f"number {problem.number_text(worst_place)}: {problem.cases[worst_place].label(problem.cases)}"
     which = "sample with the largest force" if problem.samples else "worst scenario"
     label(axes, f"Force in the {which}, {named}", f"time [{unit}]", "contact force [N]", beside=True)
 
