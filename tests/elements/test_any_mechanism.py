@@ -26,7 +26,7 @@ from jaxbuffer.elements import (
     deepest,
 )
 from jaxbuffer.mechanisms.assembled import Assembled
-from jaxbuffer.multibody import AxialSpringDamper, Body, DrivenAngle, System, TorsionalSpringDamper
+from jaxbuffer.multibody import AxialSpringDamper, Body, DrivenAngle, Revolute, System, TorsionalSpringDamper
 
 Q = jnp.array([0.0, 0.0, 0.1, 1.0, 0.2, -0.05, 0.5, 1.0, 0.3])
 V = jnp.array([0.2, -0.1, 0.3, -0.1, 0.15, -0.2, 0.05, -0.3, 0.4])
@@ -105,6 +105,26 @@ def test_it_acts_on_two_bodies_and_its_energies_are_its_powers(name):
     force = jnp.max(jnp.abs(assembled.derivative(0.0, state, active)[9:18]))
     assert float(force) > 0.1
     assert_allclose(found, 0.0, atol=1e-11 * float(force) + 1e-12)
+
+
+def of_one_entry(part):
+    """The part with every single number as an array of one entry."""
+    plain = lambda leaf: callable(leaf) or np.ndim(leaf)  # noqa: E731
+    return jax.tree.map(lambda leaf: leaf if plain(leaf) else jnp.reshape(jnp.asarray(leaf, float), (1,)), part)
+
+
+@pytest.mark.parametrize("name", ELEMENTS)
+def test_arrays_of_one_entry_are_the_numbers_that_they_hold(name):
+    contact = ball(1, 2, 0.2)
+    one, other = mechanism(ELEMENTS[name], (contact,)), mechanism(*of_one_entry((ELEMENTS[name], (contact,))))
+    for single, array in zip(jax.tree.leaves(one), jax.tree.leaves(other), strict=True):
+        assert np.shape(single) == np.shape(array) and np.all(np.asarray(single) == np.asarray(array))
+
+
+def test_arrays_of_one_entry_are_numbers_in_a_system_too():
+    parts = (Body(2.0, 0.3), Body(3.0, 0.5)), (Revolute(0, 1, (0.1, 0.0), (0.0, 0.2)),), (AXIAL,)
+    one, other = System(*parts), System(*of_one_entry(parts))
+    assert [np.shape(leaf) for leaf in jax.tree.leaves(one)] == [np.shape(leaf) for leaf in jax.tree.leaves(other)]
 
 
 @pytest.mark.parametrize("spins", [(None, None), (0.2, None), (None, 0.3), (0.2, 0.3)], ids=str)

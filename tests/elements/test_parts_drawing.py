@@ -85,3 +85,13 @@ def test_a_picture_is_taken_when_a_latch_is_closed_and_a_stop_is_pressed_most():
     assert slow.moments(run) == {"latch closed": 0.4} and fast.moments(run) == {"latch closed": 0.1}
     run.switch_times = {"latch": 0.1}  # the run ends while it closes
     assert np.isnan(slow.moments(run)["latch closed"])
+
+
+def test_a_flank_of_arrays_with_one_entry_is_drawn_as_one_of_numbers():
+    numbers = (0.02, -1.0, 0.0, 1.0, 2.0)
+    drawn = []
+    for given in (numbers, [np.array([it]) for it in numbers], [jnp.array([it]) for it in numbers]):
+        pair = BallPair(0.02, Segment(*given), -1.0, Hertz(1.0), SMOOTH)
+        made = Assembled(System((Body(1.0, 1.0),)), jnp.zeros(3), jnp.zeros(3), (BallContact(0, GROUND, pair),))
+        drawn.append([shape.corners for shape in assembled_drawing(made).shapes if isinstance(shape, Outline)][-1])
+    assert np.array_equal(drawn[1], drawn[0]) and np.array_equal(drawn[2], drawn[0])

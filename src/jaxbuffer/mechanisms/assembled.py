@@ -16,9 +16,11 @@ from ..elements import BallContact as BallContact
 from ..elements import ContactForces, Element, Magnitudes, Oscillators
 from ..elements.element import ROUNDED_LENGTH
 from ..elements.stiff_terms import inverse_masses
-from ..errors import InputError, concrete
+from ..errors import InputError
 from ..hybrid import Linearisation
 from ..multibody import Kinematics, Motion, System
+from ..multibody.scalars import with_scalars
+from .assembly_checks import check_constraints, check_magnitudes
 from .energy import Energy
 from .layout import Closed, EvaluatedState, Layout, State, row
 from .relative_energy import rigid_energy
@@ -100,7 +102,8 @@ class Assembled(ContactSystem):
     rings: bool = eqx.field(static=True, default=True)
 
     def __post_init__(self) -> None:
-        """Add the elements' driving joints to those of the system."""
+        """Add the elements' driving joints to those of the system, and make numbers of arrays of one entry."""
+        self.contacts, self.elements = with_scalars((self.contacts, self.elements))
         mine = tuple(joint for element in self.elements if (joint := element.driving_joint) is not None)
         there = sum(joint.driven for joint in self.system.joints)
         if mine and not there:
@@ -130,16 +133,16 @@ class Assembled(ContactSystem):
             raise InputError("quiet is of bodies that nothing holds to the ground: give momentum_size [kg m/s] too")
         if sum(isinstance(element, Oscillators) for element in self.elements) > 1:
             raise InputError("there are several Oscillators: put all of them into one, which implicit steps then know")
-        self._check_magnitudes()
-
-    def _check_magnitudes(self) -> None:
-        """Raise `InputError` for a threshold, scale or tolerance that is no number: NaN is below and above nothing, so
-        that what is compared with it is decided without a word. Traced numbers have no values to look at."""
         leaves = jax.tree.leaves((self.system, self.q, self.v, self.contacts, self.elements, self.size, self.parts))
-        if any(isinstance(leaf, jax.core.Tracer) or np.ndim(leaf) > np.ndim(self.q) for leaf in leaves):
-            return
+        # Traced numbers have no values to look at.
+        if not any(isinstance(leaf, jax.core.Tracer) or np.ndim(leaf) > np.ndim(self.q) for leaf in leaves):
+            check_constraints(self.system, self.q, self.v)
+            check_magnitudes(self._magnitudes())
+
+    def _magnitudes(self) -> dict[str, tuple[Any, bool]]:
+        """Return thresholds, scales and tolerances by name, each with whether it may be infinite."""
         # A threshold may be -∞, a limit ∞ and a number that nothing stands for None; NaN is wrong everywhere.
-        magnitudes: dict[str, tuple[Any, bool]] = {
+        return {
             **{f"negligible of {name}": (x, True) for name, x in zip(self.observed, self.negligible(), strict=True)},
             "scales": (self.scales(), False),
             "scale_limits": (self.scale_limits(), True),
@@ -151,10 +154,6 @@ class Assembled(ContactSystem):
             "quiet": (self.quiet, False),
             "memory_time": (self.memory_time, False),
         }
-        for name, (value, unbounded) in magnitudes.items():
-            array = None if value is None else concrete(value)
-            if array is not None and not np.all(~np.isnan(array) if unbounded else np.isfinite(array)):
-                raise InputError(f"{name} of the assembled mechanism is {array}: give the elements finite numbers")
 
     # --- the state's layout -------------------------------------------------------------------------------------------
 

@@ -8,6 +8,7 @@ import jax.numpy as jnp
 
 from .._types import Scalar
 from ..plane import Vector
+from ..plane.unit_vector import check_unit
 from .kinematics import Block, Kinematics, MaterialPoint, Point
 
 PASSING = 1e-6  # m
@@ -113,6 +114,11 @@ class AxialSpringDamper(ForceElement):
     free_length: Scalar
     published_damping: bool = eqx.field(static=True, default=False)
     guide: tuple[float, float] | None = eqx.field(static=True, default=None)
+
+    def __check_init__(self) -> None:
+        """Raise `InputError` for a guide that is no unit vector: the length along it would be another."""
+        if self.guide is not None:
+            check_unit("guide", *self.guide)
 
     def state(self, kin: Kinematics) -> AxialState:
         """Return length, rate and direction at one instant (M22, M25)."""

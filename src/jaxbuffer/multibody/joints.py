@@ -13,6 +13,7 @@ import jax.numpy as jnp
 
 from .._types import Scalar
 from ..plane import Vector
+from ..plane.unit_vector import check_unit
 from .kinematics import GROUND, Block, Kinematics, MaterialPoint, Point
 
 
@@ -122,6 +123,10 @@ class PointOnLine(Joint):
     second_point: Point = (0.0, 0.0)
     normal: tuple[Scalar, Scalar] = (0.0, 1.0)
 
+    def __check_init__(self) -> None:
+        """Raise `InputError` for a normal that is no unit vector: the row would be in its length, not in metres."""
+        check_unit("PointOnLine: normal", *self.normal)
+
     def rows(self, kin: Kinematics) -> tuple[Row, ...]:
         i, j = kin.point(self.first, self.first_point), kin.point(self.second, self.second_point)
         n, d = i.turn(Vector(*self.normal)), j.place - i.place
@@ -152,6 +157,10 @@ class Prismatic(Joint):
     @property
     def _angle(self) -> FixedAngle:
         return FixedAngle(self.first, self.second, self.angle, self.first_point, self.second_point)
+
+    def __check_init__(self) -> None:
+        """Raise `InputError` for a normal that is no unit vector: the row would be in its length, not in metres."""
+        check_unit("Prismatic: normal", *self.normal)
 
     def rows(self, kin: Kinematics) -> tuple[Row, ...]:
         line = PointOnLine(self.first, self.second, self.first_point, self.second_point, self.normal)

@@ -16,6 +16,7 @@ from .flexible_body import FlexibleBody
 from .forces import ForceElement, Load, SpringDirection
 from .joints import Joint, Row
 from .kinematics import GROUND, Block, Kinematics
+from .scalars import with_scalars
 
 
 class ConstraintRows(NamedTuple):
@@ -67,7 +68,8 @@ class System(eqx.Module):
         forces: tuple[ForceElement, ...] = (),
         stabilisation: Scalar = 20.0,
     ):
-        self.bodies, self.joints, self.forces, self.stabilisation = bodies, joints, forces, stabilisation
+        self.bodies, self.joints, self.forces = with_scalars((bodies, joints, forces))
+        self.stabilisation = stabilisation
         masses = self.masses()
         # A flexible body's mass is a block, and its entries here are not used; they must be finite all the same.
         self.inverse_masses = 1.0 / (jnp.where(masses == 0.0, 1.0, masses) if self.modes else masses)

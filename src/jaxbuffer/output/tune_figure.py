@@ -20,7 +20,7 @@ from .words import force_text, in_thousands, seconds, shown
 POINTS = (("before", ORANGE, "o"), ("after", BLUE, "D"))
 ROW, MOST = 0.2, 40  # inch a scenario, and how many of them are drawn, those where the main quantity is largest
 SMALL, LINE, WIDE = 7, 0.12, 170.0  # points of a row's text; inch a line of it; points that it is wide
-NAMED, LONGEST = 12, 36  # of more scenarios one with a longer name, in characters: then all have numbers alone
+NAMED, LONGEST = 12, 40  # of more scenarios one with a longer name, in characters: then all have numbers alone
 WIDEST = 200.0  # per cent of a limit that are drawn; what is beyond stands at the edge as an arrow
 PANELS = 4  # pairs of objectives that are drawn
 NEAR = 0.06  # of an axis: points less apart have their numbers in one text
@@ -104,17 +104,17 @@ def _cases(axes: Axes, tuned: Tuned) -> None:
     limit = problem.limits.at_most.get(main)
     if limit is not None:
         axes.axvline(factor * limit, color=RED, label=f"limit, {with_unit(factor * limit, unit, 4)}")
-    names = [problem.cases[k].label(problem.cases) for k in drawn]
+    names = [f"{problem.number_text(k)}: {problem.cases[k].label(problem.cases)}" for k in drawn]
     # Scenarios of a sample differ in many numbers. A few have room for all of that, with line breaks.
     numbered = len(names) > NAMED and max(map(len, names)) > LONGEST
-    texts = [with_line_breaks(f"{k + 1}: {name}", WIDE, SMALL) for k, name in zip(drawn, names, strict=True)]
-    axes.set_yticks(row, [str(k + 1) for k in drawn] if numbered else texts, fontsize=SMALL)
+    texts = [with_line_breaks(name, WIDE, SMALL) for name in names]
+    axes.set_yticks(row, [problem.number_text(k) for k in drawn] if numbered else texts, fontsize=SMALL)
     # The axis goes down, so that the first scenario stands at the top.
     axes.set_ylim(len(row) - 0.4, -0.6)
     if not problem.catalogue[main].signed:
         axes.set_xlim(left=0.0)
     some = f", the {MOST} of {count} scenarios where it is largest" if count > MOST else ""
-    which = "number of the scenario in tuned.json [-]" if numbered else ""
+    which = "number of the scenario [-]" if numbered else ""
     label(axes, f"{title[:1].upper()}{title[1:]}{some}", f"{title} [{unit}]", which, legend=False)
 
 
@@ -128,9 +128,8 @@ def _force(axes: Axes, tuned: Tuned, worst: Sequence[Run]) -> None:
         most = force_text(float(run.peak_force))
         axes.plot(time, force, color=colour, linewidth=0.9, label=f"{name}, at most {most}")
     problem = tuned.problem
-    number = worst_case(tuned)
-    named = problem.cases[number].label(problem.cases)
-    named = f"number {number + 1}: {named}"
+    worst_place = worst_case(tuned)
+    named = f"number {problem.number_text(worst_place)}: {problem.cases[worst_place].label(problem.cases)}"
     which = "sample with the largest force" if problem.samples else "worst scenario"
     label(axes, f"Force in the {which}, {named}", f"time [{unit}]", "contact force [N]", beside=True)
 

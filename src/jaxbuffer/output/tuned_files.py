@@ -53,7 +53,7 @@ def tuned_files(tuned: Tuned, made: Made = None, report: Callable[[str], None] =
         "tuned.json": lambda: record_text(tuned_records.tuned_record(tuned), made),
         "history.csv": lambda: csv_text(*tuning_history(tuned)),
         "force.json": lambda: compact_json(
-            force_record(dict(zip(("before", "after"), worst_runs(), strict=False)), case.label(problem.cases))
+            force_record(dict(zip(("before", "after"), worst_runs(), strict=False)), problem.label(worst_case(tuned)))
         ),
         "tune.txt": lambda: f"{tuned!r}\n",
         **style.both("tune", lambda: tune_figure(tuned, worst_runs())),
@@ -73,6 +73,4 @@ def front_files(front: Front, made: Made = None) -> Contents:
 
 def tuned_design(tuned: Tuned) -> str:
     """Return the tuned design as a study."""
-    return tuned_toml(
-        tuned.design, tuned.problem, tuned_records.tuned_comment(tuned), tuned.worst_first, tuned.settings
-    )
+    return tuned_toml(tuned.design, tuned.problem, tuned_records.tuned_comment(tuned), tuned.worst, tuned.settings)

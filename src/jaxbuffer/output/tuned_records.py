@@ -79,8 +79,15 @@ def _scenarios(tuned: Tuned) -> list[dict[str, Any]]:
     before_and_after = (_cases(tuned, point) for point in (tuned.before, tuned.after))
     each = zip(tuned.problem.cases, _lower_bounds(tuned), *before_and_after, strict=True)
     return [
-        {**part_record(case.scenario), **built_record(case), **lower_bound, "before": before, "after": after}
-        for case, lower_bound, before, after in each
+        {
+            "number": tuned.problem.number_text(k),
+            **part_record(case.scenario),
+            **built_record(case),
+            **lower_bound,
+            "before": before,
+            "after": after,
+        }
+        for k, (case, lower_bound, before, after) in enumerate(each)
     ]
 
 
@@ -201,9 +208,9 @@ def tuned_comment(tuned: Tuned) -> str:
         f"{problem.format(problem.objective)}, before and after: {before}, {after}.",
     ]
     main, (unit, factor) = problem.main_quantity, problem.catalogue[problem.main_quantity].in_figures
-    for k, case in enumerate(problem.cases[:SHOWN]):
+    for k in range(min(len(problem.cases), SHOWN)):
         values = (with_unit(factor * float(main_values(problem, it)[k]), unit) for it in (tuned.before, tuned.after))
-        lines.append(f"  {main} at {case.label(problem.cases)}: {', '.join(values)}")
+        lines.append(f"  {main} at {problem.label(k)}: {', '.join(values)}")
     return "\n".join(lines)
 
 

@@ -117,6 +117,9 @@ def asked_of_choice(results: Results) -> list[list[str]]:
     """Return what a choice is by: its objective, how many parts there are, and limits on their price and mass."""
     record = results.records["choice"]
     rows = [["objective", words(record["objective"]), "as small as possible"]]
+    if "then" in record:
+        tolerance = percent_text(record[heading("then_tolerance", "-")])
+        rows.append(["then", words(record["then"]), f"of those within {tolerance} of the least objective"])
     rows += [["parts", role, f"one of {len(catalogue)}"] for role, catalogue in record["parts"].items()]
     return rows + [
         ["limit", f"{limit.name} of all parts", limit.bound_text(unit)] for limit, unit in _limits_on_sums(record)
@@ -161,10 +164,10 @@ def _objective(results: Results, record: Record, value: float | None) -> str:
     return "–" if value is None else with_unit(factor * value, symbol, 4)
 
 
-def _in_figures(results: Results, record: Record) -> tuple[str, float]:
-    """Return the unit in which people are shown the objective, and how many of those its own unit is."""
-    symbol = record["objective_unit"]
-    known = results.mechanism.quantities.get(record["objective"].partition(",")[0])
+def _in_figures(results: Results, record: Record, name: str = "objective") -> tuple[str, float]:
+    """Return the unit in which people are shown an objective, or ``then``, and how many of those its own unit is."""
+    symbol = record[f"{name}_unit"]
+    known = results.mechanism.quantities.get(record[name].partition(",")[0])
     return known.in_figures if known is not None and known.unit == symbol else (symbol, 1.0)
 
 
@@ -192,6 +195,8 @@ def _ranking(results: Results, record: Record) -> Table:
     symbol, factor = _in_figures(results, record)
     ranked, roles = record["ranking"], [*record["ranking"][0]["parts"]]
     first, totals = ranked[0], [(name, unit) for name, unit, _ in _sums(ranked[0])]
+    then_symbol, then_factor = _in_figures(results, record, "then") if "then" in record else ("", 1.0)
+    then = [heading("then", then_symbol)] if "then" in record else []
     rows: list[Row] = []
     for place, it in enumerate(ranked, 1):
         # Against a combination that breaks limits, and may be low because of that, a difference says nothing.
@@ -203,7 +208,9 @@ def _ranking(results: Results, record: Record) -> Table:
             *it["parts"].values(),
             table_text(None if it["objective"] is None else factor * it["objective"]),
         ]
-        row += ["–" if change is None else percent_text(change, ".2g"), *(table_text(sums[name]) for name, _ in totals)]
+        row += ["–" if change is None else percent_text(change, ".2g")]
+        row += [table_text(then_factor * it["then"]) for _ in then]
+        row += [table_text(sums[name]) for name, _ in totals]
         row += [it["largest_at"], "–" if tightest is None else words(tightest["quantity"])]
         left = None if tightest is None else tightest["left"]
         row.append(Cell("–" if left is None else percent_text(left, ".3g"), "" if it["feasible"] else "bad"))
@@ -214,9 +221,16 @@ def _ranking(results: Results, record: Record) -> Table:
             change = relative_change(first["objective"], value)
             above = "–" if change is None or not record["feasible"] else percent_text(change, ".2g")
             rows.append(
-                [name, *("–" for _ in roles), table_text(factor * value), above, *("–" for _ in totals), "–", "–", "–"]
+                [
+                    name,
+                    *("–" for _ in roles),
+                    table_text(factor * value),
+                    above,
+                    *("–" for _ in (*then, *totals, 1, 2, 3)),
+                ]
             )
-    headings = ["rank", *roles, heading("objective", symbol), "above the first", *(heading(*it) for it in totals)]
+    headings = ["rank", *roles, heading("objective", symbol), "above the first", *then]
+    headings += [heading(*it) for it in totals]
     caption = "Ranking" if record["feasible"] else "Nearest to the limits, none within them"
     return Table(caption, [*headings, "largest at", "tightest limit", "left of it"], rows)
 

@@ -13,7 +13,7 @@ from ..output.folder import Results
 from ..output.provenance import MADE
 from ..output.style import DOTS_PER_INCH
 from ..output.words import called
-from ..tuning.cases import built_label
+from ..tuning.cases import built_label, numbered
 from ..value_text import table_text
 from .page import Cell, Figure
 
@@ -172,7 +172,12 @@ def case_labels(results: Results, among: Sequence[Any] = ()) -> list[str]:
     others = list(among) or met
     design = results.mechanism.design()
     built = [[case.get(name, {}).items() for name in ("factors", "shifts", "values")] for case in cases]
-    return [
+    texts = [
         results.mechanism.view.label(scenario, others) + built_label(design, *differing)
         for differing, scenario in zip(built, met, strict=True)
     ]
+    # Several folders have numbers of their own each.
+    if among or not all("number" in case for case in cases):
+        return texts
+    several = len({case["number"].partition(".")[0] for case in cases})
+    return [numbered(case["number"], text, several) for case, text in zip(cases, texts, strict=True)]

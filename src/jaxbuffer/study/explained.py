@@ -58,7 +58,7 @@ def explained(study: Config, name: str) -> str:
         "own quantities": [f"{name} [{it.unit}] = {it.signature}" for name, it in own.items()],
         "limits": [] if problem is None else _limits(problem),
         "tolerances": [] if problem is None else _tolerances(problem),
-        "then": [] if problem is None or problem.then is None else [problem.format(problem.then.objective)],
+        "then": [] if problem is None else _then(study, problem),
         "parts": _parts(study),
         "roundings": [
             f"{path} to {rule if isinstance(rule, str) else _step(study, path, rule)}"
@@ -110,12 +110,20 @@ def _parts(study: Config) -> list[str]:
 def _criterion(study: Config) -> Criterion:
     """Return what a study's parts are chosen by."""
     chosen_by = study.selection()
-    return selection(chosen_by.problem, study.parts, chosen_by.objective, chosen_by.at_most)[0]
+    return selection(chosen_by.problem, study.parts, chosen_by.objective, chosen_by.at_most, chosen_by.then)[0]
 
 
 def _objective(study: Config, problem: Problem) -> str:
     """Return the objective in words; price and mass of parts are in that of a choice alone."""
     return str(_criterion(study)) if study.parts else problem.format(problem.objective)
+
+
+def _then(study: Config, problem: Problem) -> list[str]:
+    """Return the second objective in words, if there is one."""
+    if study.parts:
+        criterion = _criterion(study)
+        return [] if criterion.then is None else [criterion.in_words(criterion.then.objective)]
+    return [] if problem.then is None else [problem.format(problem.then.objective)]
 
 
 def _listed(catalogue: PartsCatalogue) -> str:

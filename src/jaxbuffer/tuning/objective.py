@@ -316,6 +316,11 @@ class SecondObjective:
         check_type("then's objective", self.objective, Objective, "SecondObjective(Objective({'stroke': 1.0}))")
         check_declared(self, "then.")
 
+    def ceiling(self, least: float) -> float:
+        """Return how high the first objective may be, whose ``least`` value is this."""
+        # The tolerance makes room above the least value, also where that is negative.
+        return (1.0 + (self.tolerance if least >= 0.0 else -self.tolerance)) * least
+
 
 def end_names() -> tuple[str, ...]:
     """Return the ends that limits of some mechanism may ask for, by name."""

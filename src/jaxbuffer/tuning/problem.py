@@ -15,7 +15,7 @@ from ..mechanisms.mechanism import Mechanism, RequiredEnd
 from ..mechanisms.quantity import PEAK_FORCE, Catalogue
 from ..mechanisms.registry import mechanism_of
 from ..run.request import DEFAULT_TOLERANCE, TOLERANCES, check_pair
-from .cases import WHOLE_CORNERS, Case, Scatter, corner_signs
+from .cases import WHOLE_CORNERS, Case, Scatter, corner_signs, numbered
 from .custom_quantity import CustomQuantity, check_custom_quantities
 from .objective import ONE_LIMIT, Limits, Objective, SecondObjective, in_units, quantity_in_words
 from .tolerances import check_ends, corner_cases, read_tolerances
@@ -180,6 +180,20 @@ class Problem:
         for name, high in mechanism.always(self.design).items():
             limit, unit = self.limits.at_most.get(name, high), self.catalogue[name].unit
             check_single(f"constraints.{name}", limit, unit, ONE_LIMIT, low=0.0, low_open=True, high=high)
+
+    def number(self, k: int) -> int:
+        """Return the number of the scenario of a load case, by its place: scenarios are counted from 1 in the order of
+        the study, a corner of tolerances has that of its scenario, and `--scenario-number` takes it."""
+        return k // (1 + len(self.corner_rows)) + 1
+
+    def number_text(self, k: int) -> str:
+        """Return the number of a load case: its scenario's, and behind a point that of its corner: "2.5"."""
+        corner = k % (1 + len(self.corner_rows))
+        return f"{self.number(k)}.{corner}" if corner else str(self.number(k))
+
+    def label(self, k: int) -> str:
+        """Return what people call a load case, its number first where there are several scenarios: "2: 0.2 m/s"."""
+        return numbered(self.number_text(k), self.cases[k].label(self.cases), len(self.drawn))
 
     @property
     def corners(self) -> tuple[Case, ...]:

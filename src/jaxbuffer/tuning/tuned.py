@@ -96,13 +96,11 @@ class Tuned(Saved):
         return first.value(self.before), first.value(self.after)
 
     @property
-    def worst_first(self) -> tuple[Part, ...]:
-        """Return the scenarios, without tolerances, by their main quantity, the peak force mostly, with the tuned
-        design, the largest first."""
-        drawn = self.problem.drawn
-        # The cases of each scenario, its corners among them, stand together.
-        largest = main_values(self.problem, self.after).reshape(len(drawn), -1).max(axis=1)
-        return tuple(drawn[k].scenario for k in np.argsort(-largest, kind="stable"))
+    def worst(self) -> Part:
+        """Return the scenario, without tolerances, where the main quantity, the peak force mostly, is largest with the
+        tuned design."""
+        largest = int(np.argmax(main_values(self.problem, self.after)))
+        return self.problem.drawn[self.problem.number(largest) - 1].scenario
 
     @property
     def screened(self) -> int:
@@ -326,7 +324,7 @@ def _tuned_cases(tuned: Tuned) -> Table:
     for k in _shown_cases(tuned):
         start, end = (factor * float(main_values(problem, point)[k]) for point in (before, after))
         cases.add_row(
-            problem.cases[k].label(problem.cases),
+            problem.label(k),
             before_and_after(start, end, 5),
             change_text(start, end),
             *(_before_and_after(tuned, name, k) for name in others),
@@ -348,7 +346,7 @@ def _left_open(tuned: Tuned) -> Table | None:
     left = table(f"What is left where the {mechanism.view.run_name} ends", ("scenario",), headings)
     for k in _shown_cases(tuned):
         values = (_before_and_after(tuned, name, k) for name in names)
-        left.add_row(problem.cases[k].label(problem.cases), *values)
+        left.add_row(problem.label(k), *values)
     return left
 
 
