@@ -20,7 +20,7 @@ from .task import Task
 P = TypeVar("P")
 PAST_TOUCHDOWN = 1.5  # times the predicted time to a touchdown: the longest step that looks for it
 BEFORE_RELEASE = 0.6  # of the predicted time to a release: near it only a step that ends on it is accurate
-ADDED, LEAST_SHARE = 0.3, 1e-3  # see `_allowed_change`
+ADDED, LEAST_SHARE = 0.3, 1e-4  # see `_allowed_change`
 SPACING = 1e-3  # of a step as accuracy allows: how far beside its end the second derivative is taken from
 
 
@@ -89,7 +89,7 @@ def take_trial(task: Task[P], state: LoopState) -> Trial:
     return Trial(method, length, with_tangents, step, guards, change, state_norm, norm, finite)
 
 
-def _allowed_change(change: Float[Array, ""], share: Scalar, rtol: Scalar) -> Float[Array, ""]:
+def _allowed_change(change: Scalar, share: Scalar, rtol: Scalar) -> Float[Array, ""]:
     """Return by how much a step may change the invariant, which all steps before it have changed by ``change``.
 
     It is a ``share`` of the tolerance, and less the more they have changed it. What vibrates loses a little in each of
