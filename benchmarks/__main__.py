@@ -26,6 +26,7 @@ NAMES = {  # modules of this package, each with a `main`, and what they are for
     "scaling_model": "how far a sweep over a scheduler scales",
     "trust": "whether jb.trust tells which numbers are wrong",
     "variables": "what a gradient costs by how many variables",
+    "elasticities": "elasticities with any optional parts against differences of tight solves",
     "wide": "random designs far wider than an engineer would search",
     "peers.check": "whether every peer is right",
     "peers.slider_crank.reference": "what tests of the slider-crank compare with",

@@ -259,11 +259,6 @@ class Latch(Element):
     def stiff_force(self, at: LatchState, closed: Closed) -> Scalar:
         return _size(self.force(at, closed))
 
-    @property
-    def invariant_share(self) -> float:
-        """Return less than one: until the bodies are at rest there are hundreds of long steps, whose errors add up."""
-        return 0.4
-
 
 def _size(force: Vector) -> Scalar:
     """Return the size of a force [N], with a derivative also where it is zero."""

@@ -150,7 +150,6 @@ class Assembled(ContactSystem):
             "energy_scale": (self.energy_scale, False),
             "momentum_scale": (self.momentum_scale, False),
             "tolerance_share": (self.tolerance_share, False),
-            "invariant_change": (self.invariant_change, False),
             "quiet": (self.quiet, False),
             "memory_time": (self.memory_time, False),
         }
@@ -287,10 +286,6 @@ class Assembled(ContactSystem):
     @property
     def tolerance_share(self) -> float:
         return min((element.tolerance_share for element in self.elements), default=1.0)
-
-    @property
-    def invariant_change(self) -> float:
-        return super().invariant_change * min((element.invariant_share for element in self.elements), default=1.0)
 
     # --- one instant --------------------------------------------------------------------------------------------------
 

@@ -32,13 +32,15 @@ class Status(enum.IntEnum):
 class Point(NamedTuple):
     """A point of the motion.
 
-    ``time`` [s]; ``rows``: the state and its tangents; ``rate``: their time derivative; ``guards`` of the state.
+    ``time`` [s]; ``rows``: the state and its tangents; ``rate``: their time derivative; ``guards`` of the state;
+    ``change``: what all steps up to it have changed the invariant by.
     """
 
     time: Float[Array, ""]
     rows: Rows
     rate: Rows
     guards: Guards
+    change: Float[Array, ""]
 
 
 class LoopState(NamedTuple):
@@ -114,7 +116,7 @@ def initial_state(task: Task[P], allowed: Bool[Array, ""] | None = None) -> Loop
     values = observables_after_event(system, zero, start[0], active) if system.jumps else value
     contact_step = options.tolerance.first_step(task.tangents.count) * system.impact_step(start[0])
     step_sizes = StepSizes.of(jnp.minimum(contact_step, task.duration), len(options.solver.methods))
-    point = Point(zero, start, jnp.zeros_like(start), guards)
+    point = Point(zero, start, jnp.zeros_like(start), guards, zero)
     status = jnp.where(jnp.all(jnp.isfinite(start)), Status.RUNNING, Status.NOT_FINITE)
     for contact in range(contacts):
         closed, kind = active[contact] > 0.5, jnp.asarray(Kind.TOUCHDOWN)
