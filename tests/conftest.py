@@ -4,7 +4,7 @@ Compiled programs, which take most of the time, are kept in one folder for all p
 are dropped where a process holds too much, and read from there again. A run ends with what it took.
 
 `make test` runs what has none of the markers `slow`, `whole` and `long`, `make test-slow` what is slow or whole and not
-long, `make test-long` what is long.
+long, `make test-long` what is long. `WHOLE` names the files whose tests are whole unless they are marked `quick`.
 """
 
 import gc
@@ -36,7 +36,8 @@ PROGRAMS = pytest.StashKey[Path]()
 MOST_AFTER_A_FILE, MOST_AFTER_A_TEST = 1.2e9, 1.6e9
 RESOURCES: list[tuple[float, float]] = []  # processor time [s] and largest size [bytes] of each process
 # Tests here solve whole runs of a mechanism, mostly one of their own: they compile large programs or start processes.
-# Each may be quick by itself; all together they are too long for `make test`.
+# Each may be quick by itself; all together they are too long for `make test`, which takes those marked `quick`: of each
+# claim one that needs no run, or a run that other tests compile.
 WHOLE = ("cluster/", "mechanisms/", "multibody/test_flexible_", "properties/", "verification/")
 # Some tests here take minutes: begun last, one of them would keep one process busy after the other has finished.
 FIRST = ("test_guides.py", "test_lost_work_kills.py", "test_lost_work_tank.py")
@@ -106,7 +107,7 @@ def pytest_collection_modifyitems(items):
     for item in items:
         if not item.path.is_relative_to(TESTS):
             continue
-        if item.path.relative_to(TESTS).as_posix().startswith(WHOLE):
+        if item.path.relative_to(TESTS).as_posix().startswith(WHOLE) and not item.get_closest_marker("quick"):
             item.add_marker("whole")
     items.sort(key=lambda item: item.path.name not in FIRST)
 

@@ -92,6 +92,7 @@ def left_alone(design):
     return found()
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("method", ["defence node", "penalty"])
 def test_without_an_impact_nothing_moves(method):
     """Wall and liquid stay where they are, and the baffle carries the weight of both."""

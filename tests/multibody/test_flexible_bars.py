@@ -137,6 +137,7 @@ def test_what_mean_axes_leave_out(evidence):
     assert alone.modes.radial is None and alone.modes.gyroscopic is None and alone.modes.geometric is None
 
 
+@pytest.mark.quick
 def test_simeons_rod(evidence):
     """Two sines and two quadratic nodes, with the data of the slider crank in the IVP test set."""
     bar = Bar.rectangle(0.3, 0.008, 0.008, 7870.0, 2e11)
@@ -183,6 +184,7 @@ def test_integrals_of_a_cantilevers_first_modes(evidence):
 WRIGHT = {0: 3.5160, 1: 3.6816, 2: 4.1373, 3: 4.7973, 4: 5.5850, 5: 6.4495, 12: 13.1702}
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("spin", WRIGHT)
 def test_a_rotating_beam_stiffens(spin, evidence):
     """Out of the plane of rotation ω² is greater by Ω² than in it. Unit bar, hub radius 0, 18 modes."""
@@ -230,6 +232,7 @@ def test_tension_of_a_free_bar():
     np.testing.assert_allclose(body.modes.geometric, expected, atol=1e-10)
 
 
+@pytest.mark.quick
 def test_statics_of_a_cantilever(evidence):
     """A tip force bends it to P L³/3EI by the constraint modes alone; a pull stretches it by N L/EA."""
     body = cantilever_bar(STEEL, 0, 0)

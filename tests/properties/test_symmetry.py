@@ -5,6 +5,7 @@ import functools
 import jax
 import jax.numpy as jnp
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
@@ -49,6 +50,7 @@ def assert_same(seen, expected, relative):
         assert_allclose(ours, theirs, rtol=relative, atol=relative * max(np.max(np.abs(theirs)), 1e-3))
 
 
+@pytest.mark.quick
 @few
 @given(tips, places, seeds)
 def test_mirror_image_swaps_the_flanks(free, place, seed):
@@ -88,6 +90,7 @@ def test_frame_may_be_turned_and_moved(free, place, seed, angle, x, y):
     assert_same(seen, (turned(acceleration), *rest), 2e-9)
 
 
+@pytest.mark.quick
 @few
 @given(tips, places, seeds, speeds, speeds)
 def test_frame_may_travel(free, place, seed, u, v):
