@@ -32,6 +32,7 @@ jax.config.update("jax_numpy_rank_promotion", "raise")
 
 EVIDENCE = Evidence()
 PROGRAMS = pytest.StashKey[Path]()
+WITHOUT_QUICK = pytest.StashKey[set[str]]()  # files, of those collected, that `make test` leaves out as a whole
 # Bytes that a process may hold: at the end of a file, whose tests share programs, and of any test.
 MOST_AFTER_A_FILE, MOST_AFTER_A_TEST = 1.2e9, 1.6e9
 RESOURCES: list[tuple[float, float]] = []  # processor time [s] and largest size [bytes] of each process
@@ -103,12 +104,17 @@ def pytest_configure(config):
 
 
 @pytest.hookimpl(tryfirst=True)  # before tests are selected by their markers
-def pytest_collection_modifyitems(items):
+def pytest_collection_modifyitems(config, items):
+    quick, every = set(), set()
     for item in items:
         if not item.path.is_relative_to(TESTS):
             continue
         if item.path.relative_to(TESTS).as_posix().startswith(WHOLE) and not item.get_closest_marker("quick"):
             item.add_marker("whole")
+        every.add(name := item.path.relative_to(TESTS).as_posix())
+        if not any(map(item.get_closest_marker, ("slow", "whole", "long"))):
+            quick.add(name)
+    config.stash[WITHOUT_QUICK] = every - quick
     items.sort(key=lambda item: item.path.name not in FIRST)
 
 

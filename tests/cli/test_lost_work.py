@@ -52,7 +52,7 @@ SPEEDS = ["--over", "scenario.approach_speed=0.1:0.3:5"]
 @pytest.mark.parametrize(
     "error", [OSError(28, "No space left on device"), UnicodeEncodeError("ascii", "×", 0, 1, "no")]
 )
-def test_results_are_there_when_printing_fails(computed, monkeypatch, tmp_path, capsys, command, error):
+def test_results_are_there_when_printing_fails(computed, no_figures, monkeypatch, tmp_path, capsys, command, error):
     class Full(io.StringIO):
         def write(self, text):
             raise error
@@ -122,7 +122,7 @@ def test_a_file_that_appears_meanwhile_is_left_and_the_result_put_beside_it(comp
 
 
 @pytest.mark.parametrize(("command", "file"), [("tune", "log.jsonl"), ("tune", "state.npz"), ("sweep", "sweep.zarr")])
-def test_an_earlier_run_is_resumed_or_overwritten_on_purpose(computed, capsys, tmp_path, command, file):
+def test_an_earlier_run_is_resumed_or_overwritten_on_purpose(computed, no_figures, capsys, tmp_path, command, file):
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / file).write_text("theirs")
     assert run([command, "--output", "out"]) == 2

@@ -29,6 +29,7 @@ def gentle():
     return dropped()
 
 
+@pytest.mark.quick
 def test_a_gentle_drop_keeps_energy_and_momentum(gentle, evidence):
     """Energy by all terms together; the slider's momentum, from its speed, by the force's impulse, summed up."""
     assert gentle.outcome.name == "whole"
@@ -92,7 +93,6 @@ def left_alone(design):
     return found()
 
 
-@pytest.mark.quick
 @pytest.mark.parametrize("method", ["defence node", "penalty"])
 def test_without_an_impact_nothing_moves(method):
     """Wall and liquid stay where they are, and the baffle carries the weight of both."""

@@ -57,7 +57,6 @@ def test_other_maxima(name, quantity, index):
     np.testing.assert_allclose(getattr(capture(name), quantity), exact(name)[0][index], rtol=1e-6)
 
 
-@pytest.mark.quick
 @each_case
 def test_reference(name):
     """Measured: 6e-9 of the peak, 1e-8 of the others, but 7e-7 of a free tip's hinge force, where SciPy's own rtol 1e-9
