@@ -26,6 +26,7 @@ def close(actual, expected, relative):
     assert_allclose(actual, expected, rtol=relative, atol=relative * np.max(np.abs(expected)))
 
 
+@pytest.mark.quick
 @each_place
 @each_tip
 @each_seed
@@ -50,6 +51,7 @@ def test_constraints(place, tip):
         assert_allclose(ours, written, atol=1e-15)
 
 
+@pytest.mark.quick
 @each_place
 @each_tip
 @each_seed
@@ -61,6 +63,7 @@ def test_contact_forces(place, tip, seed):
     close(forces.friction, [touch.friction_force for touch in touches], 5e-11)
 
 
+@pytest.mark.quick
 @each_place
 @each_tip
 @each_seed

@@ -143,6 +143,7 @@ def test_a_stiff_bar_is_a_rigid_one():
     assert off[1] < 0.02 * off[0] and off[1] < 1e-4
 
 
+@pytest.mark.quick
 def test_one_mode_of_a_free_bar_is_refused():
     with pytest.raises(jb.InputError, match=r"bar.modes = 1: both ends move and turn, which takes 2 modes"):
         jb.replace(jb.BarDrop(), {"bar.modes": 1})

@@ -28,6 +28,7 @@ def start(name, free):
     return mechanism, state, active, mechanism.kinematics(state)
 
 
+@pytest.mark.quick
 @each_scenario
 @each_tip
 def test_start_satisfies_the_constraints(name, free):
@@ -37,6 +38,7 @@ def test_start_satisfies_the_constraints(name, free):
     assert_allclose(jnp.sum(constraints.jacobian * kin.v[None], axis=1), 0.0, atol=1e-16)
 
 
+@pytest.mark.quick
 @each_scenario
 @each_tip
 def test_tip_just_touches_the_lower_flank_at_the_slant_distance(name, free):

@@ -32,6 +32,7 @@ def coasting_share(duration):
     return -receding * (duration - REFERENCE.values["end_time"]) / seen.throat_distance[0]
 
 
+@pytest.mark.slow
 def test_an_evaluation_agrees_with_the_independent_reference():
     """Values and elasticities of Table 2; a factor of a built mechanism moves both as the chain rule says."""
     spread = Case(Scenario(), (("buffer.k_A", 1.25),))

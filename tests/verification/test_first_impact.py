@@ -121,6 +121,7 @@ def test_effective_mass_lies_between_that_of_the_tip_alone_and_of_the_whole_vehi
     assert probe / 2 < mass < 4.103
 
 
+@pytest.mark.quick
 def test_rigid_probe_as_published():
     """Joints locked, masses of probe and cylinder neglected: 4.103 kg, 0.01026 J, 931 N, from ball and cone alone."""
     active, passive, angle = (21.9706, 0.445), (23.5731, 0.5206), np.pi / 4

@@ -30,6 +30,7 @@ def test_thresholds_and_scales_are_numbers_with_every_optional_part(title, part)
         assert np.all(np.isfinite(np.asarray(assembled.scales())))
 
 
+@pytest.mark.quick
 def test_a_threshold_that_is_no_number_is_refused(monkeypatch):
     from jaxbuffer.elements import Buffer
 
