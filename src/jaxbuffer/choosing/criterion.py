@@ -44,7 +44,7 @@ class Criterion:
         **Raises:** `InputError` for quantities that are unknown, and for price or mass of parts that have none.
         """
         units = total_units(combinations)
-        given = problem.objective if objective is None else objective
+        given = problem.objective if objective is None else objective.of(problem.main_quantity)
         catalogue = {
             **problem.catalogue,
             **{name: _quantity(name, units[name], combinations.units.get(name, "")) for name in units},

@@ -1,7 +1,7 @@
 """A mechanism: its physics, requests for runs of it, and who steps them. What is told of it is its `View`."""
 
 import dataclasses
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple, Protocol
 
 import jax
@@ -9,11 +9,11 @@ import numpy as np
 from jaxtyping import Array, Bool
 
 from .._types import Scalar
-from ..errors import InputError, inside
+from ..errors import InputError, check_known, inside
 from ..fields import NON_NEGATIVE, POSITIVE, Part, all_of, get
 from ..hybrid import Options
 from .outcome import RunOutcome, Simulated
-from .quantity import END_TIME, PEAK_FORCE, Catalogue
+from .quantity import Catalogue, Quantity, of_impact
 from .system import ContactSystem
 from .view import View
 
@@ -24,6 +24,7 @@ LIMITS: dict[str, dict[str, Any]] = {
     "atol": TOLERANCES,
     "stabilisation": NON_NEGATIVE,
 }
+DERIVED, MAPPED = 2, 4  # how many quantities are differentiated, and drawn of a sweep, where nothing is said
 Parameters = tuple[Any, Any, Scalar]  # design, scenario, Baumgarte's gain [1/s]
 Tolerances = tuple[Scalar, Scalar]  # rtol and atol [-]
 
@@ -32,8 +33,9 @@ Tolerances = tuple[Scalar, Scalar]  # rtol and atol [-]
 class Defaults:
     """What is used where a call or a study does not say.
 
-    ``duration`` [s]; ``parameters`` to differentiate by and ``differentiated`` quantities; ``grid`` of a sweep, as TOML
-    writes it, and ``mapped``: the quantities drawn of one; ``variables`` of a tuning with their bounds, as TOML writes
+    ``duration`` [s]; ``parameters`` to differentiate by and ``differentiated`` quantities, () for the first ones of the
+    mechanism; ``grid`` of a sweep, as TOML writes it, and ``mapped``: the quantities drawn of one, the main one first,
+    () for the first ones that sweeps have; ``variables`` of a tuning with their bounds, as TOML writes
     them, and ``limits`` it keeps to; ``success``: how runs should end, in a word, None for the first of the
     mechanism's successes; ``with_part``: those that are others for a design that has a number at a path;
     ``example``: values that an example study has beside the design's defaults, with ``example_limits`` of its own.
@@ -41,9 +43,9 @@ class Defaults:
 
     duration: float = 1.0
     parameters: tuple[str, ...] = ()
-    differentiated: tuple[str, ...] = ("peak_force", "end_time")
+    differentiated: tuple[str, ...] = ()
     grid: Mapping[str, Any] = dataclasses.field(default_factory=dict)
-    mapped: tuple[str, ...] = ("peak_force", "penetration", "end_time", "contact_time")
+    mapped: tuple[str, ...] = ()
     variables: Mapping[str, Any] = dataclasses.field(default_factory=dict)
     limits: Mapping[str, float] = dataclasses.field(default_factory=dict)
     success: str | None = None
@@ -231,11 +233,15 @@ class Mechanism:
     view: View = dataclasses.field(default=View(), compare=False)
 
     def __post_init__(self) -> None:
-        """Add what is read of every run, where the mechanism does not list it: no sweep, objective or limit uses it."""
-        every = {"peak_force": PEAK_FORCE, "end_time": END_TIME}
-        hidden = {name: it._replace(swept=False, tuned=False) for name, it in every.items()}
-        missing = {name: it for name, it in hidden.items() if name not in self.quantities}
-        object.__setattr__(self, "quantities", {**self.quantities, **missing})
+        """Complete the defaults by the first of the mechanism's own quantities. **Raises:** `InputError` for defaults
+        that name others."""
+        smooth = [name for name, quantity in self.quantities.items() if quantity.differentiable]
+        defaults, own = self.defaults, {"differentiated": smooth[:DERIVED], "mapped": self.swept[:MAPPED]}
+        completed = {name: getattr(defaults, name) or tuple(first) for name, first in own.items()}
+        for name, allowed in (("differentiated", self.quantities), ("mapped", self.swept)):
+            known = [it for it in completed[name] if of_impact(it) is None or name == "mapped"]
+            check_known(known, allowed, f"mechanism {self.name}, Defaults.{name}")
+        object.__setattr__(self, "defaults", dataclasses.replace(defaults, **completed))
 
     @property
     def success(self) -> str | None:
@@ -298,6 +304,17 @@ class Mechanism:
     def always(self, design: Part) -> dict[str, float]:
         """Return the limits that every tuned design keeps: those on parts that this one has."""
         return {name: limit for name, limit in self.tuning.always.items() if self.has(name, design)}
+
+    def main_quantity(self, names: Sequence[str], design: Part | None = None) -> str:
+        """Return which of some ``names`` stands for a run where nothing is said: the first that is drawn of a sweep, or
+        else the first of them; "" of no names."""
+        return next((name for name in (*self.defaults_for(design).mapped, *names) if name in names), "")
+
+    def name_of(self, common: Quantity) -> str | None:
+        """Return the name under which the mechanism has one of the quantities that many have, such as `PEAK_FORCE`; None
+        where it has not."""
+        # Its description and its uses may be the mechanism's own: what it reads off a run makes it what it is.
+        return next((name for name, it in self.quantities.items() if it.of is common.of), None)
 
     @property
     def swept(self) -> tuple[str, ...]:

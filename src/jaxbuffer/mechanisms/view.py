@@ -86,8 +86,8 @@ class View:
       rules out, such as a tip that misses the cone;
     - ``limitations``: what the model leaves out, a line each, and where it is told; ``limitations_without``: what it
       leaves out of a design without a part, the part's path and a line each; ``warnings``: a line for each limit
-      that a run exceeds, by default those of its elements; ``validity``: the same limits for many runs, from design,
-      peak forces [N] and penetrations [m];
+      that a run exceeds, by default those of its elements; ``validity``: the same limits for many runs, from a
+      design and what is known of their quantities, an array by name;
     - ``chaotic``: whether small differences grow until later impacts cannot be known, so that the command line tells
       how many of them are (`jb.horizon`);
     - ``panels``: what to draw of a run, by default what its elements show; ``meshes``: its elements at some times of a
@@ -111,7 +111,7 @@ class View:
     limitations: tuple[str, ...] = ()
     limitations_without: tuple[tuple[str, str], ...] = ()
     warnings: Callable[[Any], list[str]] = lambda run: [line for it in run.elements for line in it.warnings(run)]
-    validity: Callable[..., list[ValidityLimit]] = lambda design, peak_force, penetration=None: []
+    validity: Callable[[Any, Mapping[str, Any]], list[ValidityLimit]] = lambda design, quantities: []
     chaotic: bool = False
     panels: Callable[[Any], list[Panel]] = lambda run: [panel for it in run.elements for panel in it.panels(run)]
     meshes: Callable[..., list[Meshed]] = lambda run, times=None: []

@@ -8,6 +8,7 @@ from ..choosing.choice import Alternative, Choice, beyond, lines, ranking_rows, 
 from ..fields import Part
 from ..labelled.record import heading, json_number, part_record
 from ..study.tuned_toml import tuned_toml
+from ..tuning.evaluation import main_values
 from ..version import version
 from . import style
 from .choice_figure import choice_figure
@@ -114,6 +115,6 @@ def _design(choice: Choice) -> str:
     if choice.best is not None:
         told += [f"{path}: {name}" for path, name in set_by(choice, choice.best).items()]
         # `simulate` takes the first scenario of a study, which should be the one with the largest force.
-        worst_first = np.argsort(-choice.best.evaluation.peak_force, kind="stable")
+        worst_first = np.argsort(-main_values(choice.problem, choice.best.evaluation), kind="stable")
         scenarios = [choice.problem.scenarios_met[k] for k in worst_first]
     return tuned_toml(choice.design, choice.problem, "\n".join(told), scenarios)

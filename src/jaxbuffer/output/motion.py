@@ -143,8 +143,7 @@ def motion_figure(run: Run, times: Sequence[float] | None = None) -> Figure:
 
 def caption(at: Scene, k: int) -> str:
     """Return time and contact force of a panel: "0.4881 s, 253 N on the upper flank"."""
-    normal, kind = np.asarray(at.instants.contact_force)[k], at.run.mechanism.view.contact
-    names = at.run.mechanism.view.names(at.run.design).of_contacts(len(normal))
+    normal, kind, names = np.asarray(at.instants.contact_force)[k], at.run.mechanism.view.contact, contact_names(at.run)
     acting = [
         _acting(force, at.peak) + (f" on the {name} {kind}" if len(names) > 1 else "")
         for name, force in zip(names, normal, strict=True)
@@ -153,6 +152,12 @@ def caption(at: Scene, k: int) -> str:
     end = float(np.asarray(at.run.history.time)[-1])  # type: ignore[union-attr]
     # Where there is nothing to touch, that nothing touches says nothing.
     return ", ".join([clock(at.times[k], end), *([" and ".join(acting) or "no contact"] if len(normal) else [])])
+
+
+def contact_names(run: Run) -> list[str]:
+    """Return what the contacts of a run with a history are called; nothing of a mechanism without any."""
+    count = np.shape(run.history.contact_force)[1]  # type: ignore[union-attr]
+    return [*run.mechanism.view.names(run.design).of_contacts(count)]
 
 
 def _acting(force: float, peak: float) -> str:

@@ -4,6 +4,8 @@ import functools
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 from ..errors import InputError
 from ..run.simulate import simulate
 from ..study.tuned_toml import tuned_toml
@@ -35,6 +37,9 @@ def tuned_files(tuned: Tuned, made: Made = None, report: Callable[[str], None] =
             ]
         except (InputError, RuntimeError) as error:
             return left_out(str(error))
+        # Without a contact there is no force to draw.
+        if not np.shape(runs[0].history.contact_force)[1]:
+            return []
         failed = [run.outcome.name for run in runs if run.outcome.failed]
         return left_out(failed[0]) if failed else runs
 

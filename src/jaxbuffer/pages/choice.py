@@ -12,7 +12,7 @@ from ..value_text import percent_text, relative_change, table_text, with_unit
 from .limit_check import LimitCheck, required_success
 from .limits import CLOSE, HEADINGS, limit_rows, verdict
 from .page import Cell, PageSection, Table
-from .records import display, ended, figure, sentence, units_of, words
+from .records import display, ended, figure, main_first, sentence, units_of, words
 
 NONE_KEEPS = "no combination keeps every limit"
 LISTED = 40  # scenarios; a longer table is folded
@@ -221,10 +221,10 @@ def _ranking(results: Results, record: Record) -> Table:
 
 
 def _scenarios(results: Results, check: LimitCheck | None) -> Table:
-    """Return the objective's quantities and the limited ones of the best combination in each scenario."""
+    """Return the main quantity and the limited ones of the best combination in each scenario."""
     assert check is not None
     mechanism, own = results.mechanism, check.source.get("quantities", {})
-    names = dict.fromkeys(["peak_force", *(it.name for it in check.limits)])
+    names = main_first(results, check.values[0], (it.name for it in check.limits))
     shown = {name: display(mechanism, name, own) for name in names if name in check.values[0] and name != IMPACTS}
     rows: list[Row] = []
     for label, case in zip(check.labels, check.values, strict=True):

@@ -94,6 +94,17 @@ def title(mechanism: Mechanism, name: str) -> str:
     return display(mechanism, name).title if name in mechanism.quantities else words(name)
 
 
+def main_quantity(results: Results, values: Mapping[str, Any]) -> str:
+    """Return the quantity of a record's ``values`` that stands for a run; "" where none of the mechanism's is there."""
+    mechanism = results.mechanism
+    return mechanism.main_quantity([name for name in mechanism.quantities if name in values], results.design)
+
+
+def main_first(results: Results, values: Mapping[str, Any], others: Iterable[str]) -> list[str]:
+    """Return the main quantity of a record's ``values``, if it is there, and then the other names, each once."""
+    return [name for name in dict.fromkeys([main_quantity(results, values), *others]) if name]
+
+
 def by_quantity(rows: Iterable[Record]) -> dict[str, list[Record]]:
     """Return rows of a record by the quantity that they are of."""
     groups: dict[str, list[Record]] = {}
@@ -133,7 +144,7 @@ def _inline(svg: str, prefix: str) -> str:
 
 
 def elsewhere(results: Results, scenario: Record) -> list[str]:
-    """Return a line that says in which scenarios of a tuning its limited quantities and the peak force are largest.
+    """Return a line that says in which scenarios of a tuning its main quantity and the limited ones are largest.
 
     There is no line where the run that is shown, of ``scenario``, is one of those.
     """
@@ -141,7 +152,7 @@ def elsewhere(results: Results, scenario: Record) -> list[str]:
         return []
     mechanism, cases = results.mechanism, [case["after"] for case in results.tuned["scenarios"]]
     met, labels = [scenario_of(mechanism, case) for case in results.tuned["scenarios"]], case_labels(results)
-    names = dict.fromkeys(["peak_force", *results.tuned["limits"]])
+    names = main_first(results, cases[0], results.tuned["limits"])
     own = results.tuned.get("quantities", {})
     # A value that is not known counts as zero, so that it is never the largest.
     largest = {name: max(range(len(cases)), key=lambda k: cases[k][name] or 0.0) for name in names}

@@ -179,7 +179,8 @@ def _first_impact(problem: Problem, built: Part, case: Case, flight: Flight | No
     run = measure(
         (design, case.scenario),
         mechanism=problem.mechanism,
-        measured=problem.measured,
+        measured=problem.measured_rest,
+        peak=problem.peak_quantity,
         paths=problem.paths,
         duration=duration,
         rtol=SHARPER * problem.rtol,

@@ -15,7 +15,7 @@ from ..value_text import digits_apart, with_unit
 from .cases import Case
 from .evaluation import Evaluation
 from .objective import Limits, Objective
-from .problem import PEAK_FORCE, Problem
+from .problem import Problem
 
 ROOM = 1e-4  # relative distance from each limit that steps aim at, so that what the model neglects breaks none
 NO_PEAK = -1e9  # N, of a slot without an impact: below every peak, so that it is never the largest
@@ -53,7 +53,7 @@ class Tangent(NamedTuple):
     @property
     def largest(self) -> Float[np.ndarray, " cases"]:
         """Return the largest peak of each load case [N], 0 without an impact."""
-        return np.maximum(self.peaks[:, 0], 0.0)
+        return np.max(self.peaks, axis=1, initial=0.0)
 
     @staticmethod
     def of(evaluation: Evaluation) -> "Tangent":
@@ -64,9 +64,11 @@ class Tangent(NamedTuple):
     def after(self, step: Float[np.ndarray, " variables"]) -> tuple[np.ndarray, np.ndarray]:
         """Return the problem's quantities (cases, quantities) and margins (cases,) after a step."""
         # The maximum is taken after the step: another impact may be the largest by then.
-        peak = np.maximum(np.max(self.peaks + self.peaks_slope @ step, axis=1), 0.0)
+        peak = np.max(self.peaks + self.peaks_slope @ step, axis=1, initial=0.0)
         rest = self.rest + self.rest_slope @ step + self.by_peak * (peak - self.largest)[:, None]
-        return np.column_stack([peak, rest]), self.margin + self.margin_slope @ step
+        # Without peaks none of the quantities is the largest.
+        quantities = np.column_stack([peak, rest]) if self.peaks.shape[1] else rest
+        return quantities, self.margin + self.margin_slope @ step
 
 
 class Breach(NamedTuple):
@@ -249,7 +251,7 @@ class Goal:
             return f"{value:.0f} impacts are above {limit.bound:.0f}"
         quantity, first = problem.catalogue[limit.name], float(np.max(evaluation.first, initial=0.0))
         text = limit.sentence(value, quantity)
-        softened = limit.lowest or limit.name != PEAK_FORCE or problem.mechanism.tuning.lower_bound is None
+        softened = limit.lowest or limit.name != problem.peak_quantity or problem.mechanism.tuning.lower_bound is None
         if softened or limit.keeps(first):
             return text
         return f"{text}, and the first impact, which no buffer softens, has {quantity.in_words(first, 4)}"

@@ -20,7 +20,7 @@ from ..tables import html, table, text
 from ..value_text import before_and_after, change_text, percent_text, relative_change
 from .checks import PeakForceBound
 from .corners import Corners
-from .evaluation import Evaluation, validity_lines
+from .evaluation import Evaluation, main_values, validity_lines
 from .goal import Goal
 from .message import broken_limits, headline
 from .problem import Problem
@@ -93,12 +93,12 @@ class Tuned(Saved):
 
     @property
     def worst_first(self) -> tuple[Part, ...]:
-        """Return the scenarios, without tolerances, by their peak contact force with the tuned design, the largest
-        first."""
+        """Return the scenarios, without tolerances, by their main quantity, the peak force mostly, with the tuned
+        design, the largest first."""
         drawn = self.problem.drawn
         # The cases of each scenario, its corners among them, stand together.
-        peaks = self.after.peak_force.reshape(len(drawn), -1).max(axis=1)
-        return tuple(drawn[k].scenario for k in np.argsort(-peaks, kind="stable"))
+        largest = main_values(self.problem, self.after).reshape(len(drawn), -1).max(axis=1)
+        return tuple(drawn[k].scenario for k in np.argsort(-largest, kind="stable"))
 
     @property
     def screened(self) -> int:
@@ -301,22 +301,24 @@ def _floor_facts(tuned: Tuned) -> list[str]:
 
 
 def _tuned_cases(tuned: Tuned) -> Table:
-    """Return each load case's peak force, some other quantities, impacts and outcome, before and after.
+    """Return each load case's main quantity, some other quantities, impacts and outcome, before and after.
 
     The other quantities are the problem's own, or else those of the mechanism's map of a sweep that can be tuned.
     """
     problem, before, after = tuned.problem, tuned.before, tuned.after
     mechanism, catalogue, count = problem.mechanism, problem.catalogue, len(problem.cases)
-    title = "Scenarios" if count <= SHOWN else f"The {SHOWN} of {count} scenarios with the largest peak force"
-    # Without the first, the peak force, which has columns of its own.
-    usual = [name for name in mechanism.defaults_for(problem.design).mapped[1:3] if name in problem.names]
-    others = list(problem.quantities)[:OWN] or usual
+    main, words = problem.main_quantity, problem.main_quantity.replace("_", " ")
+    title = "Scenarios" if count <= SHOWN else f"The {SHOWN} of {count} scenarios with the largest {words}"
+    # Without the first, which has columns of its own.
+    usual = [name for name in mechanism.defaults_for(problem.design).mapped[:3] if name in problem.names]
+    others = [name for name in list(problem.quantities)[:OWN] or usual if name != main]
     headings = (f"{catalogue[name].title} [{catalogue[name].in_figures[0]}]" for name in others)
-    cases = table(title, ("scenario",), ("peak force [N]", "change", *headings, "impacts"))
+    unit, factor = catalogue[main].in_figures
+    cases = table(title, ("scenario",), (f"{words} [{unit}]", "change", *headings, "impacts"))
     for heading in ("before", "after"):
         cases.add_column(heading)
     for k in _shown_cases(tuned):
-        start, end = float(before.peak_force[k]), float(after.peak_force[k])
+        start, end = (factor * float(main_values(problem, point)[k]) for point in (before, after))
         cases.add_row(
             problem.cases[k].label(problem.cases),
             before_and_after(start, end, 5),
@@ -345,11 +347,11 @@ def _left_open(tuned: Tuned) -> Table | None:
 
 
 def _shown_cases(tuned: Tuned) -> Sequence[int]:
-    """Return the numbers of all load cases or, of many, of those with the largest peak force."""
+    """Return the numbers of all load cases or, of many, of those where the main quantity is largest."""
     count = len(tuned.problem.cases)
     if count <= SHOWN:
         return range(count)
-    return np.argsort(-tuned.after.peak_force, kind="stable")[:SHOWN].tolist()
+    return np.argsort(-main_values(tuned.problem, tuned.after), kind="stable")[:SHOWN].tolist()
 
 
 def _before_and_after(tuned: Tuned, name: str, case: int) -> str:
