@@ -77,8 +77,9 @@ class Enumeration:
         progress: Callable[[int, int], None] | None = None,
     ) -> None:
         problem = runs.problem
-        self.runs, self.objective, self.constant, self.ranking = runs, objective, constant, ranking
         self.goal, self.allowed = Goal(problem, objective or problem.objective), allowed
+        self.runs, self.constant, self.ranking = runs, constant, ranking
+        self.objective = None if objective is None else self.goal.objective
         self.cases = len(problem.cases)
         shape = len(allowed), self.cases
         self.judged = Judged(np.full(shape, np.nan), np.full(shape, np.nan), np.zeros(shape, bool))

@@ -224,6 +224,11 @@ class Element(eqx.Module):
         """Return panels of a figure of a run that has a history."""
         return []
 
+    def moments(self, run: Any) -> Mapping[str, float]:
+        """Return when the element does something that a picture should show [s], by what happens in words; NaN of what
+        does not happen."""
+        return {}
+
     def warnings(self, run: Any) -> list[str]:
         """Return a line for each limit of validity that a run exceeds."""
         return []

@@ -218,6 +218,9 @@ class Latch(Element):
         heading = "latched" if self.name == "latch" else f"{self.words} closed"
         return [(heading, f"at {closed:.6g} s{held}; {most}")]
 
+    def moments(self, run: Any) -> dict[str, float]:
+        return {f"{self.words} closes": closed_at(run, self.name)}
+
     def panels(self, run: Any) -> list[Panel]:
         most = largest(run, f"{self.name}_force")
         levels = [Level(f"largest, {most:.4g} N", most)]

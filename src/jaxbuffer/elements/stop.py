@@ -1,5 +1,6 @@
 """A stop at either end of an axial element's way (M28, M174), also of rubber (M183)."""
 
+import math
 from typing import Any, ClassVar, NamedTuple
 
 import equinox as eqx
@@ -142,6 +143,10 @@ class EndStop(Element):
         force = f"{self.name}_force"
         most = f", at most {largest(run, force):.6g} N{reached(run, force)}" if self.watched else ""
         return [(self.words, f"from {1e3 * float(self.place):.6g} mm on{most}")]
+
+    def moments(self, run: Any) -> dict[str, float]:
+        name = f"{self.name}_force"
+        return {f"{self.words} pressed most": run.maximum_times.get(name, math.nan)} if self.watched else {}
 
     def warnings(self, run: Any) -> list[str]:
         if not (self.watched and isinstance(self.law, RubberBlock)):

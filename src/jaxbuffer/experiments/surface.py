@@ -160,7 +160,8 @@ def response_surface(
     **Arguments:**
 
     - ``sample``: runs that failed, or ended otherwise than they should, are left out and counted.
-    - ``quantity``: one that samples have (default: the mechanism's main one); its logarithm is fitted where all its values are positive.
+    - ``quantity``: one that samples have (default: the mechanism's main one); its logarithm is fitted where
+      all its values are positive.
     - ``kind``: "quadratic" (a polynomial of order 2 in the ranges' shares), "gaussian_process" (Matérn covariance of
       order 5/2, a length a range, and noise), or "automatic": the one that misses less.
     - ``folds``: parts of the runs, each predicted by a fit to the others; shuffled with ``seed``.

@@ -1,6 +1,7 @@
 """A mechanism: its physics, requests for runs of it, and who steps them. What is told of it is its `View`."""
 
 import dataclasses
+import itertools
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple, Protocol
 
@@ -10,12 +11,12 @@ from jaxtyping import Array, Bool
 
 from .._types import Scalar
 from ..errors import InputError, check_known, inside
-from ..fields import NON_NEGATIVE, POSITIVE, Part, all_of, get
+from ..fields import NON_NEGATIVE, POSITIVE, Part, all_of, get, paths
 from ..hybrid import Options
 from .outcome import RunOutcome, Simulated
 from .quantity import Catalogue, Quantity, of_impact
 from .system import ContactSystem
-from .view import View
+from .view import Names, View
 
 TOLERANCES = {"low": 1e-13, "high": 1e-2}
 LIMITS: dict[str, dict[str, Any]] = {
@@ -25,6 +26,7 @@ LIMITS: dict[str, dict[str, Any]] = {
     "stabilisation": NON_NEGATIVE,
 }
 DERIVED, MAPPED = 2, 4  # how many quantities are differentiated, and drawn of a sweep, where nothing is said
+PARAMETERS = 6  # how many numbers they are differentiated by then
 Parameters = tuple[Any, Any, Scalar]  # design, scenario, Baumgarte's gain [1/s]
 Tolerances = tuple[Scalar, Scalar]  # rtol and atol [-]
 
@@ -33,12 +35,12 @@ Tolerances = tuple[Scalar, Scalar]  # rtol and atol [-]
 class Defaults:
     """What is used where a call or a study does not say.
 
-    ``duration`` [s]; ``parameters`` to differentiate by and ``differentiated`` quantities, () for the first ones of the
-    mechanism; ``grid`` of a sweep, as TOML writes it, and ``mapped``: the quantities drawn of one, the main one first,
-    () for the first ones that sweeps have; ``variables`` of a tuning with their bounds, as TOML writes
-    them, and ``limits`` it keeps to; ``success``: how runs should end, in a word, None for the first of the
-    mechanism's successes; ``with_part``: those that are others for a design that has a number at a path;
-    ``example``: values that an example study has beside the design's defaults, with ``example_limits`` of its own.
+    ``duration`` [s]; ``parameters`` to differentiate by and ``differentiated`` quantities, () for the first ones;
+    ``grid`` of a sweep, as TOML writes it, and ``mapped``: the quantities drawn of one, the main one first, () for the
+    first ones that sweeps have; ``variables`` of a tuning with their bounds, as TOML writes them, and ``limits`` it
+    keeps to; ``success``: how runs should end, in a word, None for the first of the mechanism's successes;
+    ``with_part``: those that are others for a design that has a number at a path; ``example``: values that an example
+    study has beside the design's defaults, with ``example_limits`` of its own.
     """
 
     duration: float = 1.0
@@ -294,8 +296,12 @@ class Mechanism:
         return self.defaults_for(design, varied).duration
 
     def parameters(self, design: Part) -> tuple[str, ...]:
-        """Return the paths to differentiate by where nothing is said: those at which a design has a number."""
-        return tuple(path for path in self.defaults.parameters if get(design, path) is not None)
+        """Return the paths to differentiate by where nothing is said: those at which a design has a number; of a
+        mechanism that names none the first ones of the design."""
+        if self.defaults.parameters:
+            return tuple(path for path in self.defaults.parameters if get(design, path) is not None)
+        numbers = (path for path in paths(design) if isinstance(get(design, path), float))
+        return tuple(itertools.islice(numbers, PARAMETERS))
 
     def variables(self, design: Part) -> dict[str, Any]:
         """Return the variables of a tuning where nothing is said, with their bounds: those that a design has."""
@@ -305,14 +311,21 @@ class Mechanism:
         """Return the limits that every tuned design keeps: those on parts that this one has."""
         return {name: limit for name, limit in self.tuning.always.items() if self.has(name, design)}
 
+    def names(self, design: Part) -> Names:
+        """Return what the parts of a design are called; where nothing is said of what else a history has, those of the
+        mechanism's quantities that it has under their names."""
+        names = self.view.names(design)
+        own = {name: quantity.unit for name, quantity in self.quantities.items()}
+        return names if names.others else dataclasses.replace(names, others=own)
+
     def main_quantity(self, names: Sequence[str], design: Part | None = None) -> str:
         """Return which of some ``names`` stands for a run where nothing is said: the first that is drawn of a sweep, or
         else the first of them; "" of no names."""
         return next((name for name in (*self.defaults_for(design).mapped, *names) if name in names), "")
 
     def name_of(self, common: Quantity) -> str | None:
-        """Return the name under which the mechanism has one of the quantities that many have, such as `PEAK_FORCE`; None
-        where it has not."""
+        """Return the name under which the mechanism has a quantity that many have, such as `PEAK_FORCE`; None where it
+        has not."""
         # Its description and its uses may be the mechanism's own: what it reads off a run makes it what it is.
         return next((name for name, it in self.quantities.items() if it.of is common.of), None)
 

@@ -40,7 +40,8 @@ def explained(study: Config, name: str) -> str:
     if study.table and missing and usable:  # everything else of the problem
         problem = dataclasses.replace(study, table=dataclasses.replace(study.table, variables=usable)).problem()
     own = {} if problem is None else problem.quantities
-    swept = grid(study.sweep or mechanism.defaults.grid, study.design, study.scenario)
+    over = study.sweep or mechanism.defaults.grid
+    swept = grid(over, study.design, study.scenario) if over else None
     parts = {
         "mechanism": [f'{mechanism.view.title}, kind = "{mechanism.name}"'],
         "differs from default": _differences(study) or ["nothing"],
@@ -64,7 +65,7 @@ def explained(study: Config, name: str) -> str:
             for path, rule in study.roundings.items()
         ],
         "fit": _fit(study),
-        "sweep": [f"{axis.path} {axis.spanned()}" for axis in swept.axes] if study.sweep else [],
+        "sweep": [f"{axis.path} {axis.spanned()}" for axis in swept.axes] if swept and study.sweep else [],
         "sample": _sample(study),
         "commands": _commands(study, name, problem, swept, bool(missing)),
     }
@@ -257,18 +258,21 @@ def _tolerances(problem: Problem) -> list[str]:
     return [*lines, f"{each}, of which the worst are searched for" if problem.needs_search else each]
 
 
-def _commands(study: Config, name: str, problem: Problem | None, swept: Grid, missing: bool) -> list[str]:
+def _commands(study: Config, name: str, problem: Problem | None, swept: Grid | None, missing: bool) -> list[str]:
     """Say what each command would do. ``missing``: whether a tuning needs bounds that the study has not."""
     mechanism = study.mechanism
     run = mechanism.view.run_name
-    counts = f"{' × '.join(map(str, swept.shape))} = {len(swept)}" if len(swept.shape) > 1 else str(len(swept))
+    sweeps = "needs [sweep] or --over first"
+    if swept is not None:
+        counts = f"{' × '.join(map(str, swept.shape))} = {len(swept)}" if len(swept.shape) > 1 else str(len(swept))
+        sweeps = f"{counts} {run}s{'' if study.sweep else ', the default grid'}"
     of = ", ".join(mechanism.defaults_for(study.design).differentiated)
     by = ", ".join(mechanism.parameters(study.design))
     commands = [
         f"jaxbuffer simulate {name}     one {run}: {mechanism.view.label(study.scenario)}",
         f"jaxbuffer sensitivity {name}  {of}",
         f"{'':{len(name) + 23}} by {by}",
-        f"jaxbuffer sweep {name}        {counts} {run}s{'' if study.sweep else ', the default grid'}",
+        f"jaxbuffer sweep {name}        {sweeps}",
     ]
     if study.parts or study.roundings:
         commands.append(f"jaxbuffer choose {name}       {_choice(study)}")
@@ -276,6 +280,8 @@ def _commands(study: Config, name: str, problem: Problem | None, swept: Grid, mi
         count, tests = len(study.fit.parameters or {}), len(study.fit.tests)
         commands.append(f"jaxbuffer fit {name}          {count} numbers from {tests} test{'s' if tests > 1 else ''}")
     if missing or (study.parts and study.table.variables is None):
+        return [*commands, f"jaxbuffer tune {name}         needs [problem.variables] first"]
+    if not (mechanism.variables(study.design) if problem is None else problem.variables):
         return [*commands, f"jaxbuffer tune {name}         needs [problem.variables] first"]
     if problem is None:
         return [*commands, f"jaxbuffer tune {name}         the default problem; it has no [problem]"]

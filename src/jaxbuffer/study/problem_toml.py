@@ -96,8 +96,8 @@ def limits(table: ProblemTable, mechanism: Mechanism) -> Limits:
 
 def default_variables(mechanism: Mechanism, design: Part) -> Mapping[str, Variable]:
     """Return the variables of a study that names none, by path."""
-    names = StudyNames(design, mechanism.scenario())
-    read: Mapping[str, Variable] = VARIABLES.read("problem.variables", mechanism.variables(design), names)
+    names, usual = StudyNames(design, mechanism.scenario()), mechanism.variables(design)
+    read: Mapping[str, Variable] = VARIABLES.read("problem.variables", usual, names) if usual else {}
     return read
 
 

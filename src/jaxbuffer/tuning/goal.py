@@ -106,6 +106,10 @@ class Goal:
     objective: Objective
     ceiling: Ceiling | None = None
 
+    def __post_init__(self) -> None:
+        """Let an objective without weights be the problem's main quantity alone."""
+        object.__setattr__(self, "objective", self.objective.of(self.problem.main_quantity))
+
     def value(self, evaluation: Evaluation) -> float:
         """Return the true objective [N]: largest peaks, no smoothing."""
         return self._value(self.objective, evaluation.quantities)

@@ -167,8 +167,8 @@ def _solved(
     slopes: bool,
     settings: Mapping[str, Any],
 ) -> tuple[Run, tuple[np.ndarray, np.ndarray], np.ndarray]:
-    """Return the run, the peaks of its impacts with their slopes, none where no quantity is the ``peak``, and the slopes
-    of the quantities of some names; all slopes are zero unless ``slopes``."""
+    """Return the run, the peaks of its impacts with their slopes, none where no quantity is the ``peak``, and the
+    slopes of the quantities of some names; all slopes are zero unless ``slopes``."""
     count = len(paths)
     if slopes:
         at = [float(value_at(*built, path)) for path in paths]

@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ..quantity import CONTACT_TIME, DISSIPATED, PEAK_FORCE, PEAK_TIME, PENETRATION, Quantity
+from ..quantity import CONTACT_TIME, DISSIPATED, END_TIME, PEAK_FORCE, PEAK_TIME, PENETRATION, Quantity
 from .latch_energy import closing_energy, closing_share, reference_share
 from .law_validity import pressure
 from .shock import SLOTS, VEHICLES
@@ -98,14 +98,7 @@ QUANTITIES: dict[str, Quantity] = {
         shown=MILLIMETRES,
         part="probe.bending_stiffness",
     ),
-    "end_time": Quantity(
-        "s",
-        lambda c: c.end_time,
-        "end of the run: of a captured one, the capture time",
-        "end time",
-        swept=True,
-        tuned=True,
-    ),
+    "end_time": END_TIME._replace(description="end of the run: of a captured one, the capture time"),
     "peak_stop_force": Quantity(
         "N",
         lambda c: c.peak_stop_force,
