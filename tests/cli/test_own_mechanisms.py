@@ -111,7 +111,7 @@ def test_pictures_show_what_happens(tried):
     known = mechanism_named(tried.name)
     drawn = jb.draw(jb.simulate(known.design(), known.scenario(), history=True))
     titles = " ".join(axes.get_title(loc="left") for axes in drawn.axes)
-    happens = ("latch closes", "end stop pressed most") if tried is SLED else ("no contact", " N")
+    happens = ("latch closed", "end stop pressed most") if tried is SLED else ("no contact", " N")
     assert all(words in titles for words in happens)
     legend = {text.get_text() for box in drawn.legends for text in box.get_texts()}
     assert legend >= ({"end stop", "plane of the latch"} if tried is SLED else {"hinge"})

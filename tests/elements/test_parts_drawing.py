@@ -44,6 +44,7 @@ def test_balls_flanks_holes_and_springs_where_they_are():
 def test_end_stops_and_latches_where_they_begin():
     spring = AxialSpringDamper(GROUND, 0, (1.0, 0.0), (0.0, 0.0), 200.0, 0.0, free_length=1.0)
     elements = (
+        Buffer(spring),
         EndStop(spring, KelvinVoigt(1e4, 0.0), place=0.03),
         EndStop(spring, KelvinVoigt(1e4, 0.0), place=0.01, rebound=True, name="rebound_stop"),
         Latch(0, GROUND, (0.0, 0.0), plane=0.031, seat=(0.028, 0.0), stiffness=5e3),

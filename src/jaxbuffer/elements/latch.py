@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
 from .._types import Scalar
@@ -219,7 +220,10 @@ class Latch(Element):
         return [(heading, f"at {closed:.6g} s{held}; {most}")]
 
     def moments(self, run: Any) -> dict[str, float]:
-        return {f"{self.words} closes": closed_at(run, self.name)}
+        # With a closing time they are closed some time after the point has crossed the plane.
+        slow = float(np.asarray(self.closing_time)) > 0.0
+        closed = run.switch_times.get(f"{self.name} closed", math.nan) if slow else closed_at(run, self.name)
+        return {f"{self.words} closed": closed}
 
     def panels(self, run: Any) -> list[Panel]:
         most = largest(run, f"{self.name}_force")

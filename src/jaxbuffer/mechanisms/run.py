@@ -18,6 +18,7 @@ from ..labelled.arrays import frame
 from ..labelled.saved import Saved
 from ..programs.cache import Static, stored
 from ..tables import summary_html
+from ..value_text import range_text
 from .cautions import cautions
 from .energy import Balance, Energy
 from .history import History
@@ -316,14 +317,20 @@ class Run(Portable, Saved):
         return "\n".join([first, *notes, *rest, *(f"  {line}" for line in self.diagnosis)])
 
     def _batch_text(self) -> str:
-        """Return how many runs ended how, and the range of the largest contact force."""
-        outcomes, (codes, forces) = self.mechanism.outcomes, map(np.asarray, (self.code, self.peak_force))
+        """Return how many runs ended how, and the range of the main quantity."""
+        outcomes, codes = self.mechanism.outcomes, np.asarray(self.code)
         ends = ", ".join(
             f"{count} {outcomes(code).name}" for code, count in sorted(Counter(codes.ravel().tolist()).items())
         )
         text = f"{type(self).__name__}: a batch of {codes.size} runs: {ends}"
-        known = forces[np.isfinite(forces)]
-        return f"{text}; peak force {known.min():.6g} to {known.max():.6g} N" if known.size else text
+        if not (name := self.mechanism.main_quantity(self.mechanism.swept)):
+            return text
+        quantity = self.mechanism.quantities[name]
+        values = np.asarray(quantity.of(self))
+        known, (symbol, factor) = values[np.isfinite(values)], quantity.in_figures
+        if not known.size:
+            return text
+        return f"{text}; {name.replace('_', ' ')} {range_text(factor * known.min(), factor * known.max(), symbol)}"
 
     def _repr_html_(self) -> str:
         return summary_html(repr(self))

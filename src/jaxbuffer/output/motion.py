@@ -22,6 +22,7 @@ from .words import force_text
 
 PANELS = 4  # of the chosen times, the start and the end among them
 MOMENTS = 2  # more of them at most, at which an end stop is pressed most or a latch closes
+SAME = 1e-3  # of the run: what elements do within it of a largest force has the same picture
 APART = 0.05  # of the run: impacts nearer to each other are shown as one
 MARGIN = 1.08  # of what is seen, over what is drawn
 MM = 1e-3  # m
@@ -234,18 +235,18 @@ def telling_times(run: Run, count: int = PANELS) -> Float[np.ndarray, " times"]:
         if len(peaks) < count - 2 and all(abs(pulse.peak - other) > APART * busy for other in peaks):
             peaks.append(pulse.peak)
 
-    def apart(time: float, others: Sequence[float]) -> bool:
-        return all(abs(time - other) > APART * busy for other in others)
+    def apart(time: float, others: Sequence[float], least: float = APART) -> bool:
+        return all(abs(time - other) > least * busy for other in others)
 
-    # What elements do is shown besides the largest forces, unless one of these is at the same time.
+    # What elements do is shown besides the largest forces, also soon before or after one of these.
     events: list[float] = []
     for time in moments(run).values():
-        if len(events) < MOMENTS and time <= end and apart(time, [*peaks, *events]):
+        if len(events) < MOMENTS and time <= end and apart(time, [*peaks, *events], SAME):
             events.append(time)
     chosen = [*peaks, *events]
     # Start and end come first: extremes and evenly spaced times only fill up what is left.
     for time in [0.0, end, *_extremes(run), *np.linspace(0.0, busy, count + 1)]:
-        if len(chosen) < count + max(len(events) - 1, 0) and apart(time, chosen):
+        if len(chosen) < count + len(events) and apart(time, chosen):
             chosen.append(float(time))
     return np.sort(chosen)
 
