@@ -71,3 +71,17 @@ def test_a_hinge_with_the_line_to_its_body():
     lines = [shape for shape in drawing.shapes if isinstance(shape, Outline) and shape.body == 0]
     np.testing.assert_allclose(lines[-1].corners, [[0.0, 0.0], [0.0, 0.5]])
     assert drawing.detail is None
+
+
+def test_a_picture_is_taken_when_a_latch_is_closed_and_a_stop_is_pressed_most():
+    spring = AxialSpringDamper(GROUND, 0, (1.0, 0.0), (0.0, 0.0), 200.0, 0.0, free_length=1.0)
+    run = types.SimpleNamespace(
+        mechanism=types.SimpleNamespace(quantities={}),
+        maximum_times={"stop_force": 0.15},
+        switch_times={"latch": 0.1, "latch closed": 0.4},
+    )
+    assert EndStop(spring, KelvinVoigt(1e4, 0.0), place=0.03).moments(run) == {"end stop pressed most": 0.15}
+    slow, fast = (Latch(0, GROUND, (0.0, 0.0), 0.031, (0.028, 0.0), 5e3, closing_time=time) for time in (0.3, 0.0))
+    assert slow.moments(run) == {"latch closed": 0.4} and fast.moments(run) == {"latch closed": 0.1}
+    run.switch_times = {"latch": 0.1}  # the run ends while it closes
+    assert np.isnan(slow.moments(run)["latch closed"])

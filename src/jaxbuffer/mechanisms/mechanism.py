@@ -237,13 +237,14 @@ class Mechanism:
     def __post_init__(self) -> None:
         """Complete the defaults by the first of the mechanism's own quantities. **Raises:** `InputError` for defaults
         that name others."""
-        smooth = [name for name, quantity in self.quantities.items() if quantity.differentiable]
-        defaults, own = self.defaults, {"differentiated": smooth[:DERIVED], "mapped": self.swept[:MAPPED]}
-        completed = {name: getattr(defaults, name) or tuple(first) for name, first in own.items()}
-        for name, allowed in (("differentiated", self.quantities), ("mapped", self.swept)):
-            known = [it for it in completed[name] if of_impact(it) is None or name == "mapped"]
-            check_known(known, allowed, f"mechanism {self.name}, Defaults.{name}")
-        object.__setattr__(self, "defaults", dataclasses.replace(defaults, **completed))
+        smooth = tuple(name for name, quantity in self.quantities.items() if quantity.differentiable)
+        differentiated = self.defaults.differentiated or smooth[:DERIVED]
+        mapped = self.defaults.mapped or self.swept[:MAPPED]
+        where = f"mechanism {self.name}, Defaults"
+        check_known((it for it in differentiated if of_impact(it) is None), self.quantities, f"{where}.differentiated")
+        check_known(mapped, self.swept, f"{where}.mapped")
+        defaults = dataclasses.replace(self.defaults, differentiated=differentiated, mapped=mapped)
+        object.__setattr__(self, "defaults", defaults)
 
     @property
     def success(self) -> str | None:

@@ -156,7 +156,7 @@ def caption(at: Scene, k: int) -> str:
     end = float(np.asarray(at.run.history.time)[-1])  # type: ignore[union-attr]
     # Where there is nothing to touch, that nothing touches says nothing.
     touching = [" and ".join(acting) or "no contact"] if len(normal) else []
-    events = [words for words, time in at.moments.items() if abs(time - at.times[k]) <= 1e-9 * end]
+    events = [words for words, time in at.moments.items() if abs(time - at.times[k]) <= SAME * end]
     return ", ".join([clock(at.times[k], end), *touching, *events])
 
 

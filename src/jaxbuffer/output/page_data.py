@@ -26,7 +26,7 @@ def force_record(runs: Mapping[str, Run], scenario: str) -> dict[str, Any]:
     Of one run alone also ``more``: what its mechanism draws to the end of it, long after the last contact.
     """
     # Without a contact there is no force to draw.
-    touching = {name: run for name, run in runs.items() if np.shape(run.history.contact_force)[1]}  # type: ignore[union-attr]
+    touching = {name: run for name, run in runs.items() if contact_names(run)}
     curves = [{"name": name, **_curve(run)} for name, run in touching.items()]
     more = [chart for name, run in runs.items() for chart in _to_end(name, run)] if len(runs) == 1 else []
     return {"scenario": scenario, "curves": curves, "more": more}

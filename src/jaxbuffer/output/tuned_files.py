@@ -4,8 +4,6 @@ import functools
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-
 from ..errors import InputError
 from ..run.simulate import simulate
 from ..study.tuned_toml import tuned_toml
@@ -14,6 +12,7 @@ from ..tuning.tuned import Tuned, tuning_history
 from . import style, tuned_records
 from .formats import Contents, Made, Writers, compact_json, csv_text
 from .matlab import design_mat
+from .motion import contact_names
 from .page_data import force_record
 from .provenance import record_text
 from .tune_figure import front_figure, tune_figure, worst_case
@@ -38,7 +37,7 @@ def tuned_files(tuned: Tuned, made: Made = None, report: Callable[[str], None] =
         except (InputError, RuntimeError) as error:
             return left_out(str(error))
         # Without a contact there is no force to draw.
-        if not np.shape(runs[0].history.contact_force)[1]:
+        if not contact_names(runs[0]):
             return []
         failed = [run.outcome.name for run in runs if run.outcome.failed]
         return left_out(failed[0]) if failed else runs

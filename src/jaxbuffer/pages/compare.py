@@ -108,8 +108,9 @@ def limit_tables(every: Sequence[Results]) -> list[Table]:
 def _forces(every: Sequence[Results]) -> list[dict[str, Any]]:
     """Return the force of each folder's run, or of its tuning's worst scenario with the tuned design."""
     records = [(results, results.records["force"]) for results in every if "force" in results.records]
-    # The last curve is that of the tuned design, and of a run the only one.
-    named = [(results, record["scenario"], record["curves"][-1]) for results, record in records]
+    # The last curve is that of the tuned design, and of a run the only one; there is none without a contact, and where
+    # a tuning's worst scenario could not be run again.
+    named = [(results, record["scenario"], record["curves"][-1]) for results, record in records if record["curves"]]
     return [{**curve, "name": f"{results.folder} ({scenario})"} for results, scenario, curve in named]
 
 

@@ -2,7 +2,7 @@
 
 import base64
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -94,13 +94,13 @@ def title(mechanism: Mechanism, name: str) -> str:
     return display(mechanism, name).title if name in mechanism.quantities else words(name)
 
 
-def main_quantity(results: Results, values: Mapping[str, Any]) -> str:
-    """Return the quantity of a record's ``values`` that stands for a run; "" where none of the mechanism's is there."""
+def main_quantity(results: Results, values: Container[str]) -> str:
+    """Return the quantity among the names of ``values`` that stands for a run; "" where there is none."""
     mechanism = results.mechanism
     return mechanism.main_quantity([name for name in mechanism.quantities if name in values], results.design)
 
 
-def main_first(results: Results, values: Mapping[str, Any], others: Iterable[str]) -> list[str]:
+def main_first(results: Results, values: Container[str], others: Iterable[str]) -> list[str]:
     """Return the main quantity of a record's ``values``, if it is there, and then the other names, each once."""
     return [name for name in dict.fromkeys([main_quantity(results, values), *others]) if name]
 

@@ -130,12 +130,11 @@ def measure(
     solver = solver_named(solver)
     margin = [] if mechanism.tuning.margin is None else [mechanism.tuning.margin]
     names, settings = [*measured, *margin], {"duration": duration, "rtol": rtol, "solver": solver}
-    run, of_peaks, slope_rows = _solved(built, mechanism, names, peak, paths, slopes, settings)
+    run, (peaks, of_peaks), slope_rows = _solved(built, mechanism, names, peak, paths, slopes, settings)
     values = np.array([float(mechanism.quantities[name].of(run)) for name in names])
     # All numbers of a run that failed are NaN, and stay so.
     if not run.outcome.failed:
         _fill_awaited(mechanism, run, measured, values, slope_rows, float(duration))
-    peaks, of_peaks = of_peaks
     # Stable: slots without an impact, all of them zero, keep their order.
     slots = np.argsort(-peaks, kind="stable")[:PEAKS]
     # A mechanism without a margin has no end to miss, so that its margin always holds.
