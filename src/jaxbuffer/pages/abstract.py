@@ -298,7 +298,7 @@ def _sweep(results: Results, every: Sequence[Results]) -> str:
     over = f"over {over}" if over else "of runs given one by one"
     counts = outcome_counts(results)
     text = f"{_ended(results.mechanism, counts)} in a sweep {over}{_strictest(results, counts)}."
-    if main := main_quantity(results, results.sweep):
+    if main := main_quantity(results, [*map(str, results.sweep)]):
         symbol, factor = results.mechanism.quantities[main].in_figures
         values = factor * np.asarray(results.sweep[main].values, float)
         if np.any(np.isfinite(values)):
