@@ -47,7 +47,6 @@ def test_hertz_impact():
     assert_allclose(found.v[1], SPEED, rtol=1e-8)
 
 
-@pytest.mark.quick
 @pytest.mark.parametrize(
     ("law", "delivered"),
     [(LankaraniNikravesh, 0.6842), (ExactRestitution, 0.3)],
