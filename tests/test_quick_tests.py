@@ -18,7 +18,7 @@ OF_WHOLE_RUNS = {
     # structures of a mechanism that no other quick test compiles
     *(f"mechanisms/test_{it}.py" for it in ("bottomed_words", "diagnosis", "full_tank", "other_laws", "struck_beam")),
     *("mechanisms/test_tank_drop_gradients.py", "mechanisms/test_tank_plates.py", "structures/test_hertz.py"),
-    *(f"multibody/test_flexible_{it}.py" for it in ("examples", "spin", "spin_up")),
+    *(f"multibody/test_flexible_{it}.py" for it in ("examples", "spin_up")),
     "properties/test_invariants.py",
     *(f"verification/test_{it}.py" for it in ("batched_captures", "buffer_end", "diffrax_route", "docking")),
     *(f"verification/test_{it}.py" for it in ("elasticities", "exact", "gradients", "hard_cases", "located_maxima")),
