@@ -163,3 +163,9 @@ def pytest_sessionfinish(session):
 def pytest_unconfigure(config):
     if not hasattr(config, "workerinput") and not config.getoption("--programs"):
         shutil.rmtree(config.stash[PROGRAMS], ignore_errors=True)
+
+
+@pytest.fixture
+def files_without_quick(pytestconfig):
+    """The files of tests, of those collected, that `make test` leaves out as a whole."""
+    return pytestconfig.stash[WITHOUT_QUICK]

@@ -1,7 +1,5 @@
 """`make test` has a test of every file but those whose claims take whole runs, which others have in short."""
 
-from conftest import WITHOUT_QUICK
-
 OF_WHOLE_RUNS = {
     # other programs and other processes
     *("benchmarks/test_peers.py", "cluster/test_distributed_certificate.py", "cluster/test_distributed_front.py"),
@@ -26,6 +24,6 @@ OF_WHOLE_RUNS = {
 }
 
 
-def test_every_other_file_has_a_quick_test(pytestconfig):
-    left_out = pytestconfig.stash[WITHOUT_QUICK] - OF_WHOLE_RUNS
+def test_every_other_file_has_a_quick_test(files_without_quick):
+    left_out = files_without_quick - OF_WHOLE_RUNS
     assert not left_out, "mark a test of each, that takes no whole run, with pytest.mark.quick"

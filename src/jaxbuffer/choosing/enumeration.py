@@ -84,6 +84,8 @@ class Enumeration:
     ) -> None:
         problem = runs.problem
         self.second = second
+        if second is not None and second.objective is not None:
+            self.second = second._replace(objective=second.objective.of(problem.main_quantity))
         self.goal, self.allowed = Goal(problem, objective or problem.objective), allowed
         self.runs, self.constant, self.ranking = runs, constant, ranking
         self.objective = None if objective is None else self.goal.objective
