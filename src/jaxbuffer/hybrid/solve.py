@@ -169,23 +169,27 @@ def _of_state(result: Result) -> Result:
 
 def _moved(result: Result, values: list[Array], moves: list[Array]) -> Result:
     """Return how the result changes with ``moves`` of the values."""
-    shares = [None if move is None else move / size for move, size in zip(moves, _sizes(values), strict=True)]
+    chosen = [k for k, move in enumerate(moves) if move is not None]
+    sizes = jnp.stack(_sizes(values))[np.array(chosen, int)]
+    shares = jnp.stack([jnp.asarray(moves[k], float) for k in chosen]) / sizes
 
     def moved(rows: Array) -> Array:
-        terms = [rows[:, 1 + k, None] * share for k, share in enumerate(shares) if share is not None]
-        return sum(terms, start=jnp.zeros_like(rows[:, :1]))
+        # A product of arrays is one operation for all values, and so is its transpose.
+        return jnp.einsum("k,ski->si", shares, rows[:, 1 + np.array(chosen, int)])[:, None]
 
     none, change = jax.tree.map(lambda _: None, result), _with_rows(result, moved)
     return none._replace(
+        start=none.start._replace(rows=change.start.rows),
         log=dataclasses.replace(none.log, rows=change.log.rows, rates=change.log.rates),
         steps=dataclasses.replace(none.steps, rows=change.steps.rows if result.steps.time.shape[0] else None),
     )
 
 
 def _with_rows(result: Result, of: Callable[[Array], Array]) -> Result:
-    log, steps = result.log, result.steps
+    start, log, steps = result.start, result.log, result.steps
+    start = start._replace(rows=of(start.rows))
     log = dataclasses.replace(log, rows=of(log.rows), rates=of(log.rates))
-    return result._replace(log=log, steps=dataclasses.replace(steps, rows=of(steps.rows)))
+    return result._replace(start=start, log=log, steps=dataclasses.replace(steps, rows=of(steps.rows)))
 
 
 def _stepper(options: Options) -> Callable[..., Result]:

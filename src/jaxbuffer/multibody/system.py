@@ -194,17 +194,22 @@ class System(eqx.Module):
         **Arguments:** ``kin``: frames; ``directions``: (coordinates, rank), a force a column. **Returns:** the same
         shape.
         """
-        # The joints hold, so Φ_q x is zero.
-        rest = jnp.zeros(len(self._rows(kin)))
-        return jax.vmap(lambda direction: self.solve(kin, direction, rest), in_axes=1, out_axes=1)(directions)
+        rows, mass = self._rows(kin), self.mass_matrix(kin)
+        jacobian, rest = SparseRows.of(self._entries(rows)), jnp.zeros(len(rows))  # the joints hold: Φ_q x is zero
+        one = lambda direction: solve_augmented(mass, jacobian, direction, rest)[0]  # noqa: E731
+        return jax.vmap(one, in_axes=1, out_axes=1)(directions)
 
     def effective_mass(self, kin: Kinematics, direction: Float[Array, " coordinates"]) -> Float[Array, ""]:
         """Return the mass that a force along a direction meets [kg] (M21).
 
         **Arguments:** ``kin``: frames; ``direction``: d, (coordinates,), with d·q̇ a speed [m/s].
         """
-        # The acceleration along the direction by a unit force along it is one over the mass.
-        return 1.0 / jnp.sum(direction * self.response(kin, direction[:, None])[:, 0])
+        return self.effective_masses(kin, direction[:, None])[0]
+
+    def effective_masses(self, kin: Kinematics, directions: Float[Array, "coordinates rank"]) -> Float[Array, " rank"]:
+        """Return the mass that a force along each of several directions meets, a direction a column [kg] (M21)."""
+        # The acceleration along a direction by a unit force along it is one over the mass.
+        return 1.0 / jnp.sum(directions * self.response(kin, directions), axis=0)
 
     def kinetic_energy(self, kin: Kinematics) -> Float[Array, ""]:
         """Return ½ q̇ᵀ M q̇ [J] (M76, M123)."""

@@ -17,6 +17,7 @@ from ..layout import EvaluatedState
 from .assembly import LOWER, assemble
 from .capture import FirstImpact
 from .design import Design, Scenario, check_fit
+from .reading import flank_direction
 
 HERTZ_DURATION = 2.943275  # of a lossless impact, times its largest penetration over its approach speed [-]
 
@@ -50,12 +51,14 @@ def first_impact(design: Design, scenario: Scenario | None = None) -> FirstImpac
 @stored
 def _first_impact(parameters: tuple[Design, Scenario]) -> FirstImpact:
     mechanism = assemble(*parameters)
-    return predict(mechanism, mechanism.first_evaluation()[0])
+    return predict(mechanism, *first_flank(mechanism, mechanism.first_evaluation()[0]))
 
 
-def predict(mechanism: Assembled, at: EvaluatedState) -> FirstImpact:
-    """Return the first impact of a mechanism's run, which starts there with the tip on the lower flank."""
-    mass, speed = first_flank(mechanism, at)
+def predict(mechanism: Assembled, mass: Scalar, speed: Scalar) -> FirstImpact:
+    """Return the first impact of a mechanism's run, which starts there with the tip on the lower flank.
+
+    **Arguments:** ``mass``: that the flank meets [kg]; ``speed``: of approach [m/s].
+    """
     energy = 0.5 * mass * speed**2
     law = mechanism.contacts[0].pair.law
     stiffness = jnp.asarray(mechanism.parts.design.contact_stiffness)
@@ -70,8 +73,7 @@ def predict(mechanism: Assembled, at: EvaluatedState) -> FirstImpact:
 def first_flank(mechanism: Assembled, at: EvaluatedState) -> tuple[Float[Array, ""], Float[Array, ""]]:
     """Return the effective mass [kg] that the lower flank meets, the joints holding and the springs soft, and the
     contact's memory [m/s]: 1/m = A M_c⁻¹ Aᵀ, where A q̇ is the approach speed."""
-    closing = mechanism.contacts[0].directions(mechanism.system, at.contacts[0])[0][: mechanism.coordinates, LOWER]
-    return mechanism.system.effective_mass(at.kin, closing), mechanism.memory(at.state)[LOWER]
+    return mechanism.system.effective_mass(at.kin, flank_direction(mechanism, at)), mechanism.memory(at.state)[LOWER]
 
 
 def hertz_peak(stiffness: Scalar, energy: Scalar) -> Float[Array, ""]:
