@@ -156,10 +156,11 @@ def _differentiable_jvp(primals: tuple, tangents: tuple) -> tuple[Result, Result
     return _of_state(result), _moved(result, values, moves)
 
 
-def _sizes(values: list[Array]) -> list[Array]:
+def _sizes(values: list[Array]) -> Float[Array, " values"]:
     """Directions are relative (d/d ln p) where there is a value to be relative to: rows of like size share a
     tolerance."""
-    return [jnp.where(value == 0.0, 1.0, jnp.abs(value)) for value in values]
+    all_of = jnp.stack(values)
+    return jnp.where(all_of == 0.0, 1.0, jnp.abs(all_of))
 
 
 def _of_state(result: Result) -> Result:
@@ -170,7 +171,7 @@ def _of_state(result: Result) -> Result:
 def _moved(result: Result, values: list[Array], moves: list[Array]) -> Result:
     """Return how the result changes with ``moves`` of the values."""
     chosen = [k for k, move in enumerate(moves) if move is not None]
-    sizes = jnp.stack(_sizes(values))[np.array(chosen, int)]
+    sizes = _sizes(values)[np.array(chosen, int)]
     shares = jnp.stack([jnp.asarray(moves[k], float) for k in chosen]) / sizes
 
     def moved(rows: Array) -> Array:

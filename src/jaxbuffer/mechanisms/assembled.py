@@ -47,10 +47,12 @@ class Shown(NamedTuple):
 
 
 class Exerted(NamedTuple):
-    """What acts at one instant: the contacts' forces, and accelerations and multipliers of the bodies."""
+    """What acts at one instant: the contacts' forces, accelerations and multipliers of the bodies, and, where it is
+    asked for, the mass that a force along each of some directions meets [kg]."""
 
     contacts: tuple[ContactForces, ...]
     motion: Motion
+    masses: Array | None = None
 
 
 class Assembled(ContactSystem):
@@ -389,17 +391,24 @@ class Assembled(ContactSystem):
         parts = zip(self.contacts, at.contacts, memory, self.layout.of_contacts(active), strict=True)
         return tuple(contact.forces(ball, speeds, closed) for contact, ball, speeds, closed in parts)
 
-    def exerted(self, at: EvaluatedState, active: Closed) -> Exerted:
-        """Return what acts at an instant."""
+    def exerted(self, at: EvaluatedState, active: Closed, directions: Array | None = None) -> Exerted:
+        """Return what acts at an instant. ``directions``: of the masses, a column each."""
         forces = self.contact_forces(at, active)
         balls = zip(self.contacts, at.contacts, forces, strict=True)
         loads = [load for contact, ball, force in balls for load in contact.loads(ball, force)]
         elements = zip(self.elements, at.elements, self.layout.of_elements(active), strict=True)
         loads += [load for element, *part in elements for load in element.loads(*part)]
-        return Exerted(forces, self.system.motion(at.kin, tuple(loads)))
+        if directions is None:
+            return Exerted(forces, self.system.motion(at.kin, tuple(loads)))
+        return Exerted(forces, *self.system.motion_and_masses(at.kin, tuple(loads), directions))
 
     def rate_at(self, at: EvaluatedState, active: Closed) -> State:
         return self._rate(at, active, self.exerted(at, active))
+
+    def rate_and_masses(self, at: EvaluatedState, active: Closed, directions: Array) -> tuple[State, Array]:
+        exerted = self.exerted(at, active, directions)
+        assert exerted.masses is not None
+        return self._rate(at, active, exerted), exerted.masses
 
     def _rate(self, at: EvaluatedState, active: Closed, exerted: Exerted) -> State:
         """Return the rate of the state."""

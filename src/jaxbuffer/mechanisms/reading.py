@@ -29,10 +29,14 @@ class Reading(NamedTuple):
 class Reader(NamedTuple):
     """What a mechanism's `run` reads off besides what every run has.
 
-    - ``look``: from the system, an evaluated state and its closed contacts to a tree of numbers, for each `Reading`.
+    - ``look``: from the system, an evaluated state, its closed contacts and the effective masses along the directions
+      to a tree of numbers, for each `Reading`.
+    - ``directions``: from the system and an evaluated state to what effective masses are wanted along, a column each;
+      None for none.
     - ``slot``: from the system and a run's log to the entry of the one event that the mechanism looks at, beside start
-      and end of a run.
+      and end of a run; None for no such event.
     """
 
-    look: Callable[[Any, Any, Array], Any]
-    slot: Callable[[Any, Any], Int[Array, ""]]
+    look: Callable[[Any, Any, Array, Any], Any]
+    slot: Callable[[Any, Any], Int[Array, ""] | None]
+    directions: Callable[[Any, Any], Float[Array, "coordinates rank"]] | None = None

@@ -103,6 +103,11 @@ class ContactSystem(HybridSystem):
         """Return the `derivative` of an evaluated state."""
         raise NotImplementedError
 
+    def rate_and_masses(self, at: Any, active: Active, directions: Array) -> tuple[State, Array]:
+        """Return `rate_at`, and the mass that a force along each of the ``directions``, a column each, meets through
+        the joints [kg]."""
+        raise NotImplementedError
+
     def evaluate_contacts(self, state: State) -> Any:
         """Return a state evaluated for its gaps, its contacts' forces and its constraints alone."""
         return self.evaluate(state)

@@ -22,7 +22,7 @@ class Readings(NamedTuple):
     """The readings at a run's instants.
 
     - ``start``, ``end``: of the run.
-    - ``event``: the one that the mechanism's `Reader` looks at; without a reader it is the end.
+    - ``event``: the one that the mechanism's `Reader` looks at; without one it is the end.
     - ``largest``: all observables where each one in question is largest.
     - ``end_time``: which moves with the parameters where a guard ends the run [s].
     """
@@ -67,7 +67,8 @@ def readings(
     releases move; ``largest``: the entries at which something is largest; ``by_guard``: whether a guard ends the run.
     """
     last = jnp.maximum(log.count - 1, 0)
-    named = [last] if reader is None else [last, reader.slot(system, log)]
+    event = None if reader is None else reader.slot(system, log)
+    named = [last] if event is None else [last, event]
     instants = _instants(system, start, log, jnp.concatenate([jnp.stack(named), largest]), len(named), by_guard)
     # Where an instant moves, its state moves at the rate after the event, which a first visit at the fixed time shows.
     # Without jumps it is the rate before the event too, which the log has; how the end moves shows in its guard alone.
@@ -131,7 +132,11 @@ def _look(
 ) -> tuple[State, Float[Array, " terminals"], Reading]:
     """Return the state's rate after the event, the guards of the run's end, and the reading."""
     at, active, constant = system.evaluate(state), instant.active, jax.lax.stop_gradient
-    rate = system.rate_at(at, active) if system.jumps or system.observes_rate else jnp.zeros_like(state)
+    rate, masses = jnp.zeros_like(state), None
+    if reader is not None and reader.directions is not None:
+        rate, masses = system.rate_and_masses(at, active, reader.directions(system, at))
+    elif system.jumps or system.observes_rate:
+        rate = system.rate_at(at, active)
     # The exact motion conserves momentum: what is computed of it are errors, which have no derivatives.
     momentum = None if system.momentum_scale is None else constant(system).momentum_at(constant(at))
     reading = Reading(
@@ -139,6 +144,6 @@ def _look(
         observables=system.observables_at(at, jnp.where(instant.before, instant.rate, rate), active),
         energy=system.energy_at(at, active),
         momentum=momentum,
-        own=None if reader is None else reader.look(system, at, active),
+        own=None if reader is None else reader.look(system, at, active, masses),
     )
     return rate, system.terminals_at(at), reading

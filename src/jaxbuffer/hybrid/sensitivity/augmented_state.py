@@ -109,7 +109,7 @@ def push_through_assembly(
     assemble: Callable[[list[Array]], S],
     motion: Callable[[S], Any],
     values: list[Array],
-    sizes: list[Float[Array, ""]],
+    sizes: Float[Array, " values"],
 ) -> Pushed:
     """Push tangents through the assembly of a system once, before the loop.
 

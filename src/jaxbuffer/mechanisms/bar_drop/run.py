@@ -31,7 +31,7 @@ class Flight(NamedTuple):
     closing: Float[Array, ""]
 
 
-def _flight(mechanism: Assembled, at: EvaluatedState, active: Array) -> Flight:
+def _flight(mechanism: Assembled, at: EvaluatedState, active: Array, masses: None) -> Flight:
     gap, closing = mechanism.gaps_at(at)
     return Flight(gap[0], closing[0])
 

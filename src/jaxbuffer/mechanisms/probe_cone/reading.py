@@ -45,12 +45,9 @@ class CaptureReading(NamedTuple):
     stretched: Scalar
 
 
-def _look(mechanism: Assembled, at: EvaluatedState, active: Closed) -> CaptureReading:
-    kin, cone, probe = at.kin, at.kin.frame(T), at.kin.frame(P)
-    axial, latches = mechanism.element("buffer").force, mechanism.all_of(Latch)
-    directions = [flank_direction(mechanism, at), mechanism.system.direction(axial.springs(kin)[0].blocks)]
-    directions += [_pull_of(mechanism, at, latch) for latch in latches]
-    flank_mass, axial_mass, *held = mechanism.system.effective_masses(kin, jnp.stack(directions, axis=1))
+def _look(mechanism: Assembled, at: EvaluatedState, active: Closed, masses: Float[Array, " rank"]) -> CaptureReading:
+    cone, probe, latches = at.kin.frame(T), at.kin.frame(P), mechanism.all_of(Latch)
+    flank_mass, axial_mass, *held = masses
     return CaptureReading(
         throat=mechanism.evaluated(at, "throat"),
         tip_rate=_tip_rate(at),
@@ -67,21 +64,29 @@ def _look(mechanism: Assembled, at: EvaluatedState, active: Closed) -> CaptureRe
     )
 
 
-def _crossing_slot(mechanism: Assembled, log: Log) -> Int[Array, ""]:
-    """Return the entry at which the tip crosses the capture plane, else the run's end: with latches it is the touchdown
-    of theirs, without them a captured run ends there."""
+def _crossing_slot(mechanism: Assembled, log: Log) -> Int[Array, ""] | None:
+    """Return the entry at which latches catch the tip, where it crosses the capture plane, or else the run's end;
+    without latches a captured run ends there."""
+    if not mechanism.all_of(Latch):
+        return None
     crosses, last = crossings(mechanism, log), jnp.maximum(log.count - 1, 0)
     return jnp.where(jnp.any(crosses), jnp.argmax(crosses), last)
 
 
-READER = Reader(_look, _crossing_slot)
+def _directions(mechanism: Assembled, at: EvaluatedState) -> Float[Array, "coordinates rank"]:
+    """Return the lower flank's normal, the buffer's axis and what pulls at latches, a column each."""
+    axial = mechanism.element("buffer").force
+    directions = [flank_direction(mechanism, at), mechanism.system.direction(axial.springs(at.kin)[0].blocks)]
+    directions += [_pull_of(mechanism, at, latch) for latch in mechanism.all_of(Latch)]
+    return jnp.stack(directions, axis=1)
+
+
+READER = Reader(_look, _crossing_slot, _directions)
 
 
 def crossings(mechanism: Assembled, log: Log) -> Bool[Array, " slots"]:
     """Return which entries of a log are the touchdown of the latches, at the crossing of the capture plane."""
     used = jnp.arange(log.kind.shape[0]) < log.count  # slots behind the count may hold anything
-    if not mechanism.all_of(Latch):
-        return jnp.zeros_like(used)
     return (log.kind == Kind.TOUCHDOWN) & (log.which == mechanism.contact_names.index("latch")) & used
 
 
