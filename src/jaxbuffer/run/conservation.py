@@ -19,7 +19,7 @@ def balance(system: ContactSystem, read: Readings, log: Log, drift: Float[Array,
     constant = jax.lax.stop_gradient
     before, after = constant(read.start.energy.total), constant(read.end.energy.total)
     used = jnp.arange(log.kind.shape[0]) < log.count
-    linear, angular = _momentum_change(system, read)
+    linear, angular = _momentum_change(constant(system), read)
     return read.end.energy, Balance(
         # The total may be near zero, since the zero of a potential is arbitrary: a scale of the system bounds it.
         energy=(after - before) / jnp.maximum(jnp.abs(before), constant(jnp.asarray(system.energy_scale))),
