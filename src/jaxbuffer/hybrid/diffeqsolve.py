@@ -96,7 +96,7 @@ def run_by_diffeqsolve(
     """
     duration = jnp.asarray(duration, float)
     begin, active = tangents.start(lambda primal: build(primal).start())
-    options = options.for_run(build(tangents.primal), begin[0])
+    options = options.shared(build(tangents.primal))
     path, solution = _solved(build, tangents, columns(begin), duration, options, allowed)
     system, alone = build(tangents.primal), path.alone()
     log, status = locate_events(system, alone, active, options.max_events, _status(system, alone, solution))

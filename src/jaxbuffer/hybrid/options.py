@@ -7,7 +7,7 @@ import equinox as eqx
 from .._types import Scalar
 from .rungekutta.controller import Controller, StepTolerance
 from .rungekutta.solvers import AUTOMATIC, Solver
-from .system import HybridSystem, State
+from .system import HybridSystem
 
 
 class Options(eqx.Module):
@@ -29,9 +29,6 @@ class Options(eqx.Module):
     max_events: int = eqx.field(static=True, default=512)
     keep: int = eqx.field(static=True, default=0)
 
-    def for_run(self, system: HybridSystem, start: State) -> "Options":
-        """Return the options with what a run of the system from its ``start`` asks for."""
-        tolerance = self.tolerance.shared(system.tolerance_share)
-        event_time = system.event_time(start, tolerance.rtol) if self.event_time is None else self.event_time
-        shortfall = tolerance.rtol if self.shortfall is None else self.shortfall
-        return dataclasses.replace(self, tolerance=tolerance, event_time=event_time, shortfall=shortfall)
+    def shared(self, system: HybridSystem) -> "Options":
+        """Return the options with the share of the tolerance that the steps of a system keep to."""
+        return dataclasses.replace(self, tolerance=self.tolerance.shared(system.tolerance_share))

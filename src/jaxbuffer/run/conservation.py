@@ -19,7 +19,7 @@ def balance(system: ContactSystem, read: Readings, log: Log, drift: Float[Array,
     constant = jax.lax.stop_gradient
     before, after = constant(read.start.energy.total), constant(read.end.energy.total)
     used = jnp.arange(log.kind.shape[0]) < log.count
-    linear, angular = _momentum_change(constant(system), read)
+    linear, angular = _momentum_change(system, read)
     return read.end.energy, Balance(
         # The total may be near zero, since the zero of a potential is arbitrary: a scale of the system bounds it.
         energy=(after - before) / jnp.maximum(jnp.abs(before), constant(jnp.asarray(system.energy_scale))),
@@ -34,4 +34,5 @@ def _momentum_change(system: ContactSystem, read: Readings) -> tuple[Array, Arra
     scale, before, after = system.momentum_scale, read.start.momentum, read.end.momentum
     if scale is None or before is None or after is None:
         return jnp.full((), jnp.nan), jnp.full((), jnp.nan)
-    return jnp.max(jnp.abs(after[0] - before[0])) / scale, jnp.abs(after[1] - before[1]) / scale
+    size = jax.lax.stop_gradient(scale)
+    return jnp.max(jnp.abs(after[0] - before[0])) / size, jnp.abs(after[1] - before[1]) / size

@@ -131,14 +131,14 @@ def _look(
     system: ContactSystem, reader: Reader | None, instant: _Instant, state: State
 ) -> tuple[State, Float[Array, " terminals"], Reading]:
     """Return the state's rate after the event, the guards of the run's end, and the reading."""
-    at, active, constant = system.evaluate(state), instant.active, jax.lax.stop_gradient
+    at, active = system.evaluate(state), instant.active
     rate, masses = jnp.zeros_like(state), None
     if reader is not None and reader.directions is not None:
         rate, masses = system.rate_and_masses(at, active, reader.directions(system, at))
     elif system.jumps or system.observes_rate:
         rate = system.rate_at(at, active)
     # The exact motion conserves momentum: what is computed of it are errors, which have no derivatives.
-    momentum = None if system.momentum_scale is None else constant(system).momentum_at(constant(at))
+    momentum = None if system.momentum_scale is None else jax.lax.stop_gradient(system.momentum_at(at))
     reading = Reading(
         state=state,
         observables=system.observables_at(at, jnp.where(instant.before, instant.rate, rate), active),

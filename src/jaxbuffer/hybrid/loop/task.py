@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
+from ..._types import Scalar
 from ..options import Options
 from ..sensitivity.augmented_state import Rows, Tangents
 from ..system import Active, HybridSystem
@@ -21,8 +22,8 @@ class Task(Generic[P]):
 
     ``build``: from parameters to the system; ``tangents``: the parameters and the directions in which derivatives are
     wanted; ``system``: the one of these parameters; ``start``: its state, with tangents, and which contacts are closed;
-    ``duration`` of the run [s]; ``options``; number of ``contacts``, of ``terminals`` (guards of the run's end) and of
-    ``observables``.
+    ``duration`` of the run [s]; ``options``, and of these ``event_time`` [s] and ``shortfall`` [-] where they leave
+    them to the system; number of ``contacts``, of ``terminals`` (guards of the run's end) and of ``observables``.
     """
 
     build: Callable[[P], HybridSystem]
@@ -31,6 +32,8 @@ class Task(Generic[P]):
     start: tuple[Rows, Active]
     duration: Float[Array, ""]
     options: Options
+    event_time: Scalar
+    shortfall: Scalar
     contacts: int
     terminals: int
     observables: int
@@ -42,13 +45,16 @@ class Task(Generic[P]):
         """Build the system, evaluate its start, and count its guards."""
         system = build(tangents.primal)
         rows, active = start = tangents.start(lambda parameters: build(parameters).start())
-        options = options.for_run(system, rows[0])
+        options = options.shared(system)
+        rtol = options.tolerance.rtol
+        event_time = system.event_time(rows[0], rtol) if options.event_time is None else options.event_time
+        shortfall = rtol if options.shortfall is None else options.shortfall
         # Only the shapes are wanted, so nothing is computed.
         terminal, value = jax.eval_shape(
             lambda y, open: (system.terminals(y), system.observables(y, y, open)), rows[0], active
         )
         sizes = (active.shape[0], terminal.shape[0], value.shape[0])
-        return Task(build, tangents, system, start, duration, options, *sizes)
+        return Task(build, tangents, system, start, duration, options, event_time, shortfall, *sizes)
 
     @property
     def rated(self) -> int:

@@ -133,7 +133,8 @@ def push_through_assembly(
         used = _used(lambda numbers: motion(filled(numbers)), leaves)
     depending = [i for i, them in enumerate(sources) if them and used[i]]
     moving = sorted({k for i in depending for k in sources[i]})
-    directions = [jnp.where(np.array(moving, int) == k, size, 0.0) for k, size in enumerate(sizes)]
+    own = np.array(moving, int)[:, None] == np.arange(len(values))[None]
+    directions = list(jnp.where(own, sizes[None], 0.0).T)
 
     def pick(values: list[Array]) -> list[Array]:
         picked = numbers(values)

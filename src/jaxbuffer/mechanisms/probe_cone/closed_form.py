@@ -54,7 +54,7 @@ def _first_impact(parameters: tuple[Design, Scenario]) -> FirstImpact:
     return predict(mechanism, *first_flank(mechanism, mechanism.first_evaluation()[0]))
 
 
-def predict(mechanism: Assembled, mass: Scalar, speed: Scalar) -> FirstImpact:
+def predict(mechanism: Assembled, mass: Float[Array, ""], speed: Float[Array, ""]) -> FirstImpact:
     """Return the first impact of a mechanism's run, which starts there with the tip on the lower flank.
 
     **Arguments:** ``mass``: that the flank meets [kg]; ``speed``: of approach [m/s].

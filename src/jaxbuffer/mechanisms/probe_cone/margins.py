@@ -27,7 +27,7 @@ def throat(
     there, time = end, log.time[jnp.maximum(log.count - 1, 0)]
     if mechanism.all_of(Latch):
         there, time = cross.at.throat, cross.time
-    return end.before, _through(mechanism, end, -(there.before + there.receding * (duration - time)))
+    return jnp.asarray(end.before), _through(mechanism, end, -(there.before + there.receding * (duration - time)))
 
 
 def _through(mechanism: Assembled, end: ThroatState, beyond: Array) -> Array:

@@ -36,10 +36,10 @@ class CaptureReading(NamedTuple):
     attitude: Scalar
     attitude_rate: Scalar
     passive_velocity: Vector
-    relative_energy: Scalar
+    relative_energy: Float[Array, ""]
     since_crossing: Scalar
-    flank_mass: Scalar
-    axial_mass: Scalar
+    flank_mass: Float[Array, ""]
+    axial_mass: Float[Array, ""]
     stroke_rate: Scalar
     push: Scalar
     stretched: Scalar
