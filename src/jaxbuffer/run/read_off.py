@@ -33,11 +33,12 @@ def _read_off(request: Request, system: ContactSystem, result: Result) -> Solved
     events, places = survey(system, result.log), places_of(system, result.log)
     log, by_guard = moving_events(result.log, events), result.status < Status.TIMEOUT
     read = readings(system, mechanism.reader, result.start, log, places.slots, by_guard)
+    events = events.with_forces(jnp.append(places.slots, jnp.maximum(log.count - 1, 0)), read.observables)
     log = moving_end(log, read.end_time, read.end.state)
     code = outcome_code(mechanism.outcomes, system.end_outcomes, result.status)
     # a factor, so that derivatives are NaN as well
     known = jnp.where(code < mechanism.outcomes["failed_steps"], 1.0, jnp.nan)
-    top, hits = maxima(system, log, places, read), impacts(system, log, events.with_end(log, read.end))
+    top, hits = maxima(system, log, places, read), impacts(system, log, events)
     energy, conserved = balance(system, read, log, events.drift)
     touched = top.peak_force > 0.0  # without a contact there is no largest force, nor a time and a place of it
     numbers = {

@@ -33,6 +33,11 @@ class Readings(NamedTuple):
     largest: Float[Array, "maxima observables"]
     end_time: Float[Array, ""]
 
+    @property
+    def observables(self) -> Float[Array, "entries observables"]:
+        """Return the observables at the entries of ``largest``, and at the end."""
+        return jnp.concatenate([self.largest, self.end.observables[None]])
+
 
 class _Instant(NamedTuple):
     """One instant as the log has it, or many.

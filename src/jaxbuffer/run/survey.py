@@ -8,7 +8,6 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from ..hybrid import Kind, Log
-from ..mechanisms.reading import Reading
 from ..mechanisms.system import ContactSystem
 
 
@@ -20,10 +19,10 @@ class Survey(NamedTuple):
     force: Float[Array, "slots impact_contacts"]
     drift: Float[Array, " slots"]
 
-    def with_end(self, log: Log, end: Reading) -> "Survey":
-        """Return the survey with the forces of the run's end as it moves with the parameters."""
-        last = jnp.maximum(log.count - 1, 0)
-        return self._replace(force=self.force.at[last].set(end.observables[: self.force.shape[1]]))
+    def with_forces(self, slots: Int[Array, " some"], observables: Float[Array, "some observables"]) -> "Survey":
+        """Return the survey with the forces that are read at some entries: those at the run's end, as it moves with the
+        parameters, and the largest one to its last digit."""
+        return self._replace(force=self.force.at[slots].set(observables[:, : self.force.shape[1]]))
 
 
 def survey(system: ContactSystem, log: Log) -> Survey:
