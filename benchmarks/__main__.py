@@ -18,6 +18,7 @@ NAMES = {  # modules of this package, each with a `main`, and what they are for
     "diffrax_route": "a capture through diffrax.diffeqsolve beside our own",
     "docking": "runs until the latches hold, and free starts",
     "elements": "finite elements a second beside a loop in numba",
+    "equations": "how large the programs of a run and of its derivatives are",
     "evaluation": "one evaluation of the right-hand side, alone and with derivatives",
     "gradients": "time and memory of a design problem's gradient by scenarios",
     "missed_events": "events of motions in closed form: is one missed?",

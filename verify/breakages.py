@@ -198,9 +198,9 @@ def _maxima_from_zero() -> None:
 
 
 def _release_stands_still() -> None:
-    from jaxbuffer.run import maxima
+    from jaxbuffer.run import readings
 
-    maxima.state_of_maximum = lambda system, log, slot: maxima.state_at(log, slot)
+    readings.largest_at_event = lambda system, kind: jnp.zeros(kind.shape, bool)
 
 
 def _falling_ends_only() -> None:

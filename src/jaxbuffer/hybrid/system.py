@@ -221,6 +221,15 @@ class HybridSystem(eqx.Module):
         invariant = self.invariant(jax.lax.stop_gradient(state), active)
         return Watched(gap, gap_rate, self.terminals(state), self.observables(state, rate, active), invariant)
 
+    def event_time(self, state: State, rtol: Scalar) -> Scalar:
+        """Return how closely steps of a run from a state end on events [s], at a relative tolerance.
+
+        A force that begins τ late with the 3/2 power of time gives an impact of duration T the fraction (τ/T)^{5/2}
+        less impulse, which is held to a hundredth of the tolerance; one that begins with a jump τ/T.
+        """
+        duration = 15.0 * self.impact_step(state)
+        return duration * (rtol if self.jumps else (0.01 * rtol) ** 0.4)
+
     def impact_step(self, state: State) -> Float[Array, ""]:
         """Return a first step after a touchdown [s]: a fifteenth of the impact's duration."""
         raise NotImplementedError

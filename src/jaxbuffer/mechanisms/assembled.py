@@ -31,6 +31,7 @@ from .system import ONSET, ContactSystem, SmoothMemory
 DEEPEST = 0.99  # of a ball's radius
 HYSTERESIS, FRICTION = "hysteresis", "friction"  # where contacts lose energy
 
+FirstContact = Callable[[Array, Scalar], tuple[Array, Array]]
 Quantity = Callable[[System, Kinematics], Scalar]
 E = TypeVar("E", bound=Element)
 
@@ -48,10 +49,12 @@ class Shown(NamedTuple):
 
 
 class Exerted(NamedTuple):
-    """What acts at one instant: the contacts' forces, and accelerations and multipliers of the bodies."""
+    """What acts at one instant: the contacts' forces, accelerations and multipliers of the bodies, and, where it is
+    asked for, the mass that a force along each of some directions meets [kg]."""
 
     contacts: tuple[ContactForces, ...]
     motion: Motion
+    masses: Array | None = None
 
 
 class Assembled(ContactSystem):
@@ -69,7 +72,9 @@ class Assembled(ContactSystem):
     observables; ``recorded``: what a history shows besides; ``parts``: whatever these need to know; ``energy_size``
     [J]: magnitude of the energy; if given, steps must also keep the energy balance; ``momentum_size`` [kg m/s]: that of
     the momentum, where the ground takes no part; ``memory_time`` [s]: if given, no event sets the contacts' memory: it
-    follows the approach speed while the contact is open (M61); ``first_memory`` [m/s]: the contacts' memory at t = 0;
+    follows the approach speed while the contact is open (M61); ``first_contact``: which contacts are
+    closed at t = 0, in place of ``closed``, and their memory there [m/s], from their approach speeds and the least
+    memory [m/s];
     ``stored_in``, ``lost_in``: names of the energies that the system itself stores and loses (None: it loses none);
     ``listed``: names of energies, stored and lost, that are listed also where no part has them; ``rings``: whether
     reactions may rise suddenly, as where a body bends or a pin bounces.
@@ -95,7 +100,7 @@ class Assembled(ContactSystem):
     quiet: Scalar | None = None
     speed: Scalar | None = None
     momentum_size: Scalar | None = None
-    first_memory: Float[Array, " contacts"] | None = None
+    first_contact: FirstContact | None = eqx.field(static=True, default=None)
     stored_in: str = eqx.field(static=True, default="potential")
     lost_in: str | None = eqx.field(static=True, default="dampers")
     listed: tuple[tuple[str, ...], tuple[str, ...]] = eqx.field(static=True, default=((), ()))
@@ -297,11 +302,20 @@ class Assembled(ContactSystem):
         return self.system.kinematics(state[places["q"]], state[places["v"]], time)
 
     def evaluate(self, state: State) -> EvaluatedState:
-        kin, places, inertias = self.kinematics(state), self.layout.places, self.layout.spin_inertias
+        return self._evaluated(state, self.kinematics(state))
+
+    def evaluate_contacts(self, state: State) -> EvaluatedState:
+        # An element without switches opens and closes nothing.
+        return self._evaluated(state, self.kinematics(state), switching=True)
+
+    def _evaluated(self, state: State, kin: Kinematics, switching: bool = False) -> EvaluatedState:
+        """Return an evaluated state; ``switching``: whether elements without switches are left out."""
+        places, inertias = self.layout.places, self.layout.spin_inertias
         spins = dict(zip(inertias, state[places["spins"]], strict=True)) if inertias else {}
         contacts = tuple(contact.evaluate(kin, spins.get(k)) for k, contact in enumerate(self.contacts))
         elements = tuple(
-            element.evaluate(kin, state[places[f"element {k}"]]) for k, element in enumerate(self.elements)
+            None if switching and not element.switches else element.evaluate(kin, state[places[f"element {k}"]])
+            for k, element in enumerate(self.elements)
         )
         return EvaluatedState(state, kin, contacts, elements)
 
@@ -316,33 +330,35 @@ class Assembled(ContactSystem):
         before, time = len(self.loss_names) + int(self.quiet is not None), jnp.zeros(int(self.layout.driven))
         moving = [self.q, self.v, *([stacked(spins)] if spins else []), jnp.zeros(before)]
         without_memory = jnp.concatenate([*moving, *own, time])
-        closed = self._start_closed(self.evaluate(jnp.concatenate([without_memory, jnp.ones(self.impact_contacts)])))
-        state = jnp.concatenate([without_memory, self._start_memory(kin, closed)])
-        at = self.evaluate(state)
+        # Nothing that is evaluated depends on the memory, which is known only then.
+        at = self._evaluated(jnp.concatenate([without_memory, jnp.ones(self.impact_contacts)]), kin)
+        closed, memory = self._start_contacts(at)
+        at = at._replace(state=jnp.concatenate([without_memory, memory]))
         if self.quiet is not None:
             # A run ends as held below a share of the first energy (M177), which therefore stands in the state.
             energy = self.relative_energy(at, closed)
-            at = at._replace(state=state.at[self.layout.places["first energy"]].set(energy))
+            at = at._replace(state=at.state.at[self.layout.places["first energy"]].set(energy))
         return at, closed
 
-    def _start_closed(self, at: EvaluatedState) -> Closed:
+    def _start_contacts(self, at: EvaluatedState) -> tuple[Closed, Float[Array, " contacts"]]:
+        """Return which contacts and switches are closed at t = 0, and the contacts' memory there [m/s]."""
+        speeds = row([it.approach.approach_speed for it in at.contacts])
+        if self.first_contact is not None:
+            touching, memory = self.first_contact(speeds, self.slowest_touchdown)
+            return self._with_switches(touching, at), memory
+        closed = self._with_switches(jnp.asarray(self.closed, float), at)
+        # An open contact's memory only says how fast the first impact may be.
+        touching = closed[: self.impact_contacts] > 0.5
+        return closed, jnp.maximum(speeds, jnp.where(touching, self.slowest_touchdown, self.typical_speed))
+
+    def _with_switches(self, given: Closed, at: EvaluatedState) -> Closed:
         """Return which contacts and switches are closed at t = 0: those that are said to be. Of the others the contacts
         are open, and a switch is closed where the start is beyond its place: no event would close it."""
-        given = jnp.asarray(self.closed, float)
         if given.shape[0] == self.contact_count:
             return given
         beyond = jnp.where(self.gaps_at(at)[0][self.impact_contacts :] < 0.0, 1.0, 0.0)
         default = jnp.concatenate([jnp.zeros(self.impact_contacts), beyond])
         return jnp.concatenate([given, default[given.shape[0] :]])
-
-    def _start_memory(self, kin: Kinematics, closed: Closed) -> Float[Array, " contacts"]:
-        """Return the memory at t = 0: an open contact's only says how fast the first impact may be."""
-        if self.first_memory is not None:
-            return self.first_memory
-        speeds = row([contact.evaluate(kin).approach.approach_speed for contact in self.contacts])
-        return jnp.maximum(
-            speeds, jnp.where(closed[: self.impact_contacts] > 0.5, self.slowest_touchdown, self.typical_speed)
-        )
 
     def smooth_memory(self, at: EvaluatedState) -> SmoothMemory | None:
         """Return how the memory follows the approach speed; None with events, which set it."""
@@ -369,18 +385,24 @@ class Assembled(ContactSystem):
         parts = zip(self.contacts, at.contacts, memory, self.layout.of_contacts(active), strict=True)
         return tuple(contact.forces(ball, speeds, closed) for contact, ball, speeds, closed in parts)
 
-    def exerted(self, at: EvaluatedState, active: Closed) -> Exerted:
-        """Return what acts at an instant."""
+    def exerted(self, at: EvaluatedState, active: Closed, directions: Array | None = None) -> Exerted:
+        """Return what acts at an instant. ``directions``: of the masses, a column each."""
         forces = self.contact_forces(at, active)
         balls = zip(self.contacts, at.contacts, forces, strict=True)
         loads = [load for contact, ball, force in balls for load in contact.loads(ball, force)]
         elements = zip(self.elements, at.elements, self.layout.of_elements(active), strict=True)
         loads += [load for element, *part in elements for load in element.loads(*part)]
-        return Exerted(forces, self.system.motion(at.kin, tuple(loads)))
+        if directions is None:
+            return Exerted(forces, self.system.motion(at.kin, tuple(loads)))
+        return Exerted(forces, *self.system.motion_and_masses(at.kin, tuple(loads), directions))
 
-    def derivative(self, time: Scalar, state: State, active: Closed) -> State:
-        at = self.evaluate(state)
+    def rate_at(self, at: EvaluatedState, active: Closed) -> State:
         return self._rate(at, active, self.exerted(at, active))
+
+    def rate_and_masses(self, at: EvaluatedState, active: Closed, directions: Array) -> tuple[State, Array]:
+        exerted = self.exerted(at, active, directions)
+        assert exerted.masses is not None
+        return self._rate(at, active, exerted), exerted.masses
 
     def _rate(self, at: EvaluatedState, active: Closed, exerted: Exerted) -> State:
         """Return the rate of the state."""
@@ -429,7 +451,8 @@ class Assembled(ContactSystem):
     def gaps_at(self, at: EvaluatedState) -> tuple[Closed, Closed]:
         """Return the gap of each contact and each switch [m], and how fast it closes [m/s]; of what is over after some
         time the time left [s], and how fast that passes."""
-        of = [element.gaps(it) for element, it in zip(self.elements, at.elements, strict=True)]
+        parts = zip(self.elements, at.elements, strict=True)
+        of = [element.gaps(it) if element.switches else [] for element, it in parts]
         gaps = self.layout.joined([it.approach.gap for it in at.contacts], [[gap for gap, _ in pairs] for pairs in of])
         speeds = [[speed for _, speed in pairs] for pairs in of]
         return gaps, self.layout.joined([it.approach.approach_speed for it in at.contacts], speeds)
@@ -568,8 +591,8 @@ class Assembled(ContactSystem):
         parts = zip(self.elements, at.elements, self.layout.of_elements(active), strict=True)
         return sum((element.stiff_force(*part) for element, *part in parts), start=jnp.zeros(()))
 
-    def momentum(self, state: State) -> tuple[Float[Array, " 2"], Float[Array, ""]]:
-        kin = self.kinematics(state)
+    def momentum_at(self, at: EvaluatedState) -> tuple[Float[Array, " 2"], Float[Array, ""]]:
+        kin, state = at.kin, at.state
         linear, angular = self.system.linear_momentum(kin), self.system.angular_momentum(kin)
         for inertia, spin in zip(self.layout.spin_inertias.values(), self.part(state, "spins"), strict=True):
             angular = angular + inertia * spin

@@ -12,13 +12,14 @@ from jaxtyping import Array, Bool
 from .._types import Scalar
 from ..errors import InputError, check_known, inside
 from ..fields import NON_NEGATIVE, POSITIVE, Part, all_of, get, paths
-from ..hybrid import Options
+from ..hybrid import LEAST_TOLERANCE, Options
 from .outcome import RunOutcome, Simulated
 from .quantity import Catalogue, Quantity, of_impact
+from .reading import Reader
 from .system import ContactSystem
 from .view import Names, View
 
-TOLERANCES = {"low": 1e-13, "high": 1e-2}
+TOLERANCES = {"low": LEAST_TOLERANCE, "high": 1e-2}
 LIMITS: dict[str, dict[str, Any]] = {
     "duration": POSITIVE,
     "rtol": TOLERANCES,
@@ -217,6 +218,7 @@ class Mechanism:
     - ``outcomes``: how runs end; ``successes``: the outcomes of which a tuned design must have one, () for any;
     - ``check_fit``: raises `InputError` where design and scenario do not fit; ``valid``: the same of traced numbers;
     - ``run``: makes the `Run` of what was `Solved`, None for a plain one;
+    - ``reader``: what that reads off single instants of a run, None for nothing;
     - ``smooth``: from design and scenario to a design that needs no events, for `diffrax.diffeqsolve`;
     - ``defaults`` of calls and studies; ``tuning``: what tuning needs besides; ``view``: what is told and drawn.
     """
@@ -232,6 +234,7 @@ class Mechanism:
     check_fit: Callable[[Any, Any], None] = lambda design, scenario: None
     valid: Callable[[Any, Any], Bool[Array, ""]] = plain_valid
     run: Callable[[Any, Any], Any] | None = None
+    reader: Reader | None = None
     smooth: Callable[[Any, Any], Any] = no_smooth_law
     # No compiled program depends on these: see `programs.identity.Description`.
     defaults: Defaults = dataclasses.field(default=Defaults(), compare=False)

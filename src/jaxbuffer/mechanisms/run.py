@@ -28,6 +28,7 @@ from .mechanism import Mechanism
 from .outcome import RunOutcome
 from .plain_summary import plain_summary
 from .quantity import LOAD_UNITS, OfImpact, check_quantities, of_impact
+from .reading import Reading
 from .registry import mechanism_of
 from .run_arrays import history_columns, run_dataset
 
@@ -358,7 +359,8 @@ class DesignOf(Part, Generic[R]):
 class Solved(NamedTuple):
     """What the time stepping found of a run, and what was read off: for `Mechanism.run`.
 
-    ``parameters``: design, scenario and Baumgarte's gain [1/s]; ``duration`` [s]; ``start``: the first evaluated state;
+    ``parameters``: design, scenario and Baumgarte's gain [1/s]; ``duration`` [s]; ``start``, ``end``, ``event``: what
+    is read off at start and end of the run, and at the event of the mechanism's `Reader` (the end without one);
     ``result`` of the time stepping; ``log``: its events with derivatives as they move; ``code`` of the outcome;
     ``known``: 1, or NaN for a failed run, a factor so that derivatives are NaN too; ``common``: the fields of every
     `Run`, by name.
@@ -366,7 +368,9 @@ class Solved(NamedTuple):
 
     parameters: tuple[Any, Any, Scalar]
     duration: Scalar
-    start: Any
+    start: Reading
+    end: Reading
+    event: Reading
     result: Result
     log: Log
     code: Int[Array, ""]

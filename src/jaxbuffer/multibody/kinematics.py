@@ -101,6 +101,14 @@ class Kinematics(eqx.Module):
             for body, k in enumerate(range(0, end, 3))
         )
 
+    def moving(self, v: Float[Array, " coordinates"]) -> "Kinematics":
+        """Return the same positions with other velocities."""
+        frames = tuple(
+            frame._replace(velocity=Vector(v[3 * body], v[3 * body + 1]), spin=v[3 * body + 2])
+            for body, frame in enumerate(self.frames)
+        )
+        return eqx.tree_at(lambda kin: (kin.v, kin.frames), self, (v, frames))
+
     def frame(self, body: int) -> Frame:
         """Return the frame of one body. ``body``: its index, or ``GROUND``."""
         if body == GROUND:

@@ -155,13 +155,30 @@ class System(eqx.Module):
 
     def motion(self, kin: Kinematics, extra: tuple[Load, ...] = ()) -> Motion:
         """Return accelerations and multipliers (M16). ``kin``: frames; ``extra``: loads besides the force elements'."""
+        return Motion(*solve_augmented(*self._augmented(kin, extra)))
+
+    def motion_and_masses(
+        self, kin: Kinematics, extra: tuple[Load, ...], directions: Float[Array, "coordinates rank"]
+    ) -> tuple[Motion, Float[Array, " rank"]]:
+        """Return `motion` and `effective_masses`, of one system of equations with several right-hand sides."""
+        mass, jacobian, force, rhs = self._augmented(kin, extra)
+        forces = jnp.concatenate([force[:, None], directions], axis=1)
+        sides = jnp.pad(rhs[:, None], ((0, 0), (0, directions.shape[1])))
+        solve = lambda force, side: solve_augmented(mass, jacobian, force, side)  # noqa: E731
+        answers, multipliers = jax.vmap(solve, in_axes=1, out_axes=1)(forces, sides)
+        return Motion(answers[:, 0], multipliers[:, 0]), _masses(directions, answers[:, 1:])
+
+    def _augmented(
+        self, kin: Kinematics, extra: tuple[Load, ...]
+    ) -> tuple[MassMatrix, SparseRows, Float[Array, " coordinates"], Float[Array, " rows"]]:
+        """Return M, Φ_q and the right-hand sides of M16."""
         rows, alpha = self._rows(kin), self.stabilisation
         jacobian = SparseRows.of(self._entries(rows))
         drift = zip(rows, jacobian.times(kin.v), strict=True)
         # Holding Φ̈ = 0 alone would let Φ drift: Baumgarte's terms, critically damped, draw it back.
         rhs = [row.gamma - 2.0 * alpha * (row.rate + rate) - alpha * alpha * row.phi for row, rate in drift]
         force = self.generalised_force(kin, extra)
-        return Motion(*solve_augmented(self.mass_matrix(kin), jacobian, force, stacked(rhs) if rhs else jnp.zeros(0)))
+        return self.mass_matrix(kin), jacobian, force, stacked(rhs) if rhs else jnp.zeros(0)
 
     def solve(
         self, kin: Kinematics, force: Float[Array, " coordinates"], rhs: Float[Array, " rows"]
@@ -196,17 +213,21 @@ class System(eqx.Module):
         **Arguments:** ``kin``: frames; ``directions``: (coordinates, rank), a force a column. **Returns:** the same
         shape.
         """
-        # The joints hold, so Φ_q x is zero.
-        rest = jnp.zeros(len(self._rows(kin)))
-        return jax.vmap(lambda direction: self.solve(kin, direction, rest), in_axes=1, out_axes=1)(directions)
+        rows, mass = self._rows(kin), self.mass_matrix(kin)
+        jacobian, rest = SparseRows.of(self._entries(rows)), jnp.zeros(len(rows))  # the joints hold: Φ_q x is zero
+        one = lambda direction: solve_augmented(mass, jacobian, direction, rest)[0]  # noqa: E731
+        return jax.vmap(one, in_axes=1, out_axes=1)(directions)
 
     def effective_mass(self, kin: Kinematics, direction: Float[Array, " coordinates"]) -> Float[Array, ""]:
         """Return the mass that a force along a direction meets [kg] (M21).
 
         **Arguments:** ``kin``: frames; ``direction``: d, (coordinates,), with d·q̇ a speed [m/s].
         """
-        # The acceleration along the direction by a unit force along it is one over the mass.
-        return 1.0 / jnp.sum(direction * self.response(kin, direction[:, None])[:, 0])
+        return self.effective_masses(kin, direction[:, None])[0]
+
+    def effective_masses(self, kin: Kinematics, directions: Float[Array, "coordinates rank"]) -> Float[Array, " rank"]:
+        """Return the mass that a force along each of several directions meets, a direction a column [kg] (M21)."""
+        return _masses(directions, self.response(kin, directions))
 
     def kinetic_energy(self, kin: Kinematics) -> Float[Array, ""]:
         """Return ½ q̇ᵀ M q̇ [J] (M76, M123)."""
@@ -248,3 +269,11 @@ class System(eqx.Module):
             }
             for row in rows
         ]
+
+
+def _masses(
+    directions: Float[Array, "coordinates rank"], response: Float[Array, "coordinates rank"]
+) -> Float[Array, " rank"]:
+    """Return the mass that a force along each direction meets [kg], from the accelerations that unit forces cause."""
+    # The acceleration along a direction by a unit force along it is one over the mass.
+    return 1.0 / jnp.sum(directions * response, axis=0)

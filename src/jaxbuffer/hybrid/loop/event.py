@@ -9,9 +9,10 @@ from jaxtyping import Array, Bool, Float, Int
 from ..events.crossing import unlocated_maximum
 from ..rungekutta.stages import Step
 from ..sensitivity.augmented_state import Rows
+from ..system import HybridSystem
 from .decision import Decision
 from .log import UNMOVED, Kind, Log
-from .state import LoopState, observables_after_event
+from .state import LoopState
 from .task import Task
 from .trial import Trial
 
@@ -119,7 +120,8 @@ def logged(
     of_rate = task.contacts > 0 and task.system.observes_rate
     if task.system.jumps or of_rate:
         mode_changes = event.touchdown & task.system.jumps | event.release & of_rate
-        after = lambda: observables_after_event(task.system, event.time, event.rows_at_event[0], event.active)  # noqa: E731
+        at = (event.time, event.rows_at_event[0], event.active)
+        after = lambda: _observables_after_event(task.system, *at)  # noqa: E731
         values = lax.cond(mode_changes, after, lambda: values)
     # Guards are numbered through all kinds; the log counts each kind from zero.
     first = jnp.where(event.of_contact, 0, jnp.where(event.terminal, task.contacts, task.rated))
@@ -138,6 +140,13 @@ def logged(
         touching=task.system.touching(state.active),
     )
     return log, jnp.where(when & (mine | ~log.overflown), jnp.maximum(highest, values), highest)
+
+
+def _observables_after_event(
+    system: HybridSystem, time: Array, state: Array, active: Array
+) -> Float[Array, " observables"]:
+    """Return all observables of a state whose rate is not yet known."""
+    return system.observables(state, system.derivative(time, state, active), active)
 
 
 def _with_start(

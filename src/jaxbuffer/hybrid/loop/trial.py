@@ -83,7 +83,7 @@ def take_trial(task: Task[P], state: LoopState) -> Trial:
     state_norm = jnp.maximum(norms[0], jnp.abs(change) / allowed)
     # Beside a touchdown or a release tangents change with a root of the gap, of which less and less is more than
     # rounding: in a step shorter than events are located, their error is not known, and the state decides alone.
-    norm = jnp.where(length > task.options.event_time, jnp.maximum(state_norm, jnp.max(norms)), state_norm)
+    norm = jnp.where(length > task.event_time, jnp.maximum(state_norm, jnp.max(norms)), state_norm)
     # The last norm too, since the invariant is in it and not in the others.
     finite = jnp.all(jnp.isfinite(norms)) & jnp.isfinite(norm) & jnp.all(jnp.isfinite(step.rate))
     return Trial(method, length, with_tangents, step, guards, change, state_norm, norm, finite)

@@ -22,9 +22,8 @@ from ...elements import (
     SpringDamper,
     Thrust,
 )
-from ...multibody import AxialSpringDamper, Kinematics, TorsionalSpringDamper
+from ...multibody import AxialSpringDamper, TorsionalSpringDamper
 from ..assembled import Assembled
-from ..system import slowest_touchdown
 from .bending import Bending, modal_scales
 from .bodies import B, Masses, P, S, T, assemble_system, probe_masses
 from .buffer import ProbeBuffer
@@ -64,7 +63,6 @@ def assemble(design: Design, scenario: Scenario, stabilisation: Scalar = 20.0) -
     system = assemble_system(design, probe, GAIN_WITH_LATCH * stabilisation if latched else stabilisation)
     q, v = start_motion(design, scenario, probe)
     tip = tip_in_cone(design, scenario, probe)
-    touching, memory = first_contact(tip, scenario, system.kinematics(q, v))
     # Positions are compared with the penetration of a typical impact, velocities with the approach speed.
     length = 1e-3
     bent, bending_rate = ([], []) if bending is None else modal_scales(bending, speed)
@@ -74,8 +72,7 @@ def assemble(design: Design, scenario: Scenario, stabilisation: Scalar = 20.0) -
         v=v,
         contacts=(tip,),
         elements=elements_of(design, scenario, probe),
-        closed=touching,
-        first_memory=memory,
+        first_contact=nothing_touches if scenario.start == "free" else tip_touches,
         quiet=design.latch.quiet if latched else None,
         # Angles are compared at an arm of 0.1 m.
         size=(
@@ -212,16 +209,17 @@ def tip_in_cone(design: Design, scenario: Scenario, probe: Masses) -> BallContac
     )
 
 
-def first_contact(tip: BallContact, scenario: Scenario, kin: Kinematics) -> tuple[Array, Array]:
-    """Return which flanks are touched at t = 0, and the contacts' memory there [m/s]."""
-    # Damping is divided by the memory, which therefore has a least value (M36).
-    slowest = slowest_touchdown(scenario.approach_speed)
-    if scenario.start == "free":  # nothing touches, and the memory is at its floor (M170)
-        return jnp.zeros(FLANKS), jnp.full(FLANKS, slowest)
-    approach = tip.evaluate(kin).approach.approach_speed
+def tip_touches(approach: Array, slowest: Scalar) -> tuple[Array, Array]:
+    """Return which flanks the tip touches at t = 0 where it starts on the cone, and the contacts' memory [m/s]."""
     # The start lies on the lower flank alone (M64); a tip that moves off it does not touch it either.
     touching = jnp.where((jnp.arange(FLANKS) == LOWER) & (approach > 0.0), 1.0, 0.0)
+    # Damping is divided by the memory, which therefore has a least value (M36).
     return touching, jnp.maximum(approach, slowest)
+
+
+def nothing_touches(approach: Array, slowest: Scalar) -> tuple[Array, Array]:
+    """Return that no flank is touched at a free start, where the memory is at its floor (M170)."""
+    return jnp.zeros(FLANKS), jnp.full(FLANKS, slowest)
 
 
 def pin_in_bush(design: Design) -> Pin:

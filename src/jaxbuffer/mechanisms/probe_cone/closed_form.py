@@ -18,6 +18,7 @@ from ..layout import EvaluatedState
 from .assembly import LOWER, assemble
 from .capture import FirstImpact
 from .design import Design, Scenario, check_fit
+from .reading import flank_direction
 
 HERTZ_DURATION = 2.943275  # of a lossless impact, times its largest penetration over its approach speed [-]
 
@@ -68,7 +69,7 @@ def _arrays(design: Design, scenario: Scenario) -> tuple[Design, Scenario]:
 @stored
 def _first_impact(parameters: tuple[Design, Scenario]) -> FirstImpact:
     mechanism = assemble(*parameters)
-    return predict(mechanism, mechanism.first_evaluation()[0])
+    return predict(mechanism, *first_flank(mechanism, mechanism.first_evaluation()[0]))
 
 
 @stored
@@ -77,14 +78,16 @@ def _log_peak_slopes(parameters: tuple[Design, Scenario]) -> Design:
 
     def log_peak(design: Design) -> Float[Array, ""]:
         mechanism = assemble(design, parameters[1])
-        return jnp.log(predict(mechanism, mechanism.first_evaluation()[0]).elastic_peak)
+        return jnp.log(predict(mechanism, *first_flank(mechanism, mechanism.first_evaluation()[0])).elastic_peak)
 
     return jax.grad(log_peak)(parameters[0])
 
 
-def predict(mechanism: Assembled, at: EvaluatedState) -> FirstImpact:
-    """Return the first impact of a mechanism's run, which starts there with the tip on the lower flank."""
-    mass, speed = first_flank(mechanism, at)
+def predict(mechanism: Assembled, mass: Float[Array, ""], speed: Float[Array, ""]) -> FirstImpact:
+    """Return the first impact of a mechanism's run, which starts there with the tip on the lower flank.
+
+    **Arguments:** ``mass``: that the flank meets [kg]; ``speed``: of approach [m/s].
+    """
     energy = 0.5 * mass * speed**2
     law = mechanism.contacts[0].pair.law
     stiffness = jnp.asarray(mechanism.parts.design.contact_stiffness)
@@ -99,8 +102,7 @@ def predict(mechanism: Assembled, at: EvaluatedState) -> FirstImpact:
 def first_flank(mechanism: Assembled, at: EvaluatedState) -> tuple[Float[Array, ""], Float[Array, ""]]:
     """Return the effective mass [kg] that the lower flank meets, the joints holding and the springs soft, and the
     contact's memory [m/s]: 1/m = A M_c⁻¹ Aᵀ, where A q̇ is the approach speed."""
-    closing = mechanism.contacts[0].directions(mechanism.system, at.contacts[0])[0][: mechanism.coordinates, LOWER]
-    return mechanism.system.effective_mass(at.kin, closing), mechanism.memory(at.state)[LOWER]
+    return mechanism.system.effective_mass(at.kin, flank_direction(mechanism, at)), mechanism.memory(at.state)[LOWER]
 
 
 def hertz_peak(stiffness: Scalar, energy: Scalar) -> Float[Array, ""]:

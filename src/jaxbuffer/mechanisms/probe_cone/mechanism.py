@@ -10,6 +10,7 @@ from .design import Design, Scenario, check_fit, valid
 from .outcome import Outcome
 from .problem import check_problem, left_open, unfinished
 from .quantities import QUANTITIES
+from .reading import READER
 from .solved import capture
 from .view import VIEW
 
@@ -47,6 +48,7 @@ PROBE_CONE = register(
         check_fit=check_fit,
         valid=valid,
         run=capture,
+        reader=READER,
         view=VIEW,
         tuning=TuningRules(
             # No buffer may come to its end, and no latch may tear.
