@@ -1,0 +1,89 @@
+"""Space: three components, a body's position by a point and a quaternion, its velocity by six numbers."""
+
+from typing import Any, ClassVar
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from .._types import Scalar
+from ..basis import Basis, Rows
+from .frames import Frame
+from .quaternions import Quaternion
+from .vectors import Vector
+
+Inertia = tuple[Scalar, Scalar, Scalar]
+"""Principal moments of inertia about a body's axes [kg m²]."""
+
+
+class Space(Basis[Vector, Vector, Frame]):
+    """Space. A body's position is (x, y, z, quaternion), its velocity that of its centre of mass and its spin, both in
+    inertial axes (M209)."""
+
+    dimensions: ClassVar[int] = 3
+    positions: ClassVar[int] = 7
+    velocities: ClassVar[int] = 6
+
+    def vector(self, *components: Scalar) -> Vector:
+        return Vector(*components)
+
+    def entries(self, turn: Vector) -> tuple[Scalar, ...]:
+        return tuple(turn)
+
+    def along_axes(self, arm: Vector) -> tuple[tuple[Scalar, ...], ...]:
+        units = Vector(1.0, 0.0, 0.0), Vector(0.0, 1.0, 0.0), Vector(0.0, 0.0, 1.0)
+        return tuple((*unit, *arm.cross(unit)) for unit in units)
+
+    def frames(self, q: Float[Array, " coordinates"], v: Float[Array, " velocities"], bodies: int) -> tuple[Frame, ...]:
+        return tuple(_frame(q[7 * k : 7 * k + 7], v[6 * k : 6 * k + 6]) for k in range(bodies))
+
+    def ground(self) -> Frame:
+        zero = Vector(0.0, 0.0, 0.0)
+        axes = Vector(1.0, 0.0, 0.0), Vector(0.0, 1.0, 0.0), Vector(0.0, 0.0, 1.0)
+        return Frame(zero, Quaternion(1.0, 0.0, 0.0, 0.0), axes, zero, zero)
+
+    def position_rate(self, q: Array, v: Array, bodies: int) -> Array:
+        rates: list[Array] = []
+        for k in range(bodies):
+            turn = Quaternion(*q[7 * k + 3 : 7 * k + 7]).rate(Vector(*v[6 * k + 3 : 6 * k + 6]))
+            rates += [v[6 * k : 6 * k + 3], jnp.stack([jnp.asarray(entry) for entry in turn])]
+        return jnp.concatenate([*rates, v[6 * bodies :]])
+
+    def velocity(self, q: Array, rate: Array, bodies: int) -> Array:
+        velocities: list[Array] = []
+        for k in range(bodies):
+            spin = Quaternion(*q[7 * k + 3 : 7 * k + 7]).spin(Quaternion(*rate[7 * k + 3 : 7 * k + 7]))
+            velocities += [rate[7 * k : 7 * k + 3], jnp.stack([jnp.asarray(entry) for entry in spin])]
+        return jnp.concatenate([*velocities, rate[7 * bodies :]])
+
+    def relative_rotation(self, first: Frame, second: Frame) -> Vector:
+        return second.quaternion.after(first.quaternion.inverse()).rotation_vector()
+
+    def reference_axes(self, angle: Any) -> tuple[Vector, ...]:
+        turn = Vector(*angle) if isinstance(angle, tuple) else Vector(0.0, 0.0, angle)
+        return Quaternion.of_rotation_vector(turn).axes()
+
+    def diagonal(self, mass: Scalar, inertia: Inertia) -> tuple[Scalar, ...]:
+        return (mass, mass, mass, 0.0, 0.0, 0.0)
+
+    def inertia_block(self, frame: Frame, inertia: Inertia) -> Rows:
+        """Return the lower half of R I Rᵀ [kg m²] (M211)."""
+        weighted = [axis * moment for axis, moment in zip(frame.axes, inertia, strict=True)]
+        entry = lambda i, j: sum(w[i] * axis[j] for w, axis in zip(weighted, frame.axes, strict=True))  # noqa: E731
+        return [[entry(i, j) for j in range(i + 1)] for i in range(3)]
+
+    def spin_momentum(self, frame: Frame, inertia: Inertia) -> Vector:
+        local = frame.unturn(frame.spin)
+        return frame.turn(Vector(*(moment * part for moment, part in zip(inertia, local, strict=True))))
+
+    def gyroscopic_moment(self, frame: Frame, inertia: Inertia) -> Vector:
+        """Return -ω × (R I Rᵀ ω) [N m] (M211)."""
+        return self.spin_momentum(frame, inertia).cross(frame.spin)
+
+
+def _frame(q: Float[Array, " 7"], v: Float[Array, " 6"]) -> Frame:
+    quaternion = Quaternion(q[3], q[4], q[5], q[6])
+    velocity, spin = Vector(v[0], v[1], v[2]), Vector(v[3], v[4], v[5])
+    return Frame(Vector(q[0], q[1], q[2]), quaternion, quaternion.axes(), velocity, spin)
+
+
+SPACE = Space()
