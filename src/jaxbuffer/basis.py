@@ -12,7 +12,11 @@ V = TypeVar("V")
 T = TypeVar("T")
 F = TypeVar("F")
 
+Entry = Scalar | Float[Array, "..."]
+"""A number, or a row of numbers treated alike."""
+
 Rows = list[list[Scalar]]
+"""The lower half of a symmetric matrix."""
 
 
 class Basis(eqx.Module, Generic[V, T, F]):
@@ -23,19 +27,18 @@ class Basis(eqx.Module, Generic[V, T, F]):
 
     - ``dimensions``: components of a vector.
     - ``positions``, ``velocities``: numbers of one body's position and of its velocity.
+    - ``inertia_turns``: whether the inertia of a rigid body, in inertial axes, changes as it turns; its share of the
+      mass matrix is then a block.
     """
 
     dimensions: ClassVar[int]
     positions: ClassVar[int]
     velocities: ClassVar[int]
+    inertia_turns: ClassVar[bool]
 
     @abstractmethod
-    def vector(self, *components: Scalar) -> V:
+    def vector(self, *components: Entry) -> V:
         """Return the vector of some components; those that are left out are zero."""
-
-    @abstractmethod
-    def entries(self, turn: T) -> tuple[Scalar, ...]:
-        """Return a turn's components, in the order of a body's velocities."""
 
     @abstractmethod
     def along_axes(self, arm: V) -> tuple[tuple[Scalar, ...], ...]:
@@ -67,26 +70,49 @@ class Basis(eqx.Module, Generic[V, T, F]):
         """Return the rotation that takes the first frame to the second, as a turn in inertial axes [rad]."""
 
     @abstractmethod
-    def reference_axes(self, angle: Any) -> tuple[V, ...]:
-        """Return the axes of a first body in those of a second one, which the first is turned by ``angle`` against."""
-
-    @abstractmethod
     def diagonal(self, mass: Scalar, inertia: Any) -> tuple[Scalar, ...]:
-        """Return a body's share of the mass matrix' diagonal, Python's 0 where `inertia_block` takes its place."""
+        """Return a rigid body's share of the mass matrix' diagonal, Python's 0 where `inertia_block` has it."""
 
     @abstractmethod
     def inertia_block(self, frame: F, inertia: Any) -> Rows:
-        """Return the lower half of the inertia in inertial axes [kg m²]; empty where `diagonal` has it."""
+        """Return the inertia about the centre of mass in inertial axes [kg m²], where it turns."""
 
     @abstractmethod
     def spin_momentum(self, frame: F, inertia: Any) -> T:
         """Return the angular momentum about the centre of mass [kg m²/s]."""
 
     @abstractmethod
-    def gyroscopic_moment(self, frame: F, inertia: Any) -> T | None:
-        """Return the moment that the body's own spin exerts on it [N m]; None where there is none."""
+    def gyroscopic_moment(self, frame: F, inertia: Any) -> T:
+        """Return the moment that changes the spin of a free body [N m], where its inertia turns."""
+
+
+AnyBasis = Basis[Any, Any, Any]
+"""The plane or space."""
+
+
+def components(turn: Any) -> tuple[Entry, ...]:
+    """Return a turn's components: of the plane it is a number, of space a vector."""
+    return tuple(turn) if isinstance(turn, tuple) else (turn,)
 
 
 def is_zero(value: Any) -> bool:
     """Return whether a value is Python's 0, which is known to be zero when a program is compiled."""
-    return isinstance(value, float) and value == 0.0
+    return isinstance(value, float) and bool(value == 0.0)
+
+
+def plus(a: Entry, b: Entry) -> Entry:
+    """Return a + b; what is Python's 0 costs nothing."""
+    return b if is_zero(a) else a if is_zero(b) else a + b
+
+
+def less(a: Entry, b: Entry) -> Entry:
+    """Return a - b; what is Python's 0 costs nothing."""
+    return a if is_zero(b) else -b if is_zero(a) else a - b
+
+
+def times(a: Entry, b: Entry) -> Entry:
+    """Return a b; what is Python's 0 or 1 costs nothing."""
+    if is_zero(a) or is_zero(b):
+        return 0.0
+    one = [isinstance(factor, float) and factor == 1.0 for factor in (a, b)]
+    return b if one[0] else a if one[1] else a * b

@@ -7,8 +7,8 @@ import equinox as eqx
 import jax.numpy as jnp
 
 from .._types import Scalar
-from ..plane import Vector
-from .kinematics import Block, Kinematics, MaterialPoint, Point
+from ..basis import is_zero
+from .kinematics import Block, Kinematics, MaterialPoint, Point, Turn, Vector
 
 PASSING = 1e-6  # m
 
@@ -18,34 +18,36 @@ class Load(NamedTuple):
 
     - ``body``: its index, or ``GROUND``.
     - ``force``: through the origin of its frame, in inertial axes [N].
-    - ``moment``: about that [N m].
+    - ``moment``: about that [N m]; in space a vector.
     - ``modal``: on each modal coordinate [N]; empty for a rigid body.
     """
 
     body: int
     force: Vector
-    moment: Scalar
+    moment: Turn
     modal: tuple[Scalar, ...] = ()
 
 
-def load_at(point: MaterialPoint, force: Vector, moment: Scalar = 0.0) -> Load:
+def load_at(point: MaterialPoint, force: Vector, moment: Turn = 0.0) -> Load:
     """Return the load of a force and a moment that act at a material point (M19).
 
-    **Arguments:** ``point``; ``force``: in inertial axes [N]; ``moment``: [N m].
+    **Arguments:** ``point``; ``force``: in inertial axes [N]; ``moment``: [N m], in space a vector.
     """
+    lever = point.arm.cross(force)
     pairs = zip(point.shapes, point.rotations, strict=True)
     modal = tuple(shape.dot(force) + rotation * moment for shape, rotation in pairs)
-    return Load(point.body, force, point.arm.cross(force) + moment, modal)
+    return Load(point.body, force, lever if is_zero(moment) else lever + moment, modal)
 
 
-def turn_at(point: MaterialPoint, moment: Scalar) -> Load:
-    """Return the load of a moment alone that acts at a material point (M19). ``moment``: [N m]."""
-    return Load(point.body, Vector(0.0, 0.0), moment, tuple(rotation * moment for rotation in point.rotations))
+def turn_at(point: MaterialPoint, moment: Turn) -> Load:
+    """Return the load of a moment alone that acts at a material point (M19). ``moment``: [N m], in space a vector."""
+    # Without a third component the vector of space is zero as well.
+    return Load(point.body, type(point.arm)(0.0, 0.0), moment, tuple(rotation * moment for rotation in point.rotations))
 
 
 class SpringDirection(NamedTuple):
-    """How a spring-damper acts: the rate of its length is the sum over bodies of ``blocks`` (u, v, θ, modal
-    coordinates) times the body's velocity; ``stiffness`` and ``damping`` per unit of that length."""
+    """How a spring-damper acts: the rate of its length is the sum over bodies of ``blocks`` (see `Block`) times the
+    body's velocity; ``stiffness`` and ``damping`` per unit of that length."""
 
     blocks: Mapping[int, Block]
     stiffness: Scalar
@@ -112,7 +114,7 @@ class AxialSpringDamper(ForceElement):
     damping: Scalar
     free_length: Scalar
     published_damping: bool = eqx.field(static=True, default=False)
-    guide: tuple[float, float] | None = eqx.field(static=True, default=None)
+    guide: tuple[float, ...] | None = eqx.field(static=True, default=None)
 
     def state(self, kin: Kinematics) -> AxialState:
         """Return length, rate and direction at one instant (M22, M25)."""
@@ -122,11 +124,11 @@ class AxialSpringDamper(ForceElement):
             length = jnp.sqrt(separation.dot(separation))
             along = separation * (1.0 / length)
         else:
-            axis = i.turn(Vector(*self.guide))
+            axis = i.turn(kin.basis.vector(*self.guide))
             signed = separation.dot(axis)
             passing = signed < PASSING  # the ends' line has no direction where they meet: the guide's serves
             # Chosen before the root is taken: a root of zero has no derivative, even in a branch that is not taken.
-            line = Vector(*(jnp.where(passing, g, d) for g, d in zip(axis, separation, strict=True)))
+            line = kin.basis.vector(*(jnp.where(passing, g, d) for g, d in zip(axis, separation, strict=True)))
             size = jnp.sqrt(line.dot(line))
             length, along = jnp.where(passing, signed, size), line * (1.0 / size)
         return AxialState(length, rate.dot(along), along, i, j, rate)
@@ -159,7 +161,7 @@ class AxialSpringDamper(ForceElement):
 
 
 class TorsionalSpringDamper(ForceElement):
-    """Torque -k (θ_j - θ_i - angle) - c (θ̇_j - θ̇_i) on the second body, opposite on the first (M26).
+    """Torque -k (θ_j - θ_i - angle) - c (θ̇_j - θ̇_i) on the second body, opposite on the first, in the plane (M26).
 
     - ``first``, ``second``: bodies i and j (indices, or ``GROUND``).
     - ``stiffness``: k [N m/rad].
@@ -206,23 +208,23 @@ class AppliedForce(ForceElement):
     """A constant force at a point of a body (M27). A rigid body's weight is one at the centre of mass.
 
     - ``body``: its index.
-    - ``force``: (x, y) in inertial axes [N].
+    - ``force``: (x, y), in space (x, y, z), in inertial axes [N].
     - ``point``: where it acts.
     """
 
     body: int = eqx.field(static=True)
-    force: tuple[Scalar, Scalar]
+    force: tuple[Scalar, ...]
     point: Point = (0.0, 0.0)
 
     def loads(self, kin: Kinematics) -> tuple[Load, ...]:
-        return (load_at(kin.point(self.body, self.point), Vector(*self.force)),)
+        return (load_at(kin.point(self.body, self.point), kin.basis.vector(*self.force)),)
 
     def energy(self, kin: Kinematics) -> Scalar:
-        return -Vector(*self.force).dot(kin.point(self.body, self.point).place)
+        return -kin.basis.vector(*self.force).dot(kin.point(self.body, self.point).place)
 
 
 class AppliedTorque(ForceElement):
-    """A constant torque on a body (M27).
+    """A constant torque on a body, in the plane (M27).
 
     - ``body``: its index.
     - ``torque``: [N m].

@@ -1,13 +1,13 @@
 """Space: three components, a body's position by a point and a quaternion, its velocity by six numbers."""
 
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._types import Scalar
-from ..basis import Basis, Rows
-from .frames import Frame
+from ..basis import Basis, Entry, Rows
+from .frames import AXES, Frame
 from .quaternions import Quaternion
 from .vectors import Vector
 
@@ -22,24 +22,20 @@ class Space(Basis[Vector, Vector, Frame]):
     dimensions: ClassVar[int] = 3
     positions: ClassVar[int] = 7
     velocities: ClassVar[int] = 6
+    inertia_turns: ClassVar[bool] = True
 
-    def vector(self, *components: Scalar) -> Vector:
+    def vector(self, *components: Entry) -> Vector:
         return Vector(*components)
 
-    def entries(self, turn: Vector) -> tuple[Scalar, ...]:
-        return tuple(turn)
-
     def along_axes(self, arm: Vector) -> tuple[tuple[Scalar, ...], ...]:
-        units = Vector(1.0, 0.0, 0.0), Vector(0.0, 1.0, 0.0), Vector(0.0, 0.0, 1.0)
-        return tuple((*unit, *arm.cross(unit)) for unit in units)
+        return tuple((*unit, *arm.cross(unit)) for unit in AXES)
 
     def frames(self, q: Float[Array, " coordinates"], v: Float[Array, " velocities"], bodies: int) -> tuple[Frame, ...]:
         return tuple(_frame(q[7 * k : 7 * k + 7], v[6 * k : 6 * k + 6]) for k in range(bodies))
 
     def ground(self) -> Frame:
         zero = Vector(0.0, 0.0, 0.0)
-        axes = Vector(1.0, 0.0, 0.0), Vector(0.0, 1.0, 0.0), Vector(0.0, 0.0, 1.0)
-        return Frame(zero, Quaternion(1.0, 0.0, 0.0, 0.0), axes, zero, zero)
+        return Frame(zero, Quaternion(1.0, 0.0, 0.0, 0.0), AXES, zero, zero)
 
     def position_rate(self, q: Array, v: Array, bodies: int) -> Array:
         rates: list[Array] = []
@@ -57,10 +53,6 @@ class Space(Basis[Vector, Vector, Frame]):
 
     def relative_rotation(self, first: Frame, second: Frame) -> Vector:
         return second.quaternion.after(first.quaternion.inverse()).rotation_vector()
-
-    def reference_axes(self, angle: Any) -> tuple[Vector, ...]:
-        turn = Vector(*angle) if isinstance(angle, tuple) else Vector(0.0, 0.0, angle)
-        return Quaternion.of_rotation_vector(turn).axes()
 
     def diagonal(self, mass: Scalar, inertia: Inertia) -> tuple[Scalar, ...]:
         return (mass, mass, mass, 0.0, 0.0, 0.0)

@@ -5,6 +5,9 @@ from typing import NamedTuple
 from .quaternions import Quaternion
 from .vectors import Vector
 
+AXES = Vector(1.0, 0.0, 0.0), Vector(0.0, 1.0, 0.0), Vector(0.0, 0.0, 1.0)
+"""The inertial axes."""
+
 
 class Frame(NamedTuple):
     """Pose and motion of one body, or of the material at a point of it (M208).

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import jax.numpy as jnp
 
-from .._types import Scalar
+from ..basis import Entry
 from .vectors import Vector
 
 # Below this t² the series of atan(t)/t and of sin(h)/h and cos(h) are exact to rounding; the closed forms divide by t.
@@ -19,10 +19,10 @@ class Quaternion(NamedTuple):
     - ``w``: scalar part; ``x``, ``y``, ``z``: vector part.
     """
 
-    w: Scalar
-    x: Scalar
-    y: Scalar
-    z: Scalar
+    w: Entry
+    x: Entry
+    y: Entry
+    z: Entry
 
     @staticmethod
     def of_rotation_vector(turn: Vector) -> "Quaternion":
@@ -30,7 +30,8 @@ class Quaternion(NamedTuple):
         squared = 0.25 * (turn.x * turn.x + turn.y * turn.y + turn.z * turn.z)
         small = squared < SMALL
         half = jnp.sqrt(jnp.where(small, 1.0, squared))  # a root of zero has no derivative
-        cos = jnp.where(small, 1 - squared / 2 * (1 - squared / 12 * (1 - squared / 30 * (1 - squared / 56))), jnp.cos(half))
+        cos = 1 - squared / 2 * (1 - squared / 12 * (1 - squared / 30 * (1 - squared / 56)))
+        cos = jnp.where(small, cos, jnp.cos(half))
         ratio = 1 - squared / 6 * (1 - squared / 20 * (1 - squared / 42 * (1 - squared / 72)))
         ratio = 0.5 * jnp.where(small, ratio, jnp.sin(half) / half)
         return Quaternion(cos, turn.x * ratio, turn.y * ratio, turn.z * ratio)
@@ -41,7 +42,7 @@ class Quaternion(NamedTuple):
         return Vector(self.x, self.y, self.z)
 
     @property
-    def squared(self) -> Scalar:
+    def squared(self) -> Entry:
         """Return the square of the size."""
         return self.w * self.w + self.x * self.x + self.y * self.y + self.z * self.z
 
@@ -83,7 +84,7 @@ class Quaternion(NamedTuple):
         )
 
     def spin(self, rate: "Quaternion") -> Vector:
-        """Return the angular velocity of a ``rate`` [rad/s]; of a rate that changes the size alone it is zero (M209)."""
+        """Return the angular velocity of a ``rate`` [rad/s] (M209); of one that changes the size alone it is zero."""
         turned = rate.after(self.inverse()).vector
         return turned * (2.0 / self.squared)
 
