@@ -129,6 +129,7 @@ def test_the_motion_is_jacobis(amplitude):
     np.testing.assert_allclose(turned, Rotation.from_rotvec(angle * axis).as_matrix(), atol=1e-10)
 
 
+@pytest.mark.slow
 def test_derivatives_are_those_of_differences():
     """The end by the first spin and by the inertias, against central differences."""
     spin, moments, times = jnp.asarray(NEAR_LARGEST), jnp.asarray(MOMENTS), jnp.asarray(TIMES[:11])

@@ -15,8 +15,8 @@ import jax
 import jax.numpy as jnp
 
 from .._types import Scalar
-from ..basis import AnyBasis
-from ..space import Quaternion
+from ..basis import AnyBasis, is_zero
+from ..space import AXES, Quaternion
 from ..space import Vector as SpaceVector
 from .kinematics import Kinematics, Point
 from .primitives import CoincidentPoints, EqualAngles, PerpendicularVectors, Primitive, Row, blocks, negative
@@ -68,8 +68,10 @@ def _same_rotation(basis: AnyBasis, angle: Any) -> Primitives:
     first stays perpendicular to the next one of the second, turned by the angle."""
     if basis.dimensions == 2:
         return (EqualAngles(angle),)
-    turn = SpaceVector(*angle) if isinstance(angle, tuple) else SpaceVector(0.0, 0.0, angle)
-    x, y, z = Quaternion.of_rotation_vector(turn).axes()
+    x, y, z = AXES
+    if not is_zero(angle):
+        turn = SpaceVector(*angle) if isinstance(angle, tuple) else SpaceVector(0.0, 0.0, angle)
+        x, y, z = Quaternion.of_rotation_vector(turn).axes()
     return (
         PerpendicularVectors((1.0, 0.0, 0.0), y),
         PerpendicularVectors((0.0, 1.0, 0.0), z),
@@ -101,7 +103,8 @@ class Revolute(Joint):
 def _normals(axis: Direction) -> tuple[SpaceVector, SpaceVector]:
     """Return two unit vectors perpendicular to a unit vector, and to each other (Duff and others 2017)."""
     x, y, z = axis
-    sign = jnp.where(jnp.asarray(z) < 0.0, -1.0, 1.0)
+    # Plain numbers stay plain, so that their zeros cost nothing.
+    sign = jnp.where(z < 0.0, -1.0, 1.0) if isinstance(z, jax.Array) else -1.0 if z < 0.0 else 1.0
     a = -1.0 / (sign + z)
     b = x * y * a
     return SpaceVector(1.0 + sign * x * x * a, sign * b, -sign * x), SpaceVector(b, sign + y * y * a, -y)
