@@ -19,6 +19,26 @@ Rows = list[list[Scalar]]
 """The lower half of a symmetric matrix."""
 
 
+class PositionRate(eqx.Module):
+    """How positions change with velocities, q̇ = N(q) v, at one position q; in the plane q̇ is v itself.
+
+    Both ways are linear, and take columns one by one.
+    """
+
+    @property
+    def surplus(self) -> int:
+        """Return how many more numbers positions have than velocities."""
+        return 0
+
+    def of(self, v: Float[Array, "velocities *columns"]) -> Float[Array, "coordinates *columns"]:
+        """Return N(q) v."""
+        return v
+
+    def velocity(self, rate: Float[Array, "coordinates *columns"]) -> Float[Array, "velocities *columns"]:
+        """Return the v with N(q) v = ``rate``."""
+        return rate
+
+
 class Basis(eqx.Module, Generic[V, T, F]):
     """Vectors V, turns T (a spin, a moment, a rotation) and frames F of bodies, of the plane or of space.
 
@@ -54,16 +74,8 @@ class Basis(eqx.Module, Generic[V, T, F]):
         """Return the inertial frame, at rest."""
 
     @abstractmethod
-    def position_rate(
-        self, q: Float[Array, "coordinates *columns"], v: Float[Array, "velocities *columns"], bodies: int
-    ) -> Float[Array, "coordinates *columns"]:
-        """Return q̇ = N(q) v, linear in ``v``, of bodies and of whatever follows them."""
-
-    @abstractmethod
-    def velocity(
-        self, q: Float[Array, "coordinates *columns"], rate: Float[Array, "coordinates *columns"], bodies: int
-    ) -> Float[Array, "velocities *columns"]:
-        """Return the v with N(q) v = ``rate``, linear in it."""
+    def position_rate(self, q: Float[Array, " coordinates"], bodies: int) -> PositionRate:
+        """Return N(q) of bodies, whose positions come first in ``q``."""
 
     @abstractmethod
     def relative_rotation(self, first: F, second: F) -> T:

@@ -18,7 +18,7 @@ def integrate(system, q, v, times, tolerance=1e-13):
 def _integrate(system, q, v, times, tolerance):
     def field(_, y, system):
         q, v = y
-        return system.position_rate(q, v), system.motion(system.kinematics(q, v)).acceleration
+        return system.position_rate(q).of(v), system.motion(system.kinematics(q, v)).acceleration
 
     return diffrax.diffeqsolve(
         diffrax.ODETerm(field),

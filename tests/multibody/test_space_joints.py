@@ -63,13 +63,13 @@ def test_rows_are_derivatives_of_the_constraint(joint, pair):
         return system.errors(system.kinematics(q, v))
 
     def rate(q):
-        return jax.jvp(phi, (q,), (system.position_rate(q, v),))[1]
+        return jax.jvp(phi, (q,), (system.position_rate(q).of(v),))[1]
 
     found = system.constraints(system.kinematics(q, v))
     assert found.phi.shape == (JOINTS[joint][1],)
-    columns = [jax.jvp(phi, (q,), (system.position_rate(q, unit),))[1] for unit in jnp.eye(12)]
+    columns = [jax.jvp(phi, (q,), (system.position_rate(q).of(unit),))[1] for unit in jnp.eye(12)]
     np.testing.assert_allclose(found.jacobian, np.stack(columns, axis=1), atol=1e-14)
-    np.testing.assert_allclose(found.gamma, -jax.jvp(rate, (q,), (system.position_rate(q, v),))[1], atol=2e-13)
+    np.testing.assert_allclose(found.gamma, -jax.jvp(rate, (q,), (system.position_rate(q).of(v),))[1], atol=2e-13)
     assert np.linalg.matrix_rank(found.jacobian) == JOINTS[joint][1]
 
 

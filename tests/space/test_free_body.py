@@ -25,7 +25,7 @@ def motion(q, v, times, moments=MOMENTS):
         q, v = y
         (frame,) = SPACE.frames(q, v, 1)
         turned = ldl_solve(SPACE.inertia_block(frame, moments), SPACE.gyroscopic_moment(frame, moments))
-        return SPACE.position_rate(q, v, 1), jnp.concatenate([jnp.zeros(3), turned])
+        return SPACE.position_rate(q, 1).of(v), jnp.concatenate([jnp.zeros(3), turned])
 
     return diffrax.diffeqsolve(
         diffrax.ODETerm(field),

@@ -83,7 +83,7 @@ def random_state(seed, bodies=2):
 def test_the_position_rate_turns_the_frames_with_their_spins(seed):
     """Along q̇ = N(q) v the origins move with the velocities, and each axis with ω × axis."""
     q, v = random_state(seed)
-    rate = SPACE.position_rate(q, v, 2)
+    rate = SPACE.position_rate(q, 2).of(v)
 
     def poses(q):
         return [(jnp.stack(f.origin), *(jnp.stack(axis) for axis in f.axes)) for f in SPACE.frames(q, v, 2)]
@@ -99,15 +99,16 @@ def test_the_position_rate_turns_the_frames_with_their_spins(seed):
 
 @each_seed
 def test_the_velocity_of_a_position_rate(seed):
-    """``velocity`` is the inverse of ``position_rate``, column by column, and does not see what changes a size."""
+    """``velocity`` is the inverse of ``of``, column by column, and does not see what changes a size."""
     q, v = random_state(seed)
     rest = jnp.asarray(np.random.default_rng(seed).normal(size=(14, 3)))
     columns = jnp.concatenate([jnp.stack([v, 2.0 * v, -v], axis=1), rest])
-    rate = SPACE.position_rate(q, columns, 2)
-    np.testing.assert_allclose(rate[:14, 1], 2.0 * SPACE.position_rate(q, v, 2), rtol=1e-15)
-    np.testing.assert_allclose(SPACE.velocity(q, rate, 2), columns, rtol=1e-13, atol=1e-14)
+    position_rate = SPACE.position_rate(q, 2)
+    rate = position_rate.of(columns)
+    np.testing.assert_allclose(rate[:14, 1], 2.0 * position_rate.of(v), rtol=1e-15)
+    np.testing.assert_allclose(position_rate.velocity(rate), columns, rtol=1e-13, atol=1e-14)
     grown = jnp.zeros(14).at[3:7].set(q[3:7])
-    np.testing.assert_allclose(SPACE.velocity(q, grown, 2), 0.0, atol=1e-15)
+    np.testing.assert_allclose(position_rate.velocity(grown), 0.0, atol=1e-15)
 
 
 @each_seed
@@ -142,7 +143,7 @@ def test_moments_of_the_rotation_vector_are_those_of_its_potential(seed):
 
     turn = np.asarray(SPACE.relative_rotation(*SPACE.frames(q, v, 2)))
     power = turn @ np.asarray(v[9:12] - v[3:6])
-    gained = jax.jvp(squared, (q,), (SPACE.position_rate(q, v, 2),))[1]
+    gained = jax.jvp(squared, (q,), (SPACE.position_rate(q, 2).of(v),))[1]
     np.testing.assert_allclose(gained, power, rtol=1e-12)
 
 

@@ -28,7 +28,7 @@ def assemble(
     # A fixed number of steps, through which derivatives pass in both modes.
     for _ in range(iterations):
         kin = system.kinematics(q, v)
-        q = q + system.position_rate(q, system.solve(kin, none, -system.errors(kin)))
+        q = q + system.position_rate(q).of(system.solve(kin, none, -system.errors(kin)))
     # Velocities last, since the rows that they are projected onto depend on the positions.
     kin = system.kinematics(q, v)
     constraints = system.constraints(kin)

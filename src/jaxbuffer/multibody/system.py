@@ -9,7 +9,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._types import Scalar, stacked
-from ..basis import AnyBasis, components, plus
+from ..basis import AnyBasis, PositionRate, components, plus
 from ..errors import InputError, concrete
 from ..plane import PLANE
 from .augmented import MassMatrix, SparseRows, solve_augmented
@@ -125,13 +125,9 @@ class System(eqx.Module):
         """Return the frames of all bodies. ``q``: (coordinates,); ``v``: (velocities,); ``time``: for drives [s]."""
         return Kinematics(q, v, time, self.modes, self.basis)
 
-    def position_rate(self, q: Array, v: Array) -> Array:
-        """Return q̇ = N(q) v, for each column of ``v`` if it has some: in the plane v itself (M209)."""
-        return self.basis.position_rate(q, v, len(self.bodies))
-
-    def velocity(self, q: Array, rate: Array) -> Array:
-        """Return the v with N(q) v = ``rate``, for each column of it if it has some (M209)."""
-        return self.basis.velocity(q, rate, len(self.bodies))
+    def position_rate(self, q: Float[Array, " coordinates"]) -> PositionRate:
+        """Return how positions change with velocities at ``q``: in the plane q̇ is v itself (M209)."""
+        return self.basis.position_rate(q, len(self.bodies))
 
     def columns(self, body: int) -> tuple[int, ...]:
         """Return which velocities are a body's: u, v, θ, in space its six, then its modal ones."""

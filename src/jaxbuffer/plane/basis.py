@@ -6,7 +6,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._types import Scalar
-from ..basis import Basis, Entry, Rows
+from ..basis import Basis, Entry, PositionRate, Rows
 from .trigonometry import cos_sin
 from .vectors import Frame, Vector
 
@@ -37,11 +37,8 @@ class Plane(Basis[Vector, Scalar, Frame]):
         zero, one = jnp.zeros(()), jnp.ones(())
         return Frame(Vector(zero, zero), zero, one, zero, Vector(zero, zero), zero)
 
-    def position_rate(self, q: Array, v: Array, bodies: int) -> Array:
-        return v
-
-    def velocity(self, q: Array, rate: Array, bodies: int) -> Array:
-        return rate
+    def position_rate(self, q: Float[Array, " coordinates"], bodies: int) -> PositionRate:
+        return PositionRate()
 
     def relative_rotation(self, first: Frame, second: Frame) -> Scalar:
         return second.angle - first.angle

@@ -2,17 +2,49 @@
 
 from typing import ClassVar
 
+import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._types import Scalar
-from ..basis import Basis, Entry, Rows
+from ..basis import Basis, Entry, PositionRate, Rows
 from .frames import AXES, Frame
 from .quaternions import Quaternion
 from .vectors import Vector
 
 Inertia = tuple[Scalar, Scalar, Scalar]
 """Principal moments of inertia about a body's axes [kg m²]."""
+
+
+class TurningRate(PositionRate):
+    """q̇ = N(q) v of bodies in space: quaternions turn with the spins, all else is as it is (M209).
+
+    - ``q``: positions, of ``bodies`` first.
+    """
+
+    q: Float[Array, " coordinates"]
+    bodies: int = eqx.field(static=True)
+
+    @property
+    def surplus(self) -> int:
+        return self.bodies
+
+    def of(self, v: Float[Array, "velocities *columns"]) -> Float[Array, "coordinates *columns"]:
+        rates: list[Array] = []
+        for k, quaternion in enumerate(self._quaternions()):
+            turning = quaternion.rate(Vector(*v[6 * k + 3 : 6 * k + 6]))
+            rates += [v[6 * k : 6 * k + 3], jnp.stack(turning)]
+        return jnp.concatenate([*rates, v[6 * self.bodies :]])
+
+    def velocity(self, rate: Float[Array, "coordinates *columns"]) -> Float[Array, "velocities *columns"]:
+        velocities: list[Array] = []
+        for k, quaternion in enumerate(self._quaternions()):
+            spin = quaternion.spin(Quaternion(*rate[7 * k + 3 : 7 * k + 7]))
+            velocities += [rate[7 * k : 7 * k + 3], jnp.stack(spin)]
+        return jnp.concatenate([*velocities, rate[7 * self.bodies :]])
+
+    def _quaternions(self) -> list[Quaternion]:
+        return [Quaternion(*self.q[7 * k + 3 : 7 * k + 7]) for k in range(self.bodies)]
 
 
 class Space(Basis[Vector, Vector, Frame]):
@@ -37,19 +69,8 @@ class Space(Basis[Vector, Vector, Frame]):
         zero = Vector(0.0, 0.0, 0.0)
         return Frame(zero, Quaternion(1.0, 0.0, 0.0, 0.0), AXES, zero, zero)
 
-    def position_rate(self, q: Array, v: Array, bodies: int) -> Array:
-        rates: list[Array] = []
-        for k in range(bodies):
-            turn = Quaternion(*q[7 * k + 3 : 7 * k + 7]).rate(Vector(*v[6 * k + 3 : 6 * k + 6]))
-            rates += [v[6 * k : 6 * k + 3], jnp.stack([jnp.asarray(entry) for entry in turn])]
-        return jnp.concatenate([*rates, v[6 * bodies :]])
-
-    def velocity(self, q: Array, rate: Array, bodies: int) -> Array:
-        velocities: list[Array] = []
-        for k in range(bodies):
-            spin = Quaternion(*q[7 * k + 3 : 7 * k + 7]).spin(Quaternion(*rate[7 * k + 3 : 7 * k + 7]))
-            velocities += [rate[7 * k : 7 * k + 3], jnp.stack([jnp.asarray(entry) for entry in spin])]
-        return jnp.concatenate([*velocities, rate[7 * bodies :]])
+    def position_rate(self, q: Float[Array, " coordinates"], bodies: int) -> "TurningRate":
+        return TurningRate(q, bodies)
 
     def relative_rotation(self, first: Frame, second: Frame) -> Vector:
         return second.quaternion.after(first.quaternion.inverse()).rotation_vector()
