@@ -6,6 +6,7 @@ Each breakage replaces one method or function before anything is traced; `broken
 from .breakage import Breakage
 from .docking_breakages import DOCKING
 from .flexible_breakages import FLEXIBLE
+from .space_breakages import SPACE
 from .structure_breakages import STRUCTURE
 
 JOINTS = "tests/multibody/test_joints.py"
@@ -612,5 +613,6 @@ BREAKAGES = (
     ),
     *DOCKING,
     *FLEXIBLE,
+    *SPACE,
     *STRUCTURE,
 )
