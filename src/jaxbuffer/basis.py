@@ -60,6 +60,11 @@ class Basis(eqx.Module, Generic[V, T, F]):
     def vector(self, *components: Entry) -> V:
         """Return the vector of some components; those that are left out are zero."""
 
+    @property
+    @abstractmethod
+    def unit_turns(self) -> tuple[T, ...]:
+        """Return the turn of size one about each axis there is."""
+
     @abstractmethod
     def along_axes(self, arm: V) -> tuple[tuple[Scalar, ...], ...]:
         """Return for each inertial axis how the speed along it of a point at an ``arm`` goes with the body's
@@ -105,6 +110,12 @@ AnyBasis = Basis[Any, Any, Any]
 def components(turn: Any) -> tuple[Entry, ...]:
     """Return a turn's components: of the plane it is a number, of space a vector."""
     return tuple(turn) if isinstance(turn, tuple) else (turn,)
+
+
+def squared(turn: Any) -> Scalar:
+    """Return the square of a turn's size."""
+    first, *others = (entry * entry for entry in components(turn))
+    return sum(others, start=first)
 
 
 def is_zero(value: Any) -> bool:

@@ -1,6 +1,8 @@
 """Bodies in the plane and in space: joints, force elements, the augmented index-1 system. Knows no contact."""
 
 from .body import Body as Body
+from .cross import CrossSpringDamper as CrossSpringDamper
+from .cross import CrossState as CrossState
 from .flexible_body import FlexibleBody as FlexibleBody
 from .forces import AppliedForce as AppliedForce
 from .forces import AppliedTorque as AppliedTorque

@@ -6,8 +6,9 @@ from typing import NamedTuple
 import equinox as eqx
 import jax.numpy as jnp
 
+from .. import space
 from .._types import Scalar
-from ..basis import is_zero
+from ..basis import components, is_zero, squared, times
 from .kinematics import Block, Kinematics, MaterialPoint, Point, Turn, Vector
 
 PASSING = 1e-6  # m
@@ -24,7 +25,7 @@ class Load(NamedTuple):
 
     body: int
     force: Vector
-    moment: Turn
+    moment: Scalar | space.Vector
     modal: tuple[Scalar, ...] = ()
 
 
@@ -39,10 +40,11 @@ def load_at(point: MaterialPoint, force: Vector, moment: Turn = 0.0) -> Load:
     return Load(point.body, force, lever if is_zero(moment) else lever + moment, modal)
 
 
-def turn_at(point: MaterialPoint, moment: Turn) -> Load:
+def turn_at(point: MaterialPoint, moment: Scalar | space.Vector) -> Load:
     """Return the load of a moment alone that acts at a material point (M19). ``moment``: [N m], in space a vector."""
+    modal = tuple(times(rotation, components(moment)[-1]) for rotation in point.rotations)
     # Without a third component the vector of space is zero as well.
-    return Load(point.body, type(point.arm)(0.0, 0.0), moment, tuple(rotation * moment for rotation in point.rotations))
+    return Load(point.body, type(point.arm)(0.0, 0.0), moment, modal)
 
 
 class SpringDirection(NamedTuple):
@@ -161,12 +163,14 @@ class AxialSpringDamper(ForceElement):
 
 
 class TorsionalSpringDamper(ForceElement):
-    """Torque -k (θ_j - θ_i - angle) - c (θ̇_j - θ̇_i) on the second body, opposite on the first, in the plane (M26).
+    """Torque -k (θ_j - θ_i - angle) - c (θ̇_j - θ̇_i) on the second body, opposite on the first (M26).
+
+    In space the rotation vector of the second body against the first, and their spins, take the place of angles (M215).
 
     - ``first``, ``second``: bodies i and j (indices, or ``GROUND``).
     - ``stiffness``: k [N m/rad].
     - ``damping``: c [N m s/rad].
-    - ``angle``: θ_j - θ_i at rest [rad].
+    - ``angle``: θ_j - θ_i at rest [rad], in the plane; in space the bodies' axes are parallel at rest.
     - ``first_point``, ``second_point``: where a flexible body is held, a marker.
     """
 
@@ -181,27 +185,35 @@ class TorsionalSpringDamper(ForceElement):
     def _ends(self, kin: Kinematics) -> tuple[MaterialPoint, MaterialPoint]:
         return kin.point(self.first, self.first_point), kin.point(self.second, self.second_point)
 
+    def _twist(self, kin: Kinematics) -> Turn:
+        """Return the rotation of the second body against the first, less that at rest [rad]."""
+        i, j = self._ends(kin)
+        turn: Turn = kin.basis.relative_rotation(i.frame, j.frame)
+        return turn - self.angle if kin.basis.dimensions == 2 else turn
+
     def springs(self, kin: Kinematics) -> tuple[SpringDirection, ...]:
         i, j = self._ends(kin)
-        blocks = {self.first: tuple(-entry for entry in i.turning()), self.second: j.turning()}
-        return (SpringDirection(blocks, self.stiffness, self.damping),)
+        along = (
+            {self.first: tuple(-entry for entry in i.turning(turn)), self.second: j.turning(turn)}
+            for turn in kin.basis.unit_turns
+        )
+        return tuple(SpringDirection(blocks, self.stiffness, self.damping) for blocks in along)
 
-    def torque(self, kin: Kinematics) -> Scalar:
-        """Return the torque on ``second`` [N m]."""
+    def torque(self, kin: Kinematics) -> Turn:
+        """Return the torque on ``second`` [N m], in space a vector."""
         i, j = self._ends(kin)
-        return -self.stiffness * (j.angle - i.angle - self.angle) - self.damping * (j.spin - i.spin)
+        return self._twist(kin) * -self.stiffness - (j.spin - i.spin) * self.damping
 
     def loads(self, kin: Kinematics) -> tuple[Load, ...]:
         torque = self.torque(kin)
         return tuple(turn_at(end, moment) for end, moment in zip(self._ends(kin), (-torque, torque), strict=True))
 
     def energy(self, kin: Kinematics) -> Scalar:
-        i, j = self._ends(kin)
-        return 0.5 * self.stiffness * (j.angle - i.angle - self.angle) ** 2
+        return 0.5 * self.stiffness * squared(self._twist(kin))
 
     def dissipation(self, kin: Kinematics) -> Scalar:
         i, j = self._ends(kin)
-        return self.damping * (j.spin - i.spin) ** 2
+        return self.damping * squared(j.spin - i.spin)
 
 
 class AppliedForce(ForceElement):

@@ -93,10 +93,11 @@ class MaterialPoint(NamedTuple):
         turn = components(self.arm.cross(direction))
         return (*direction, *turn, *(direction.dot(shape) for shape in self.shapes))
 
-    def turning(self, turn: Turn = 1.0) -> Block:
+    def turning(self, turn: Scalar | space.Vector = 1.0) -> Block:
         """Return how the material's spin times a ``turn`` goes with the body's velocities; in the plane of the spin
         itself, unless one is given."""
-        return (*[0.0] * len(self.arm), *components(turn), *(times(rotation, turn) for rotation in self.rotations))
+        about = components(turn)
+        return (*[0.0] * len(self.arm), *about, *(times(rotation, about[-1]) for rotation in self.rotations))
 
 
 def block_sum(a: Block, b: Block) -> Block:

@@ -22,6 +22,10 @@ class Plane(Basis[Vector, Scalar, Frame]):
     def vector(self, *components: Entry) -> Vector:
         return Vector(*components)
 
+    @property
+    def unit_turns(self) -> tuple[Scalar, ...]:
+        return (1.0,)
+
     def along_axes(self, arm: Vector) -> tuple[tuple[Scalar, ...], ...]:
         return (1.0, 0.0, -arm.y), (0.0, 1.0, arm.x)
 

@@ -59,6 +59,10 @@ class Space(Basis[Vector, Vector, Frame]):
     def vector(self, *components: Entry) -> Vector:
         return Vector(*components)
 
+    @property
+    def unit_turns(self) -> tuple[Vector, ...]:
+        return AXES
+
     def along_axes(self, arm: Vector) -> tuple[tuple[Scalar, ...], ...]:
         return tuple((*unit, *arm.cross(unit)) for unit in AXES)
 
