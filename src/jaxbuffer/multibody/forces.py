@@ -185,9 +185,8 @@ class TorsionalSpringDamper(ForceElement):
     def _ends(self, kin: Kinematics) -> tuple[MaterialPoint, MaterialPoint]:
         return kin.point(self.first, self.first_point), kin.point(self.second, self.second_point)
 
-    def _twist(self, kin: Kinematics) -> Turn:
+    def _twist(self, kin: Kinematics, i: MaterialPoint, j: MaterialPoint) -> Turn:
         """Return the rotation of the second body against the first, less that at rest [rad]."""
-        i, j = self._ends(kin)
         turn: Turn = kin.basis.relative_rotation(i.frame, j.frame)
         return turn - self.angle if kin.basis.dimensions == 2 else turn
 
@@ -202,14 +201,14 @@ class TorsionalSpringDamper(ForceElement):
     def torque(self, kin: Kinematics) -> Turn:
         """Return the torque on ``second`` [N m], in space a vector."""
         i, j = self._ends(kin)
-        return self._twist(kin) * -self.stiffness - (j.spin - i.spin) * self.damping
+        return self._twist(kin, i, j) * -self.stiffness - (j.spin - i.spin) * self.damping
 
     def loads(self, kin: Kinematics) -> tuple[Load, ...]:
         torque = self.torque(kin)
         return tuple(turn_at(end, moment) for end, moment in zip(self._ends(kin), (-torque, torque), strict=True))
 
     def energy(self, kin: Kinematics) -> Scalar:
-        return 0.5 * self.stiffness * squared(self._twist(kin))
+        return 0.5 * self.stiffness * squared(self._twist(kin, *self._ends(kin)))
 
     def dissipation(self, kin: Kinematics) -> Scalar:
         i, j = self._ends(kin)
