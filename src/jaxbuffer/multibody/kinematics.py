@@ -131,7 +131,8 @@ class Kinematics(eqx.Module):
     def __init__(
         self,
         q: Float[Array, " coordinates"],
-        v: Float[Array, " velocities"],
+        # As many fewer as each body has velocities fewer than positions.
+        v: Float[Array, "{q.shape[0]-(basis.positions-basis.velocities)*(q.shape[0]//basis.positions)}"],
         time: Scalar = 0.0,
         modes: tuple[int, ...] = (),
         basis: AnyBasis = PLANE,
