@@ -12,6 +12,8 @@ from jaxbuffer.multibody import (
     AppliedForce,
     AxialSpringDamper,
     Body,
+    ConstantSpeed,
+    DrivenAngle,
     FixedAngle,
     PointOnLine,
     Prismatic,
@@ -24,6 +26,7 @@ from jaxbuffer.multibody import (
 )
 from jaxbuffer.plane import PLANE
 from jaxbuffer.space import SPACE
+from multibody.particles import random_body
 from multibody.spatial import momenta, random_positions, random_velocities, rotations
 
 A, B = (0.31, -0.12, 0.25), (-0.45, 0.27, 0.08)
@@ -203,3 +206,14 @@ def test_momenta_and_energy_by_particles():
 def test_what_is_no_inertia_in_space_is_said(inertia, words):
     with pytest.raises(InputError, match=words):
         System((PAIR[0], Body(1.0, inertia)), basis=SPACE)
+
+
+def test_what_takes_an_angle_is_refused_in_space():
+    system = System(PAIR, (DrivenAngle(0, 1, ConstantSpeed(0.0, 1.0)),), basis=SPACE)
+    with pytest.raises(InputError, match=r"takes a body's angle, which is of the plane; in space use Torsional"):
+        system.errors(system.kinematics(random_positions(1, 2), random_velocities(1, 2)))
+
+
+def test_flexible_bodies_are_of_the_plane():
+    with pytest.raises(InputError, match="body 1 is flexible: flexible bodies are of the plane"):
+        System((PAIR[0], random_body(0)), basis=SPACE)

@@ -13,7 +13,8 @@ from jaxtyping import Array, Float
 
 from .. import plane, space
 from .._types import Scalar
-from ..basis import AnyBasis, components, less, plus, times
+from ..basis import AnyBasis, components, less, times
+from ..errors import InputError
 from ..plane import PLANE, cos_sin
 from .flexible.modes import Marker
 
@@ -66,6 +67,11 @@ class MaterialPoint(NamedTuple):
     @property
     def angle(self) -> Scalar:
         """Return the angle of the material there [rad], in the plane."""
+        if not isinstance(self.frame, plane.Frame):
+            raise InputError(
+                "this part takes a body's angle, which is of the plane; in space use TorsionalSpringDamper,"
+                " CrossSpringDamper, or a joint with an axis"
+            )
         return self.frame.angle
 
     @property
@@ -100,13 +106,8 @@ class MaterialPoint(NamedTuple):
         return (*[0.0] * len(self.arm), *about, *(times(rotation, about[-1]) for rotation in self.rotations))
 
 
-def block_sum(a: Block, b: Block) -> Block:
-    """Return the sum of two blocks of one body."""
-    return tuple(plus(x, y) for x, y in zip(a, b, strict=True))
-
-
 def block_difference(a: Block, b: Block) -> Block:
-    """Return a block less another of the same body."""
+    """Return a block less another one of the same body."""
     return tuple(less(x, y) for x, y in zip(a, b, strict=True))
 
 
