@@ -6,6 +6,7 @@ Each breakage replaces one method or function before anything is traced; `broken
 from .breakage import Breakage
 from .docking_breakages import DOCKING
 from .flexible_breakages import FLEXIBLE
+from .space_breakages import SPACE
 from .structure_breakages import STRUCTURE
 
 JOINTS = "tests/multibody/test_joints.py"
@@ -114,15 +115,15 @@ def _flip_gamma() -> None:
 
 
 def _lose_entry() -> None:
-    from jaxbuffer.multibody import joints
+    from jaxbuffer.multibody.primitives import EqualAngles
 
-    rows = joints.FixedAngle.rows
+    rows = EqualAngles.rows
 
-    def broken(self, kin):
-        row = rows(self, kin)[0]
-        return (row._replace(blocks={body: block for body, block in row.blocks.items() if body == self.first}),)
+    def broken(self, basis, i, j):
+        row = rows(self, basis, i, j)[0]
+        return (row._replace(blocks={body: block for body, block in row.blocks.items() if body == i.body}),)
 
-    joints.FixedAngle.rows = broken
+    EqualAngles.rows = broken
 
 
 def _lose_multiplier() -> None:
@@ -620,5 +621,6 @@ BREAKAGES = (
     ),
     *DOCKING,
     *FLEXIBLE,
+    *SPACE,
     *STRUCTURE,
 )

@@ -68,8 +68,7 @@ class TangentField(eqx.Module):
     def gaps(self, y: Columns, args: Tangents) -> tuple[Array, Array]:
         """Return the distance of each contact [m], and how fast it closes [m/s]."""
         system, state = self.build(args.primal), y[:, 0]
-        n = system.coordinates
-        gap, rate = jax.jvp(system.gaps, (state,), (jnp.zeros_like(state).at[:n].set(state[n : 2 * n]),))
+        gap, rate = jax.jvp(system.gaps, (state,), (system.moving(state),))
         return gap, -rate
 
     def highest_terminal(self, t: Any, y: Columns, args: Tangents, **_: Any) -> Float[Array, ""]:

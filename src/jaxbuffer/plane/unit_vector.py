@@ -9,18 +9,18 @@ from ..errors import InputError, concrete
 UNIT = 1e-6  # how far its length may be from 1, as of digits that were typed
 
 
-def check_unit(name: str, x: Any, y: Any) -> None:
+def check_unit(name: str, *entries: Any) -> None:
     """Raise `InputError` for an axis that is no unit vector: forces along it, and distances, would be in its length.
 
-    **Arguments:** ``name``: of the axis in messages; ``x``, ``y``: numbers or arrays; of traced ones nothing is known.
+    **Arguments:** ``name``: of the axis in messages; ``entries``: its components, numbers or arrays; of traced ones
+    nothing is known.
     """
-    known_x, known_y = concrete(x), concrete(y)
-    if known_x is None or known_y is None:
+    known = [concrete(entry) for entry in entries]
+    columns = [np.ravel(entry) for entry in known if entry is not None]
+    if len(columns) < len(entries):
         return
-    columns = np.broadcast_arrays(np.ravel(known_x), np.ravel(known_y))
-    lengths = np.hypot(*columns)
-    for x_of, y_of, length in zip(*columns, lengths, strict=True):
+    for axis in np.stack(np.broadcast_arrays(*columns), axis=-1):
+        length = float(np.linalg.norm(axis))
         if not abs(length - 1.0) <= UNIT:
-            raise InputError(
-                f"{name} ({x_of:g}, {y_of:g}) is no unit vector; its length is {length:g}: divide both by that"
-            )
+            text, each = ", ".join(f"{entry:g}" for entry in axis), "both" if len(axis) == 2 else "all"
+            raise InputError(f"{name} ({text}) is no unit vector; its length is {length:g}: divide {each} by that")

@@ -2,6 +2,7 @@
 
 from typing import NamedTuple
 
+import jax
 import jax.numpy as jnp
 from jax import lax
 from jaxtyping import Array, Bool, Float, Int
@@ -67,7 +68,7 @@ def event_at_end(task: Task, state: LoopState, trial: Trial, decision: Decision)
     # A contact's guard has one number, whether it closes or opens: its present state says which of the two this is.
     touchdown = of_contact & jnp.any(chosen & (state.active < 0.5))
     offset = jnp.where(state.locating, refinement.offset, 0.0)
-    at_event = _moved(trial.step, offset, task.system.coordinates)
+    at_event = _moved(task.system, trial.step, offset)
 
     def touch() -> tuple[Rows, Float[Array, ""]]:
         return _touchdown(task, trial, at_event, guard, chosen)
@@ -181,8 +182,11 @@ def _with_start(
     return log, jnp.where(when & mine, jnp.maximum(highest, point.guards.value), highest)
 
 
-def _moved(step: Step, offset: Float[Array, ""], n: int) -> Rows:
-    """Move the end of a step by a small time [s]: to second order in its n coordinates, whose accelerations are known,
-    to first order in all else."""
-    acceleration = jnp.pad(step.rate[:, n : 2 * n], [(0, 0), (0, step.rate.shape[1] - n)])
+def _moved(system: HybridSystem, step: Step, offset: Float[Array, ""]) -> Rows:
+    """Move the end of a step by a small time [s]: to second order in its coordinates, whose accelerations are known, to
+    first order in all else."""
+    of_state, of_tangent = jax.linearize(system.position_acceleration, step.end[0], step.rate[0])
+    tangents = jax.vmap(of_tangent)(step.end[1:], step.rate[1:])
+    after = step.rate.shape[1] - system.coordinates
+    acceleration = jnp.pad(jnp.concatenate([of_state[None], tangents]), [(0, 0), (0, after)])
     return step.end + offset * (step.rate + 0.5 * offset * acceleration)
