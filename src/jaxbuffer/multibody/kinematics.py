@@ -142,9 +142,9 @@ class Kinematics(eqx.Module):
         self.frames = basis.frames(q, v, len(modes) if modes else q.shape[0] // basis.positions)
 
     def moving(self, v: Float[Array, " coordinates"]) -> "Kinematics":
-        """Return the same positions with other velocities."""
+        """Return the same positions with other velocities, in the plane."""
         frames = tuple(
-            frame._replace(velocity=Vector(v[3 * body], v[3 * body + 1]), spin=v[3 * body + 2])
+            frame._replace(velocity=plane.Vector(v[3 * body], v[3 * body + 1]), spin=v[3 * body + 2])
             for body, frame in enumerate(self.frames)
         )
         return eqx.tree_at(lambda kin: (kin.v, kin.frames), self, (v, frames))
