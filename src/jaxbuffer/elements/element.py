@@ -9,7 +9,7 @@ from jaxtyping import Array, Float
 
 from .._types import Scalar
 from ..hybrid import Followers
-from ..multibody import Joint, Kinematics, Load, SpringDirection, System
+from ..multibody import Coordinates, Joint, Kinematics, Load, SpringDirection, System
 from ..plane import Vector
 from .picture import Panel
 from .stiff_terms import ContactTerm
@@ -247,9 +247,9 @@ class Element(eqx.Module):
         """Return the size of the stiff forces [N], of which rounding of positions makes an error in the energy."""
         return 0.0
 
-    def followers(self, first: int) -> Followers | None:
+    def followers(self, first: int, order: Coordinates) -> Followers | None:
         """Return the element's oscillators for implicit steps; None if it has none. ``first``: where `variables` stand,
-        counted from the end of the velocities."""
+        counted from the end of the velocities; ``order``: of the velocities."""
         return None
 
     @property

@@ -12,7 +12,7 @@ from jaxtyping import Array, Float
 from .._types import Scalar, stacked
 from ..errors import InputError
 from ..hybrid import Followers
-from ..multibody import Kinematics
+from ..multibody import Coordinates, Kinematics
 from .element import ROUNDED_LENGTH, Closed, Element, Magnitudes, Own
 from .telling import largest
 
@@ -74,7 +74,7 @@ class Oscillators(Element):
         return [*(size.speed / self.rates_of_axes), *[size.speed] * self.axes]
 
     def _base(self, kin: Kinematics) -> Float[Array, " axes"]:
-        return jnp.concatenate([kin.v[3 * body : 3 * body + 2] for body in self.bodies])
+        return stacked([speed for body in self.bodies for speed in kin.frame(body).velocity])
 
     def evaluate(self, kin: Kinematics, own: Own) -> OscillatorState:
         return OscillatorState(own[: self.axes], own[self.axes :], self._base(kin))
@@ -107,6 +107,6 @@ class Oscillators(Element):
         ]
         return [("shock", ", ".join(felt))]
 
-    def followers(self, first: int) -> Followers:
-        shaken_by = tuple(3 * body + axis for body in self.bodies for axis in range(2))
+    def followers(self, first: int, order: Coordinates) -> Followers:
+        shaken_by = tuple(column for body in self.bodies for column in order.columns(body)[:2])
         return Followers(first, shaken_by, self.rates_of_axes, self.damping)

@@ -19,6 +19,7 @@ from ..elements.stiff_terms import inverse_masses
 from ..errors import InputError, concrete
 from ..hybrid import Linearisation
 from ..multibody import Kinematics, Motion, System
+from ..plane import Vector
 from .energy import Energy
 from .layout import Closed, EvaluatedState, Layout, State, row
 from .relative_energy import rigid_energy
@@ -163,9 +164,17 @@ class Assembled(ContactSystem):
         """Return where in the state each part's numbers stand."""
         return Layout(self.coordinates, self.contacts, self.elements, len(self.loss_names), self.quiet is not None)
 
+    @property
+    def places(self) -> dict[str, slice]:
+        return self.layout.places
+
     def part(self, state: State, name: str) -> Array:
         """Return a part of the state, by its name in `Layout.places`."""
-        return state[self.layout.places[name]]
+        return state[self.places[name]]
+
+    def acceleration(self, rate: State, body: int) -> Vector:
+        """Return the acceleration of a body's origin [m/s²], from the state's rate."""
+        return self.system.order.translation(self.part(rate, "v"), body)
 
     def element(self, name: str) -> Any:
         """Return the element of a name, None where there is none."""
@@ -319,16 +328,22 @@ class Assembled(ContactSystem):
         kin = self.system.kinematics(self.q, self.v)
         own = [element.start(kin) for element in self.elements]
         spins = [kin.point(self.contacts[k].body, self.contacts[k].point).spin for k in self.layout.spin_inertias]
-        before, time = len(self.loss_names) + int(self.quiet is not None), jnp.zeros(int(self.layout.driven))
-        moving = [self.q, self.v, *([stacked(spins)] if spins else []), jnp.zeros(before)]
-        without_memory = jnp.concatenate([*moving, *own, time])
-        closed = self._start_closed(self.evaluate(jnp.concatenate([without_memory, jnp.ones(self.impact_contacts)])))
-        state = jnp.concatenate([without_memory, self._start_memory(kin, closed)])
-        at = self.evaluate(state)
+        parts: dict[str, Any] = {
+            "q": self.q,
+            "v": self.v,
+            "spins": spins,
+            "lost": jnp.zeros(len(self.loss_names)),
+            "first energy": [0.0] * (self.quiet is not None),
+            **{f"element {k}": mine for k, mine in enumerate(own)},
+            "time": [0.0] * self.layout.driven,
+            "memory": jnp.ones(self.impact_contacts),
+        }
+        closed = self._start_closed(self.evaluate(self.layout.joined(parts)))
+        at = self.evaluate(self.layout.joined(parts | {"memory": self._start_memory(kin, closed)}))
         if self.quiet is not None:
             # A run ends as held below a share of the first energy (M177), which therefore stands in the state.
             energy = self.relative_energy(at, closed)
-            at = at._replace(state=state.at[self.layout.places["first energy"]].set(energy))
+            at = at._replace(state=at.state.at[self.layout.places["first energy"]].set(energy))
         return at, closed
 
     def _start_closed(self, at: EvaluatedState) -> Closed:
@@ -394,25 +409,30 @@ class Assembled(ContactSystem):
             self.contacts[k].spin_moment(at.contacts[k], exerted.contacts[k]) / inertia
             for k, inertia in self.layout.spin_inertias.items()
         ]
-        time = [1.0] * self.layout.driven
-        first_energy = [0.0] * (self.quiet is not None)
         lost = self._losses(at, active, exerted)
-        own = self._element_rates(at, active, exerted)
-        rest = [*spins, *(lost[name] for name in self.loss_names), *first_energy, *own, *time]
-        memory = jnp.zeros(self.impact_contacts) if (smooth := self.smooth_memory(at)) is None else smooth.rate
-        return jnp.concatenate([at.kin.v, exerted.motion.acceleration, stacked(rest), memory])
+        parts: dict[str, Any] = {
+            "q": at.kin.v,
+            "v": exerted.motion.acceleration,
+            "spins": spins,
+            "lost": [lost[name] for name in self.loss_names],
+            "first energy": [0.0] * (self.quiet is not None),
+            **{f"element {k}": rates for k, rates in enumerate(self._element_rates(at, active, exerted))},
+            "time": [1.0] * self.layout.driven,
+            "memory": jnp.zeros(self.impact_contacts) if (smooth := self.smooth_memory(at)) is None else smooth.rate,
+        }
+        return self.layout.joined(parts)
 
-    def _element_rates(self, at: EvaluatedState, active: Closed, exerted: Exerted) -> list[Scalar]:
-        """Return the rates of the elements' numbers."""
-        rates: list[Scalar] = []
+    def _element_rates(self, at: EvaluatedState, active: Closed, exerted: Exerted) -> list[list[Scalar]]:
+        """Return the rates of each element's numbers."""
+        rates: list[list[Scalar]] = []
         # The driving joints stand behind all others, and so do their multipliers.
         others = [joint for joint in self.system.joints if not joint.driven] if self.layout.driven else []
         first = sum(len(joint.rows(at.kin)) for joint in others)
         for element, it, closed in zip(self.elements, at.elements, self.layout.of_elements(active), strict=True):
-            rates += element.rates(it, closed)
+            rates.append(element.rates(it, closed))
             if element.driving_joint is not None:
                 last = first + len(element.driving_joint.rows(at.kin))
-                rates += element.reaction_rates(it, exerted.motion.multipliers[first:last])
+                rates[-1] = rates[-1] + element.reaction_rates(it, exerted.motion.multipliers[first:last])
                 first = last
         return rates
 
@@ -436,9 +456,11 @@ class Assembled(ContactSystem):
         """Return the gap of each contact and each switch [m], and how fast it closes [m/s]; of what is over after some
         time the time left [s], and how fast that passes."""
         of = [element.gaps(it) for element, it in zip(self.elements, at.elements, strict=True)]
-        gaps = self.layout.joined([it.approach.gap for it in at.contacts], [[gap for gap, _ in pairs] for pairs in of])
+        gaps = self.layout.of_switches(
+            [it.approach.gap for it in at.contacts], [[gap for gap, _ in pairs] for pairs in of]
+        )
         speeds = [[speed for _, speed in pairs] for pairs in of]
-        return gaps, self.layout.joined([it.approach.approach_speed for it in at.contacts], speeds)
+        return gaps, self.layout.of_switches([it.approach.approach_speed for it in at.contacts], speeds)
 
     def touchdown(self, state: State, acceleration: Float[Array, ""], contact: Int[Array, ""]) -> State:
         after = super().touchdown(state, acceleration, contact)
@@ -482,7 +504,7 @@ class Assembled(ContactSystem):
             settled = settled & element.settled(it)
         # No event tells here which contacts are closed: it shows in their gaps, and in what elements know.
         balls = [jnp.where(it.approach.gap <= 0.0, 1.0, 0.0) for it in at.contacts]
-        active = self.layout.joined(balls, [element.closed_by_state(it) for element, it in parts])
+        active = self.layout.of_switches(balls, [element.closed_by_state(it) for element, it in parts])
         left = self.relative_energy(at, active) / self.part(at.state, "first energy")[0]
         return jnp.where(settled, self.quiet - left, -1.0)
 
@@ -599,14 +621,18 @@ class Assembled(ContactSystem):
         place, motion = (jnp.broadcast_to(jnp.asarray(size, float), (n,)) for size in self.size)
         momentum = 1.0 if self.momentum_size is None else self.momentum_size
         magnitudes = Magnitudes(speed, energy, momentum)
-        # A ball that rolls at the typical speed spins at that over its radius.
-        rest: list[Scalar] = [speed / self.contacts[k].pair.radius for k in self.layout.spin_inertias]
-        rest += [energy] * len(self.loss_names)
-        rest += [energy] * (self.quiet is not None)
-        for element in self.elements:
-            rest += element.scales(magnitudes)
-        rest += [1.0] * self.layout.driven + [speed] * self.impact_contacts
-        return jnp.concatenate([place, motion, stacked(rest)])
+        parts: dict[str, Any] = {
+            "q": place,
+            "v": motion,
+            # A ball that rolls at the typical speed spins at that over its radius.
+            "spins": [speed / self.contacts[k].pair.radius for k in self.layout.spin_inertias],
+            "lost": [energy] * len(self.loss_names),
+            "first energy": [energy] * (self.quiet is not None),
+            **{f"element {k}": element.scales(magnitudes) for k, element in enumerate(self.elements)},
+            "time": [1.0] * self.layout.driven,
+            "memory": [speed] * self.impact_contacts,
+        }
+        return self.layout.joined(parts)
 
     def scale_limits(self) -> State | None:
         places, spinning = self.layout.places, self.layout.spin_inertias

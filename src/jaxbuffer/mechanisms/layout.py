@@ -1,16 +1,19 @@
 """Where in an assembled mechanism's state each part's numbers stand, and in which order contacts and switches come."""
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
-from .._types import Scalar
+from .._types import Scalar, stacked
 from ..elements import BallContact, BallState, Element
-from ..multibody import Kinematics
+from ..multibody import Coordinates, Kinematics
 
 State = Float[Array, " state"]
 Closed = Float[Array, " contacts"]
+Numbers = Array | np.ndarray
 
 
 class EvaluatedState(NamedTuple):
@@ -57,6 +60,20 @@ class Layout(NamedTuple):
             places[name] = slice(first, first + length)
             first += length
         return places
+
+    def joined(self, parts: Mapping[str, Array | list[Scalar]]) -> State:
+        """Return a state, or what has an entry for each of its numbers, of its parts by their names in `places`."""
+        rows: list[Array] = []
+        scalars: list[Scalar] = []
+        for name in self.places:
+            part = parts[name]
+            if isinstance(part, list):
+                scalars += part
+                continue
+            rows += [stacked(scalars)] if scalars else []
+            scalars = []
+            rows.append(part)
+        return jnp.concatenate([*rows, *([stacked(scalars)] if scalars else [])])
 
     @property
     def driven(self) -> bool:
@@ -124,10 +141,15 @@ class Layout(NamedTuple):
         of = [[active[place[k, i]] for i in range(len(element.switches))] for k, element in enumerate(self.elements)]
         return [jnp.stack(switches) if switches else jnp.zeros(0) for switches in of]
 
-    def joined(self, segments: list[Array], switches: list[list[Scalar]]) -> Float[Array, " contacts"]:
+    def of_switches(self, segments: list[Array], switches: list[list[Scalar]]) -> Float[Array, " contacts"]:
         """Return one row of what the ``segments`` of each contact and the ``switches`` of each element have."""
         values = [jnp.reshape(jnp.asarray(switches[k][i], float), (1,)) for k, i in self.switches]
         return row([*segments, *values])
+
+
+def positions(states: Float[Numbers, "*axes state"], order: Coordinates) -> Float[Numbers, "*axes coordinates"]:
+    """Return the coordinates of states, which begin with them."""
+    return states[..., : order.count]
 
 
 def row(values: list[Array]) -> Float[Array, " n"]:

@@ -30,7 +30,7 @@ def stiff_part(
         term = element.contact_term(system, it, closed)
         contacts += [] if term is None else [_with_spins(layout, term, None)]
     if not springs and not contacts:
-        return dataclasses.replace(Linearisation.none(n, n), followers=_followers(layout))
+        return dataclasses.replace(Linearisation.none(n, n), followers=_followers(system, layout))
     if not contacts:
         # Seven or eight springs alone take XLA gigabytes to compile; nine do not.
         still = SpringTerm(jnp.zeros(n), 0.0, 0.0)
@@ -41,15 +41,15 @@ def stiff_part(
     decay = None if smooth is None else smooth.all_decay(at.state, 2 * n + len(inertias))
     spins = stacked(list(inertias.values())) if inertias else None
     stiff = linearised(system, at.kin, springs, joined, spins, decay)
-    return dataclasses.replace(stiff, followers=_followers(layout))
+    return dataclasses.replace(stiff, followers=_followers(system, layout))
 
 
-def _followers(layout: Layout) -> Followers | None:
+def _followers(system: System, layout: Layout) -> Followers | None:
     """Return the oscillators of the one element that has some, None where none has."""
     places = layout.places
     velocities = places["spins"].stop
     for k, element in enumerate(layout.elements):
-        followers = element.followers(places[f"element {k}"].start - velocities)
+        followers = element.followers(places[f"element {k}"].start - velocities, system.order)
         if followers is not None:
             return followers
     return None

@@ -66,6 +66,11 @@ class ContactSystem(HybridSystem):
     # --- what a mechanism says of itself ------------------------------------------------------------------------------
 
     @property
+    def places(self) -> Mapping[str, slice]:
+        """Return where each part of the state stands, by name: "q" the coordinates, "v" the velocities, and others."""
+        raise NotImplementedError
+
+    @property
     def observed(self) -> tuple[str, ...]:
         """Return what `observables` are; the first ones are the contact forces of the contacts that have impacts."""
         raise NotImplementedError

@@ -1,6 +1,7 @@
 """Planar bodies, rigid and flexible: joints, force elements, the augmented index-1 system. Knows no contact."""
 
 from .body import Body as Body
+from .coordinates import Coordinates as Coordinates
 from .flexible_body import FlexibleBody as FlexibleBody
 from .forces import AppliedForce as AppliedForce
 from .forces import AppliedTorque as AppliedTorque

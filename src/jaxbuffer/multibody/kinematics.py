@@ -13,6 +13,7 @@ from jaxtyping import Array, Float
 
 from .._types import Scalar
 from ..plane import Frame, Vector, cos_sin
+from .coordinates import Coordinates
 from .flexible.modes import Marker
 
 GROUND: int = -1
@@ -101,6 +102,11 @@ class Kinematics(eqx.Module):
             for body, k in enumerate(range(0, end, 3))
         )
 
+    @property
+    def order(self) -> Coordinates:
+        """Return the order of the coordinates."""
+        return Coordinates(len(self.frames), self.modes)
+
     def frame(self, body: int) -> Frame:
         """Return the frame of one body. ``body``: its index, or ``GROUND``."""
         if body == GROUND:
@@ -110,8 +116,7 @@ class Kinematics(eqx.Module):
 
     def modal(self, body: int) -> tuple[Float[Array, " modes"], Float[Array, " modes"]]:
         """Return the (modes,) modal coordinates of a flexible body [m], and their rates [m/s]. ``body``: its index."""
-        first = 3 * len(self.modes) + sum(self.modes[:body])
-        mine = slice(first, first + self.modes[body])
+        mine = self.order.modal(body)
         return self.q[mine], self.v[mine]
 
     def point(self, body: int, point: Point) -> MaterialPoint:

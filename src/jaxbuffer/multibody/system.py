@@ -12,6 +12,7 @@ from .._types import Scalar, stacked
 from ..plane import Vector
 from .augmented import MassMatrix, SparseRows, solve_augmented
 from .body import Body
+from .coordinates import Coordinates
 from .flexible_body import FlexibleBody
 from .forces import ForceElement, Load, SpringDirection
 from .joints import Joint, Row
@@ -75,7 +76,12 @@ class System(eqx.Module):
     @property
     def coordinates(self) -> int:
         """Return the number of coordinates, three for each body and one for each mode."""
-        return 3 * len(self.bodies) + sum(self.modes)
+        return self.order.count
+
+    @property
+    def order(self) -> Coordinates:
+        """Return the order of the coordinates."""
+        return Coordinates(len(self.bodies), self.modes)
 
     @property
     def modes(self) -> tuple[int, ...]:
@@ -97,9 +103,7 @@ class System(eqx.Module):
 
     def columns(self, body: int) -> tuple[int, ...]:
         """Return which coordinates are a body's: u, v, θ, then its modal ones."""
-        first = 3 * len(self.bodies) + sum(self.modes[:body])
-        own = self.modes[body] if self.modes else 0
-        return (3 * body, 3 * body + 1, 3 * body + 2, *range(first, first + own))
+        return self.order.columns(body)
 
     def masses(self) -> Float[Array, " coordinates"]:
         """Return the (coordinates,) diagonal of M of rigid bodies, zero for flexible ones [kg, kg, kg m², …] (M4)."""

@@ -109,15 +109,18 @@ def _blocks(given: tuple[np.ndarray, ...], count: int) -> list[tuple[np.ndarray,
     return [tuple(part[row] for part in given) for row in rows]
 
 
-def _within(coordinates: int, start: tuple[Array, Array], end: tuple[Array, Array], length: Array, x: Array) -> Array:
+def _within(
+    system: ContactSystem, start: tuple[Array, Array], end: tuple[Array, Array], length: Array, x: Array
+) -> Array:
     """Return the state at the fraction x of a step, as `state_within`, in steps of any ``length`` [s].
 
     A step that ends at a maximum may be as short as time itself is rounded. The positions' rounding, divided by such a
     length, would be larger than the velocities: there a cubic of the velocities takes the place of the quintic's rate.
     """
-    (y0, f0), (y1, f1), own = start, end, slice(coordinates, 2 * coordinates)
-    state = state_within(coordinates, start, end, length, x)
-    rounded = ROUNDING * jnp.maximum(jnp.abs(y0[:coordinates]), jnp.abs(y1[:coordinates])) / length
+    (y0, f0), (y1, f1) = start, end
+    places, own = system.places["q"], system.places["v"]
+    state = state_within(system.coordinates, start, end, length, x)
+    rounded = ROUNDING * jnp.maximum(jnp.abs(y0[places]), jnp.abs(y1[places])) / length
     change = jnp.maximum(jnp.abs(y1[own] - y0[own]), length * jnp.maximum(jnp.abs(f0[own]), jnp.abs(f1[own])))
     smooth = cubic(y0[own], y1[own], length * f0[own], length * f1[own], x)
     return state.at[own].set(jnp.where(rounded > SMALL * change, smooth, state[own]))
@@ -154,7 +157,7 @@ def history_within(
         length = jnp.where(end > start, end - start, 1.0)  # the last step of a history has none after it
         first = before, system.derivative(start, before, closed)
         last = after, system.derivative(end, after, closed)
-        state = _within(system.coordinates, first, last, length, (time - start) / length)
+        state = _within(system, first, last, length, (time - start) / length)
         return history_at(system, time, closed, state)
 
     return jax.vmap(at)(start, end, time, closed, before, after)

@@ -3,10 +3,11 @@
 from collections.abc import Callable
 
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array
 
 from ..._types import Scalar
 from ...elements.element import ROUNDED_LENGTH
+from ...plane import Vector
 from ..assembled import Assembled, Shown
 from ..layout import EvaluatedState
 from .bodies import B, P, S, T
@@ -18,18 +19,17 @@ ROUNDED_ACCELERATION = 1e-12  # m/s²: what rounding of positions of a metre mak
 def hinge_force(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
     """Return the size of the force that accelerates the active vehicle [N] (M68)."""
     # The vehicle's acceleration tells the force also where the hinge has play, and so no multipliers (M68).
-    return _size_of(rate[mechanism.coordinates : mechanism.coordinates + 2] * mechanism.parts.design.active.mass)
+    return _size_of(mechanism.acceleration(rate, S) * mechanism.parts.design.active.mass)
 
 
 def passive_force(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
     """Return the size of the force on the passive vehicle [N]."""
-    first = mechanism.coordinates + 3 * T
-    return _size_of(rate[first : first + 2] * mechanism.parts.design.passive.mass)
+    return _size_of(mechanism.acceleration(rate, T) * mechanism.parts.design.passive.mass)
 
 
-def _size_of(force: Float[Array, " 2"]) -> Scalar:
+def _size_of(force: Vector) -> Scalar:
     """Return a force's size, with a derivative also where it is zero."""
-    return jnp.sqrt(force[0] ** 2 + force[1] ** 2 + 1e-24)
+    return jnp.sqrt(force.x**2 + force.y**2 + 1e-24)
 
 
 def hinge_angle(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
