@@ -74,15 +74,15 @@ ELEMENTS = {
 }
 
 
-def ball(body, carrier, spin_inertia):
+def ball(body, carrier, spin_inertia, name="contact"):
     wall = Segment(0.0, -3.0, 0.0, 1.0, 6.0)
     pair = BallPair(1.2, wall, -1.0, HuntCrossley(1e3, 0.7), RegularisedCoulomb(0.3, 0.1))
-    return BallContact(body, carrier, pair, spin_inertia=spin_inertia)
+    return BallContact(body, carrier, pair, spin_inertia=spin_inertia, name=name)
 
 
-def mechanism(elements=(), contacts=()):
+def mechanism(elements=()):
     system = System((Body(2.0, 0.3), Body(3.0, 0.5), Body(1.0, 0.1)))
-    return Assembled(system, Q, V, contacts, elements=elements, energy_size=1.0, momentum_size=1.0)
+    return Assembled(system, Q, V, elements, energy_size=1.0, momentum_size=1.0)
 
 
 def conserved(assembled, state, active):
@@ -109,7 +109,7 @@ def test_it_acts_on_two_bodies_and_its_energies_are_its_powers(name):
 
 @pytest.mark.parametrize("spins", [(None, None), (0.2, None), (None, 0.3), (0.2, 0.3)], ids=str)
 def test_balls_that_spin_freely_or_not_in_any_order(spins):
-    assembled = mechanism(contacts=(ball(0, 1, spins[0]), ball(2, 1, spins[1])))
+    assembled = mechanism((ball(0, 1, spins[0], "first"), ball(2, 1, spins[1], "second")))
     state, _ = assembled.start()
     turning = jnp.asarray([1.5, -0.7][: assembled.spins])
     state = state.at[assembled.layout.places["spins"]].set(turning)
@@ -122,7 +122,7 @@ def test_balls_that_spin_freely_or_not_in_any_order(spins):
     velocities = state[9 : 18 + assembled.spins]
     speeds = stiff.directions.T @ velocities
     assert_allclose(speeds[:2], assembled.gaps_at(at)[1], rtol=1e-12)
-    assert_allclose(speeds[2:], [it.approach.slip[0] for it in at.contacts], rtol=1e-12)
+    assert_allclose(speeds[2:], [it.approach.slip[0] for it in at.elements], rtol=1e-12)
 
 
 def test_the_stiff_part_is_that_of_the_equations():
@@ -226,20 +226,20 @@ def test_sensors_see_motion_accelerations_and_depths_and_integrals_add_up():
         Sensor(speed_of, 0, watched=False, name="shown"),
         Integral(speed_of, 2, scale=1e-3, name="way"),
     )
-    assembled = mechanism((Buffer(AXIAL), *sensors), (touching,))
+    assembled = mechanism((touching, Buffer(AXIAL), *sensors))
     at, closed = assembled.first_evaluation()
     rate = assembled.derivative(0.0, at.state, closed)
-    assert assembled.observed == ("contact 1", "buffer_force", "stroke", "speed", "jolt", "depth", "way")
+    assert assembled.observed == ("contact", "buffer_force", "stroke", "speed", "jolt", "depth", "way")
     assert assembled.rate_observables() == (False, False, False, False, True, False, False)
     assert assembled.least_maxima == {"depth": 0.0}
     seen = dict(zip(assembled.observed, assembled.observables_at(at, rate, closed), strict=True))
     assert_allclose([seen["speed"], seen["way"]], [-0.1, 0.0])
     assert_allclose([seen["jolt"], seen["depth"]], [rate[13], -assembled.gaps_at(at)[0][0]])
-    assert_allclose(assembled.part(rate, "element 5"), 0.05, err_msg="the integrand")
+    assert_allclose(assembled.part(rate, "element 6"), 0.05, err_msg="the integrand")
     others = assembled.snapshot_at(at, closed).others
     assert_allclose([others["shown"], others["speed"], others["jolt"]], [0.2, -0.1, rate[13]])
     assert_allclose(assembled.negligible()[3:5], [-np.inf, 1e-12])
-    assert_allclose(assembled.scales()[assembled.layout.places["element 5"]], 1e-3)
+    assert_allclose(assembled.scales()[assembled.layout.places["element 6"]], 1e-3)
 
 
 def test_a_joint_that_moves_by_itself_is_no_joint_of_the_system():

@@ -17,7 +17,12 @@ SMOOTH = RegularisedCoulomb(0.0, 1.0)
 def test_balls_flanks_holes_and_springs_where_they_are():
     flanks = Segment(jnp.array([0.0, 1.0]), jnp.array([0.0, 2.0]), jnp.array([1.0, 0.0]), jnp.array([0.0, 1.0]), 0.5)
     tip = BallContact(
-        0, 1, BallPair(0.02, flanks, jnp.array([1.0, -1.0]), Hertz(1.0), SMOOTH), (0.1, 0.2), names=("a", "b")
+        0,
+        1,
+        BallPair(0.02, flanks, jnp.array([1.0, -1.0]), Hertz(1.0), SMOOTH),
+        (0.1, 0.2),
+        names=("a", "b"),
+        name="tip",
     )
     pin = BallContact(
         1, GROUND, BallPair(0.01, Hole(0.3, 0.0, 0.011), 1.0, Hertz(1.0), SMOOTH), carrier_point=(1.0, 2.0)
@@ -27,7 +32,7 @@ def test_balls_flanks_holes_and_springs_where_they_are():
         AxialSpringDamper(GROUND, 1, (0.0, 0.0), (0.5, 0.0), 1.0, 0.0, 1.0),
     )
     system = System((Body(1.0, 1.0), Body(1.0, 1.0)), forces=springs[:1])
-    made = Assembled(system, jnp.zeros(6), jnp.zeros(6), (tip, pin), elements=(Buffer(springs[1]),))
+    made = Assembled(system, jnp.zeros(6), jnp.zeros(6), (tip, pin, Buffer(springs[1])))
     drawing = assembled_drawing(made, ("ball", "box"))
     discs = {(shape.centre, shape.radius, shape.filled) for shape in drawing.shapes if isinstance(shape, Disc)}
     assert discs == {(Spot(0, 0.1, 0.2), 0.02, True), (Spot(1), 0.01, True), (Spot(GROUND, 1.3, 2.0), 0.011, False)}

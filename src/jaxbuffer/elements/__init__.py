@@ -5,13 +5,14 @@ Force elements without a state of their own, and bodies and joints, are those of
 
 from .ball_contact import BallContact as BallContact
 from .ball_contact import BallState as BallState
-from .ball_contact import ContactForces as ContactForces
 from .buffer import Buffer as Buffer
 from .buffer import BufferForce as BufferForce
 from .drive import Drive as Drive
 from .drive import Motor as Motor
+from .element import ContactForces as ContactForces
 from .element import Element as Element
 from .element import EnergyShare as EnergyShare
+from .element import Impacts as Impacts
 from .element import Magnitudes as Magnitudes
 from .element import Switch as Switch
 from .latch import Latch as Latch

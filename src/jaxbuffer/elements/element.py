@@ -26,11 +26,13 @@ class Switch(NamedTuple):
     - ``name``: of the switch.
     - ``one_way``: whether it never opens again, as a latch.
     - ``force``: the observable that is its force, which starts to act where it closes; None if there is none.
+    - ``impact``: whether it closes by an impact, which a run lists; `Element.contact_forces` then has its ``force``.
     """
 
     name: str
     one_way: bool = False
     force: str | None = None
+    impact: bool = False
 
 
 class EnergyShare(NamedTuple):
@@ -46,6 +48,13 @@ class EnergyShare(NamedTuple):
     names: tuple[str, ...]
 
 
+class ContactForces(NamedTuple):
+    """``normal``: F_n, and ``friction``: F_t along the tangent, an entry a contact [N]."""
+
+    normal: Float[Array, " contacts"]
+    friction: Float[Array, " contacts"]
+
+
 class Magnitudes(NamedTuple):
     """What changes of a mechanism's state are compared with: ``speed`` [m/s], ``energy`` [J] and ``momentum`` [N s]."""
 
@@ -54,7 +63,31 @@ class Magnitudes(NamedTuple):
     momentum: Scalar
 
 
-class Element(eqx.Module):
+class Impacts(eqx.Module):
+    """What an element says of those of its switches that close by an impact; nothing of one that has none."""
+
+    def contact_forces(self, at: Any, closed: Closed) -> ContactForces:
+        """Return the forces of these contacts."""
+        return ContactForces(jnp.zeros(0), jnp.zeros(0))
+
+    def slips(self, at: Any) -> Float[Array, " contacts"]:
+        """Return how fast the surfaces of these contacts slip [m/s]."""
+        return jnp.zeros(0)
+
+    def touchdown_speeds(self, own: Own) -> Float[Array, " contacts"]:
+        """Return the approach speed of each at its last touchdown [m/s]."""
+        return jnp.zeros(0)
+
+    def closing_directions(self, system: System, at: Any) -> Float[Array, "coordinates contacts"]:
+        """Return columns b with δ̇ = b·q̇, how fast each contact closes."""
+        return jnp.zeros((system.coordinates, 0))
+
+    def penetration(self, force: Scalar) -> Scalar:
+        """Return the depth [m] at which the contact's spring alone exerts a force [N]."""
+        return jnp.zeros(())
+
+
+class Element(Impacts):
     """A physical part between bodies, such as a buffer, a latch or a drive, or a sensor of their motion.
 
     `jaxbuffer.mechanisms.assembled.Assembled` joins elements to a mechanism. It keeps each element's numbers in the
@@ -82,6 +115,10 @@ class Element(eqx.Module):
         """Return the values of `variables` at t = 0."""
         return jnp.zeros(len(self.variables))
 
+    def after_start(self, at: Any, own: Own, closed: Closed) -> Own:
+        """Return `variables` at t = 0, where it is known which switches are closed then."""
+        return own
+
     def scales(self, size: Magnitudes) -> list[Scalar]:
         """Return the magnitude below which an error does not matter, for each of `variables`."""
         return []
@@ -95,6 +132,16 @@ class Element(eqx.Module):
     def jumps(self) -> bool:
         """Return whether the state's rate jumps where a switch closes."""
         return bool(self.switches)
+
+    @property
+    def spin_inertias(self) -> tuple[Scalar, ...]:
+        """Return the moments of inertia of what of the element turns by itself [kg m²]: the first of `variables` are
+        the spins [rad/s], which count as velocities of the mechanism."""
+        return ()
+
+    def in_mechanism(self, speed: Scalar) -> "Element":
+        """Return the element as a part of a mechanism whose velocities are of the order of ``speed`` [m/s]."""
+        return self
 
     @property
     def driving_joint(self) -> Joint | None:
@@ -112,6 +159,10 @@ class Element(eqx.Module):
         left [s] and how fast that passes."""
         return []
 
+    def with_forces(self, at: Any, closed: Closed) -> Any:
+        """Return ``at`` with forces that `loads`, `rates` and `losses` would compute each on its own."""
+        return at
+
     def loads(self, at: Any, closed: Closed) -> tuple[Load, ...]:
         """Return the loads on the bodies."""
         return ()
@@ -125,8 +176,14 @@ class Element(eqx.Module):
         ``multipliers``: that joint's, an entry a row (M16)."""
         return []
 
-    def after_closing(self, at: Any, own: Own, closing: Closed) -> Own:
-        """Return `variables` just after switches have closed. ``closing``: 1 for those that close, 0 for all others."""
+    @property
+    def resets(self) -> bool:
+        """Return whether `variables` may jump where a switch closes."""
+        return type(self).after_closing is not Element.after_closing
+
+    def after_closing(self, at: Any, own: Own, closing: Closed, speed: Scalar) -> Own:
+        """Return `variables` just after a switch has closed. ``closing``: 1 for that switch, 0 for all others;
+        ``speed``: how fast its gap closed [m/s]."""
         return own
 
     # --- energy -------------------------------------------------------------------------------------------------------
@@ -241,6 +298,18 @@ class Element(eqx.Module):
 
     def contact_term(self, system: System, at: Any, closed: Closed) -> ContactTerm | None:
         """Return a contact's share of the stiff part; None if the element has no contact."""
+        return None
+
+    def decays(self, at: Any) -> list[Scalar] | None:
+        """Return the rates at which `variables` decay by themselves [1/s]; None if none does."""
+        return None
+
+    def scale_limits(self) -> list[Scalar] | None:
+        """Return the largest magnitude that an error of each of `variables` may be relative to; None if of all."""
+        return None
+
+    def impact_step(self, system: System, own: Own) -> Scalar | None:
+        """Return a step that resolves an impact of the element [s]; None if it has none."""
         return None
 
     def stiff_force(self, at: Any, closed: Closed) -> Scalar:

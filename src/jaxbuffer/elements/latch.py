@@ -128,7 +128,7 @@ class Latch(Element):
         # While the share grows it lets in springs that are already stretched: that work comes from outside (M176).
         return [closed[0], closed[0] * at.share_rate * self._closed_energy(at)]
 
-    def after_closing(self, at: LatchState, own: Own, closing: Closed) -> Own:
+    def after_closing(self, at: LatchState, own: Own, closing: Closed, speed: Scalar) -> Own:
         # Latches that close in no time store their energy at once, and nothing but the closing has put it in.
         at_once = (closing[0] > 0.5) & (jnp.asarray(self.closing_time) == 0.0)
         return own.at[1].add(jnp.where(at_once, at.share * self._closed_energy(at), 0.0))

@@ -11,8 +11,8 @@ from .._types import Scalar
 from ..contact import Hole
 from ..contact.laws import BEYOND_LAW
 from ..multibody import Kinematics, Load, System
-from .ball_contact import BallContact, BallState, ContactForces
-from .element import Closed, Element, EnergyShare, Own, Switch
+from .ball_contact import BallContact, BallState
+from .element import Closed, ContactForces, Element, EnergyShare, Own, Switch
 from .picture import Level, Panel, PanelCurve
 from .stiff_terms import ContactTerm
 from .telling import BY_HOW_MUCH, largest
@@ -44,21 +44,21 @@ class Pin(Element):
         return self.contact.pair.law.jumps
 
     def evaluate(self, kin: Kinematics, own: Own) -> BallState:
-        return self.contact.evaluate(kin)
+        # The law has no memory: the one that it is given means nothing.
+        return self.contact.evaluate(kin)._replace(memory=jnp.ones(1))
 
     def gaps(self, at: BallState) -> list[tuple[Scalar, Scalar]]:
         return [(at.approach.gap[0], at.approach.approach_speed[0])]
 
     def force(self, at: BallState, closed: Closed) -> Float[Array, " 1"]:
         """Return the force of the bush on the pin [N]."""
-        # The law has no memory: the one that it is given means nothing.
-        return closed * self.contact.pair.normal_force(at.approach, jnp.ones(1))
+        return closed * self.contact.pair.normal_force(at.approach, at.memory)
 
     def loads(self, at: BallState, closed: Closed) -> tuple[Load, ...]:
-        return self.contact.loads(at, ContactForces(self.force(at, closed), jnp.zeros(1)))
+        return self.contact.loads_of(at, ContactForces(self.force(at, closed), jnp.zeros(1)))
 
     def stored(self, at: BallState, closed: Closed) -> dict[str, Scalar]:
-        return {self.stored_in: self.contact.stored(at, closed)}
+        return {self.stored_in: self.contact.elastic_energy(at, closed)}
 
     @property
     def loss_names(self) -> tuple[str, ...]:
@@ -115,7 +115,7 @@ class Pin(Element):
         )
 
     def contact_term(self, system: System, at: BallState, closed: Closed) -> ContactTerm:
-        return self.contact.term(system, at, jnp.ones(1), closed)
+        return self.contact.contact_term(system, at, closed)
 
     def stiff_force(self, at: BallState, closed: Closed) -> Scalar:
         return self.force(at, closed)[0]

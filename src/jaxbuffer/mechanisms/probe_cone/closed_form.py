@@ -15,6 +15,7 @@ from ...programs.cache import stored
 from ..assembled import Assembled
 from ..layout import EvaluatedState
 from .assembly import LOWER, assemble
+from .bodies import TIP
 from .capture import FirstImpact
 from .design import Design, Scenario, check_fit
 
@@ -57,7 +58,7 @@ def predict(mechanism: Assembled, at: EvaluatedState) -> FirstImpact:
     """Return the first impact of a mechanism's run, which starts there with the tip on the lower flank."""
     mass, speed = first_flank(mechanism, at)
     energy = 0.5 * mass * speed**2
-    law = mechanism.contacts[0].pair.law
+    law = mechanism.element(TIP).pair.law
     stiffness = jnp.asarray(mechanism.parts.design.contact_stiffness)
     peak, depth = hertz_peak(stiffness, energy), (2.5 * energy / stiffness) ** 0.4
     factor = loss_factor(law.hysteresis) if isinstance(law, HystereticLaw) else jnp.full((), jnp.nan)
@@ -70,7 +71,7 @@ def predict(mechanism: Assembled, at: EvaluatedState) -> FirstImpact:
 def first_flank(mechanism: Assembled, at: EvaluatedState) -> tuple[Float[Array, ""], Float[Array, ""]]:
     """Return the effective mass [kg] that the lower flank meets, the joints holding and the springs soft, and the
     contact's memory [m/s]: 1/m = A M_c⁻¹ Aᵀ, where A q̇ is the approach speed."""
-    closing = mechanism.contacts[0].directions(mechanism.system, at.contacts[0])[0][: mechanism.coordinates, LOWER]
+    closing = mechanism.element(TIP).closing_directions(mechanism.system, mechanism.evaluated(at, TIP))[:, LOWER]
     return mechanism.system.effective_mass(at.kin, closing), mechanism.memory(at.state)[LOWER]
 
 

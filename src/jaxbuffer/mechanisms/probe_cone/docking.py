@@ -14,7 +14,7 @@ from ...elements import BufferForce, EndStop, Latch
 from ...hybrid import Kind, Log
 from ..assembled import Assembled
 from ..layout import EvaluatedState
-from .bodies import P, T
+from .bodies import TIP, P, T
 from .capture import Docking
 from .outcome import Outcome
 
@@ -87,7 +87,7 @@ def docking(
     # A factor, so that derivatives are NaN as well.
     known = jnp.where(cross.occurred, 1.0, jnp.nan)
     tip, cone, probe = mechanism.evaluated(cross.at, "throat").tip, cross.at.kin.frame(T), cross.at.kin.frame(P)
-    rate = _tip_rate(cross.at)
+    rate = _tip_rate(mechanism, cross.at)
     unlatched = jnp.where(latched(mechanism, end), 1.0, jnp.nan)
     passive = mechanism.parts.design.passive.mass
     push = (end.kin.frame(T).velocity - start.kin.frame(T).velocity) * passive
@@ -107,10 +107,10 @@ def docking(
     )
 
 
-def _tip_rate(at: EvaluatedState) -> Scalar:
+def _tip_rate(mechanism: Assembled, at: EvaluatedState) -> Scalar:
     """Return how fast the tip's y in the axes of T changes [m/s]."""
     cone = at.kin.frame(T)
-    centre = at.contacts[0].centre
+    centre = mechanism.evaluated(at, TIP).centre
     return cone.unturn(centre.velocity - cone.velocity_at(centre.place - cone.origin)).y
 
 

@@ -10,7 +10,7 @@ from ...elements.element import ROUNDED_LENGTH
 from ...plane import Vector
 from ..assembled import Assembled, Shown
 from ..layout import EvaluatedState
-from .bodies import B, P, S, T
+from .bodies import TIP, B, P, S, T
 from .design import Design, Scenario
 
 ROUNDED_ACCELERATION = 1e-12  # m/s²: what rounding of positions of a metre makes of it by the constraints' correction
@@ -63,7 +63,7 @@ HINGE_ANGLE = Shown("hinge_angle", lambda *at: jnp.abs(hinge_angle(*at)), neglig
 BENDING = Shown("bending", lambda *at: jnp.abs(bending_of_tip(*at)), negligible=_rounded_length)
 # Of a history; those of which the largest size is watched have their sign there.
 RECORDED = (
-    Shown("tip_spin", lambda mechanism, at, rate: at.contacts[0].spin),
+    Shown("tip_spin", lambda mechanism, at, rate: mechanism.evaluated(at, TIP).spin),
     Shown("hinge_angle", hinge_angle),
     Shown("bending", bending_of_tip),
 )
