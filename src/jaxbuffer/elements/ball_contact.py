@@ -124,9 +124,10 @@ class BallContact(Element):
         return (*["spin"] * self.spins, *(f"touchdown_speed_{name}" for name in self.segment_names))
 
     def start(self, kin: Kinematics) -> Own:
-        spin = [kin.point(self.body, self.point).spin] * self.spins
         # Which segments are closed does not depend on the memory, which `after_start` sets.
-        return jnp.concatenate([jnp.reshape(it, (1,)) for it in spin] + [jnp.ones(self.segments)])
+        memory = jnp.ones(self.segments)
+        # A ball that spins freely begins with the spin of its body.
+        return jnp.append(kin.point(self.body, self.point).spin, memory) if self.spins else memory
 
     def after_start(self, at: BallState, own: Own, closed: Closed) -> Own:
         # An open contact's memory only says how fast the first impact may be.
@@ -170,9 +171,8 @@ class BallContact(Element):
     def jumps(self) -> bool:
         return self.pair.law.jumps
 
-    def gaps(self, at: BallState) -> list[tuple[Scalar, Scalar]]:
-        a = at.approach
-        return [(a.gap[k], a.approach_speed[k]) for k in range(self.segments)]
+    def gaps(self, at: BallState) -> list[tuple[Array, Array]]:
+        return [(at.approach.gap, at.approach.approach_speed)]
 
     def negligible(self) -> dict[str, Scalar]:
         if self.onset_length is None:

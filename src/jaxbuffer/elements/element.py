@@ -156,7 +156,7 @@ class Element(Impacts):
 
     def gaps(self, at: Any) -> list[tuple[Scalar, Scalar]]:
         """Return the gap of each switch [m], and how fast it closes [m/s]; of what is over after some time, the time
-        left [s] and how fast that passes."""
+        left [s] and how fast that passes. One pair of rows may be of all switches together."""
         return []
 
     def with_forces(self, at: Any, closed: Closed) -> Any:

@@ -3,7 +3,7 @@
 import math
 from collections import Counter
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -15,37 +15,24 @@ from ..elements import ContactForces, Element, Magnitudes, Oscillators
 from ..elements.stiff_terms import inverse_masses
 from ..errors import InputError
 from ..hybrid import Linearisation
-from ..multibody import Kinematics, Motion, System
+from ..multibody import Kinematics, System
 from ..plane import Vector
+from .energies import added, momentum, stored_energies, supplied_energies
 from .energy import Energy
+from .equations import Exerted, exerted, rate_of_state
 from .layout import Closed, EvaluatedState, Layout, State, row
 from .magnitudes import check_magnitudes
+from .observables import Shown as Shown
+from .observables import element_observables, element_records
 from .relative_energy import rigid_energy
 from .snapshot import Snapshot
 from .stiff_part import stiff_part
 from .system import ContactSystem
 
+NO_END = ("failed_penetration",)  # time stepping needs an end: where no part has one, it is this, which never comes
+
 Quantity = Callable[[System, Kinematics], Scalar]
 E = TypeVar("E", bound=Element)
-
-
-class Shown(NamedTuple):
-    """An observable: its ``name``; ``of``: its value from the mechanism, an evaluated state and the state's rate;
-    ``of_rate``: whether it depends on the rate; ``least``: what its largest value is at least, as a depth is 0 where
-    nothing touches; ``negligible``: from the mechanism, what of it is rounding where nothing acts."""
-
-    name: str
-    of: Callable[["Assembled", EvaluatedState, State], Scalar]
-    of_rate: bool = False
-    least: float = -math.inf
-    negligible: Callable[["Assembled"], Scalar] | None = None
-
-
-class Exerted(NamedTuple):
-    """What acts at one instant: the ``elements`` with their forces, and accelerations and multipliers of the bodies."""
-
-    elements: tuple[Any, ...]
-    motion: Motion
 
 
 class Assembled(ContactSystem):
@@ -314,51 +301,15 @@ class Assembled(ContactSystem):
 
     def exerted(self, at: EvaluatedState, active: Closed) -> Exerted:
         """Return what acts at an instant."""
-        closed = self.layout.of_elements(active)
-        forces = tuple(
-            element.with_forces(it, mine) for element, it, mine in zip(self.elements, at.elements, closed, strict=True)
-        )
-        parts = zip(self.elements, forces, closed, strict=True)
-        loads = [load for element, it, mine in parts for load in element.loads(it, mine)]
-        return Exerted(forces, self.system.motion(at.kin, tuple(loads)))
+        return exerted(self.system, self.layout, at, active)
 
     def derivative(self, time: Scalar, state: State, active: Closed) -> State:
         at = self.evaluate(state)
         return self._rate(at, active, self.exerted(at, active))
 
-    def _rate(self, at: EvaluatedState, active: Closed, exerted: Exerted) -> State:
+    def _rate(self, at: EvaluatedState, active: Closed, acting: Exerted) -> State:
         """Return the rate of the state."""
-        lost = self._losses(at, active, exerted)
-        return self.layout.state(
-            q=at.kin.v,
-            v=exerted.motion.acceleration,
-            lost=[lost[name] for name in self.loss_names],
-            first_energy=0.0,
-            own=self._element_rates(at, active, exerted),
-            time=1.0,
-        )
-
-    def _element_rates(self, at: EvaluatedState, active: Closed, exerted: Exerted) -> list[list[Scalar]]:
-        """Return the rates of each element's numbers."""
-        rates: list[list[Scalar]] = []
-        # The driving joints stand behind all others, and so do their multipliers.
-        others = [joint for joint in self.system.joints if not joint.driven] if self.layout.driven else []
-        first = sum(len(joint.rows(at.kin)) for joint in others)
-        for element, it, closed in zip(self.elements, exerted.elements, self.layout.of_elements(active), strict=True):
-            own = element.rates(it, closed)
-            if element.driving_joint is not None:
-                last = first + len(element.driving_joint.rows(at.kin))
-                own = own + element.reaction_rates(it, exerted.motion.multipliers[first:last])
-                first = last
-            rates.append(own)
-        return rates
-
-    def _losses(self, at: EvaluatedState, active: Closed, exerted: Exerted) -> dict[str, Scalar]:
-        """Return the power that is lost, by where it is [W]."""
-        lost: dict[str, Scalar] = {} if self.lost_in is None else {self.lost_in: self.system.dissipation(at.kin)}
-        for element, *part in zip(self.elements, exerted.elements, self.layout.of_elements(active), strict=True):
-            lost = _added(lost, element.losses(*part))
-        return lost
+        return rate_of_state(self.system, self.layout, at.kin, active, acting, (self.loss_names, self.lost_in))
 
     def gaps_at(self, at: EvaluatedState) -> tuple[Closed, Closed]:
         """Return the gap of each contact and each switch [m], and how fast it closes [m/s]; of what is over after some
@@ -387,14 +338,15 @@ class Assembled(ContactSystem):
     def end_outcomes(self) -> tuple[str, ...]:
         elements = (name for element in self.elements for name in element.outcomes)
         held = () if self.quiet is None else ("held",)
-        return (*(self.end_names or ("ended",) * len(self.ends)), *elements, *held)
+        return (*(self.end_names or ("ended",) * len(self.ends)), *elements, *held) or NO_END
 
     def terminals_at(self, at: EvaluatedState) -> Float[Array, " terminals"]:
         """Return those of ``ends`` and of elements, and whether all is held."""
         ends = [quantity(self.system, at.kin) for quantity in self.ends]
         for element, it in zip(self.elements, at.elements, strict=True):
             ends += element.guards(it)
-        return stacked([*ends, *([] if self.quiet is None else [self._at_rest(at)])])
+        ends += [] if self.quiet is None else [self._at_rest(at)]
+        return stacked(ends or [-1.0])
 
     def _at_rest(self, at: EvaluatedState) -> Scalar:
         """Return a number above zero where all that closes once has closed and the energy of relative motion is below
@@ -419,33 +371,15 @@ class Assembled(ContactSystem):
         return row([self.elements[k].touchdown_speeds(layout.own(state, k)) for k in layout.impacting])
 
     def observables_at(self, at: EvaluatedState, rate: State, active: Closed) -> Float[Array, " observables"]:
-        values = self._element_observables(at, rate, active)
+        values = element_observables(self.layout, at, rate, active)
         values |= {shown.name: shown.of(self, at, rate) for shown in self.shown}
         others = [values[name] for name in self.observed[self.impact_contacts :]]
         return row([self.normal_force_at(at, active), *([stacked(others)] if others else [])])
 
-    def _element_observables(self, at: EvaluatedState, rate: State, active: Closed) -> dict[str, Scalar]:
-        values: dict[str, Scalar] = {}
-        acceleration, closed = self.part(rate, "v"), self.layout.of_elements(active)
-        for k, (element, it) in enumerate(zip(self.elements, at.elements, strict=True)):
-            values |= element.observables(it, closed[k])
-            if element.observed_of_rate:
-                values |= element.observables_of_rate(it, acceleration, self.layout.own(rate, k))
-        return values
-
     def snapshot_at(self, at: EvaluatedState, active: Closed) -> Snapshot:
         exerted = self.exerted(at, active)
         rate = self._rate(at, active, exerted)
-        others = self._element_observables(at, rate, active)
-        sources = dict[str, str]()
-        for element, *part in zip(self.elements, at.elements, self.layout.of_elements(active), strict=True):
-            recorded = element.recorded(*part)
-            # An element may record with its sign what it observes without; of two elements one would hide the other.
-            for name in {*element.observed, *element.observed_of_rate, *recorded}:
-                if sources.setdefault(name, element.name) != element.name:
-                    both = f"{sources[name]!r} and {element.name!r}"
-                    raise InputError(f"the elements {both} both show {name!r}: give one of them another name")
-            others |= recorded
+        others = element_observables(self.layout, at, rate, active) | element_records(self.layout, at, active)
         # Those recorded come last: where a size is watched, the history has the value with its sign.
         others |= {shown.name: shown.of(self, at, rate) for shown in (*self.shown, *self.recorded)}
         if self.momentum_size is not None:
@@ -465,54 +399,28 @@ class Assembled(ContactSystem):
 
     def stored(self, at: EvaluatedState, active: Closed) -> dict[str, Scalar]:
         """Return the energy in motion, in the system's springs and in elements, by name [J] (M76)."""
-        kinetic = self.system.kinetic_energy(at.kin)
-        for inertia, spin in self._spinning(at.state):
-            kinetic = kinetic + 0.5 * inertia * spin**2
-        stored = {"kinetic": kinetic, self.stored_in: jnp.asarray(self.system.stored_energy(at.kin))}
-        for element, *part in zip(self.elements, at.elements, self.layout.of_elements(active), strict=True):
-            stored = _added(stored, element.stored(*part))
-        return stored
-
-    def _spinning(self, state: State) -> list[tuple[Scalar, Scalar]]:
-        """Return inertia [kg m²] and spin [rad/s] of what turns by itself."""
-        inertias = self.layout.spin_inertias
-        return list(zip(inertias, self.part(state, "spins"), strict=True)) if inertias else []
-
-    def supplied(self, state: State) -> dict[str, Scalar]:
-        """Return the energy that elements have put in from outside so far, by name [J]."""
-        supplied: dict[str, Scalar] = {}
-        for k, element in enumerate(self.elements):
-            supplied = _added(supplied, element.supplied(self.layout.own(state, k)))
-        return supplied
+        return stored_energies(self.system, self.layout, at, active, self.stored_in)
 
     def relative_energy(self, at: EvaluatedState, active: Closed) -> Float[Array, ""]:
         """Return the energy of relative motion [J]: what is stored and in motion beyond the motion of the whole as one
         rigid body (M177)."""
-        whole = rigid_energy(self.system, at.kin, self._spinning(at.state))
+        whole = rigid_energy(self.system, at.kin, self.layout.spinning(at.state))
         return jnp.asarray(sum(self.stored(at, active).values()) - whole)
 
     def energy_at(self, at: EvaluatedState, active: Closed) -> Energy:
         always_stored, always_lost = (dict.fromkeys(names, jnp.zeros(())) for names in self.listed)
         # What came from outside is counted negative, so that the total stays constant (M76).
-        put_in = {name: -energy for name, energy in self.supplied(at.state).items()}
-        stored = _added(always_stored | self.stored(at, active), put_in)
+        put_in = {name: -energy for name, energy in supplied_energies(self.layout, at.state).items()}
+        stored = added(always_stored | self.stored(at, active), put_in)
         lost = always_lost | dict(zip(self.loss_names, self.part(at.state, "lost"), strict=True))
         return Energy({name: jnp.asarray(energy) for name, energy in stored.items()}, lost)
 
-    def other_forces_at(self, at: EvaluatedState, active: Closed) -> Scalar:
+    def stiff_forces_at(self, at: EvaluatedState, active: Closed) -> Scalar:
         parts = zip(self.elements, at.elements, self.layout.of_elements(active), strict=True)
         return sum((element.stiff_force(*part) for element, *part in parts), start=jnp.zeros(()))
 
     def momentum(self, state: State) -> tuple[Float[Array, " 2"], Float[Array, ""]]:
-        kin = self.kinematics(state)
-        linear, angular = self.system.linear_momentum(kin), self.system.angular_momentum(kin)
-        for inertia, spin in self._spinning(state):
-            angular = angular + inertia * spin
-        for k, element in enumerate(self.elements):
-            impulse = element.impulse(self.layout.own(state, k))
-            if impulse is not None:  # what came from outside is no error
-                linear, angular = linear - stacked([impulse[0].x, impulse[0].y]), angular - impulse[1]
-        return linear, angular
+        return momentum(self.system, self.layout, self.kinematics(state), state)
 
     def constraint_errors(self, kin: Kinematics) -> Float[Array, " rows"]:
         return self.system.errors(kin)
@@ -562,11 +470,3 @@ class Assembled(ContactSystem):
 
     def linearisation(self, time: Scalar, state: State, active: Closed) -> Linearisation:
         return stiff_part(self.system, self.layout, self.evaluate(state), active)
-
-
-def _added(energies: Mapping[str, Scalar], more: Mapping[str, Scalar]) -> dict[str, Scalar]:
-    """Add energies, or powers, of one name."""
-    sums = dict(energies)
-    for name, value in more.items():
-        sums[name] = sums[name] + value if name in sums else value
-    return sums

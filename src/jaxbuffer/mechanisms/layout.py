@@ -109,6 +109,11 @@ class Layout(NamedTuple):
         """Return the moment of inertia of all that turns by itself, in the order of the spins [kg m²]."""
         return tuple(inertia for element in self.elements for inertia in element.spin_inertias)
 
+    def spinning(self, state: State) -> list[tuple[Scalar, Scalar]]:
+        """Return inertia [kg m²] and spin [rad/s] of what turns by itself."""
+        inertias = self.spin_inertias
+        return list(zip(inertias, state[self.places["spins"]], strict=True)) if inertias else []
+
     @property
     def switches(self) -> tuple[tuple[int, int], ...]:
         """Return element and number of each switch, in the order of the contacts."""
@@ -156,8 +161,14 @@ class Layout(NamedTuple):
         ]
 
     def of_switches(self, values: list[list[Scalar]]) -> Closed:
-        """Return one row of what the switches of each element have."""
-        return stacked([values[k][i] for k, i in self.switches]) if self.switches else jnp.zeros(0)
+        """Return one row of what the switches of each element have: a number for each, or a row of all of them."""
+        parts: list[Values] = []
+        for k, i in self.switches:
+            if all(jnp.ndim(value) == 0 for value in values[k]):
+                parts.append([values[k][i]])
+            elif i == 0:
+                parts += values[k]
+        return _joined(parts)
 
 
 def _joined(parts: list[Values]) -> Array:

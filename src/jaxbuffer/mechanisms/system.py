@@ -110,10 +110,9 @@ class ContactSystem(HybridSystem):
         """Return whether `energy_at` holds the work of all forces."""
         return True
 
-    def other_forces_at(self, at: Any, active: Active) -> Scalar:
-        """Return the sum of the sizes of stiff forces beside those of `normal_force_at` [N], for the rounding in
-        `invariant`."""
-        return 0.0
+    def stiff_forces_at(self, at: Any, active: Active) -> Scalar:
+        """Return the sum of the sizes of stiff forces [N], for the rounding in `invariant`."""
+        raise NotImplementedError
 
     @property
     def momentum_scale(self) -> Scalar | None:
@@ -212,7 +211,7 @@ class ContactSystem(HybridSystem):
         if not self.balance_complete:
             return jnp.zeros(()), jnp.zeros(())
         scale = self.energy_scale
-        forces = jnp.sum(self.normal_force_at(at, active)) + self.other_forces_at(at, active)
+        forces = self.stiff_forces_at(at, active)
         energy = self.energy_at(at, active)
         size = jnp.maximum(energy.size / scale, 1.0)
         return energy.total / scale, ROUNDED * (size + forces / scale)
