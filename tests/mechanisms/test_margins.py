@@ -37,10 +37,12 @@ def test_the_pin_may_touch_a_small_area_of_its_bush(share, told):
     pin, bush = float(design.hinge.pin_radius), float(design.hinge.bush_radius)
     limit = float(pin_law(design).elastic(0.1 * pin * 2e-4 / bush))
     run = SimpleNamespace(mechanism=SimpleNamespace(quantities={}), maxima={"hinge_force": jnp.asarray(share * limit)})
-    grows, *beyond = pin_in_bush(design).warnings(run)
+    grows, *beyond = pin_in_bush(design).report.warnings(run)
     assert "errors may grow" in grows and len(beyond) == told
     run.maxima.clear()
-    assert pin_in_bush(design).warnings(run) == [grows], "where the force is not watched nothing is known of its area"
+    assert pin_in_bush(design).report.warnings(run) == [grows], (
+        "where the force is not watched nothing is known of its area"
+    )
 
 
 def log(rows, times, count):

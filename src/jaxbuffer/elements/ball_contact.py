@@ -15,6 +15,7 @@ from ..errors import InputError, concrete
 from ..multibody import Kinematics, Load, MaterialPoint, Point, System, load_at
 from ..plane import Vector
 from .element import ROUNDED_LENGTH, Closed, ContactForces, Element, Magnitudes, Own, Switch
+from .report import Report
 from .stiff_terms import ContactTerm, contact_directions, contact_slopes
 
 SLIP_SPEEDS = 10.0  # the largest slip, in slip speeds, that its error may be relative to (docs/decisions.md)
@@ -33,7 +34,7 @@ class BallState(NamedTuple):
     - ``centre``: the ball's centre on its body.
     - ``origin``: the origin of the shape's axes on its carrier.
     - ``spin``: of the ball [rad/s].
-    - ``memory``: δ̇⁻, the approach speed of each segment at its last touchdown [m/s]; None where only geometry counts.
+    - ``memory``: δ̇⁻, the approach speed of each segment at its last touchdown [m/s].
     - ``forces``: where they are known already.
     """
 
@@ -41,7 +42,7 @@ class BallState(NamedTuple):
     centre: MaterialPoint
     origin: MaterialPoint
     spin: Scalar
-    memory: Segments | None = None
+    memory: Segments
     forces: ContactForces | None = None
 
 
@@ -97,6 +98,10 @@ class BallContact(Element):
         if time is not None and not np.all((time > 0.0) & np.isfinite(time)):
             raise InputError(f"memory_time of the contact {self.name!r} is {time} s: give a time above zero")
 
+    @property
+    def report(self) -> "BallReport":
+        return BallReport(self)
+
     def in_mechanism(self, speed: Scalar) -> "BallContact":
         return self if self.typical_speed is not None else dataclasses.replace(self, typical_speed=speed)
 
@@ -131,7 +136,7 @@ class BallContact(Element):
 
     def after_start(self, at: BallState, own: Own, closed: Closed) -> Own:
         # An open contact's memory only says how fast the first impact may be.
-        floor = jnp.where(closed > 0.5, self.slowest_touchdown, self.typical_speed)
+        floor = jnp.where(closed > 0.5, self.slowest_touchdown, self._fastest)
         memory = jnp.maximum(at.approach.approach_speed, floor) if self.first_memory is None else self.first_memory
         return self._with_memory(own, memory)
 
@@ -142,9 +147,14 @@ class BallContact(Element):
         return own[1:] if self.spins else own
 
     @property
+    def _fastest(self) -> Scalar:
+        assert self.typical_speed is not None, "a mechanism says it"
+        return self.typical_speed
+
+    @property
     def slowest_touchdown(self) -> Scalar:
         """Return the least memory of a touchdown [m/s] (M36)."""
-        return SLOWEST_TOUCHDOWN if self.typical_speed is None else slowest_touchdown(self.typical_speed)
+        return slowest_touchdown(self._fastest)
 
     @property
     def resets(self) -> bool:
@@ -196,8 +206,8 @@ class BallContact(Element):
         return self.onset_length is None and self.fixed_foot is None
 
     def evaluate(self, kin: Kinematics, own: Own | None = None) -> BallState:
-        """Return geometry and relative motion. Without ``own`` numbers the ball turns with its body, and has no
-        memory."""
+        """Return geometry and relative motion. Without ``own`` numbers the ball turns with its body, and its memory
+        means nothing."""
         spin = own[0] if own is not None and self.spins else None
         centre, origin = kin.point(self.body, self.point), kin.point(self.carrier, self.carrier_point)
         turning = centre.spin if spin is None else spin
@@ -207,7 +217,7 @@ class BallContact(Element):
         if self.segments == 1:
             # One segment has an axis too, so that all that follows treats one and several alike.
             approach = Approach(*(jnp.reshape(part, (1,)) for part in approach))
-        memory = None if own is None else self.touchdown_speeds(own)
+        memory = jnp.ones(self.segments) if own is None else self.touchdown_speeds(own)
         return BallState(approach, centre, origin, turning, memory)
 
     def contact_forces(self, at: BallState, closed: Closed) -> ContactForces:
@@ -281,6 +291,7 @@ class BallContact(Element):
         """Return how fast the memory follows the approach speed [1/s]."""
         # It follows while the contact is open and stays while it is closed, with a smooth change between the two (M61),
         # over the length over which the force sets in, if there is one.
+        assert self.memory_time is not None
         onset = ONSET if self.onset_length is None else self.onset_length
         return 0.5 * (1.0 + jnp.tanh(at.approach.gap / onset)) / self.memory_time
 
@@ -332,9 +343,17 @@ class BallContact(Element):
         # it.
         speed = jnp.max(self.touchdown_speeds(own))
         # At its floor, as before the first touchdown of a free start, the memory says nothing of the impact.
-        speed = jnp.where(speed > self.slowest_touchdown, speed, self.typical_speed)
+        speed = jnp.where(speed > self.slowest_touchdown, speed, self._fastest)
         return 0.2 * jnp.asarray(self.pair.law.time_scale(system.bodies[self.body].mass, speed))
 
     def contact_term(self, system: System, at: BallState, closed: Closed) -> ContactTerm:
         slopes = contact_slopes(self.pair, self._onset(at.approach), at.memory, self._exerting(closed))
         return ContactTerm(*self.directions(system, at), *slopes)
+
+
+class BallReport(Report[BallContact]):
+    """What is drawn of a ball; its forces and impacts are listed with those of all contacts."""
+
+    @property
+    def balls(self) -> tuple[BallContact, ...]:
+        return (self.element,)

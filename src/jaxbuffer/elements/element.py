@@ -8,16 +8,14 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._types import Scalar
-from ..hybrid import Followers
-from ..multibody import Coordinates, Joint, Kinematics, Load, SpringDirection, System
+from ..multibody import Joint, Kinematics, Load, System
 from ..plane import Vector
-from .picture import Panel
-from .stiff_terms import ContactTerm
+from .report import Report
+from .stepping import Closed as Closed
+from .stepping import Own as Own
+from .stepping import SteppingHints
 
 ROUNDED_LENGTH = 1e-13  # m, rad: what rounding makes of positions of the order of a metre
-
-Own = Float[Array, " variables"]
-Closed = Float[Array, " switches"]
 
 
 class Switch(NamedTuple):
@@ -33,19 +31,6 @@ class Switch(NamedTuple):
     one_way: bool = False
     force: str | None = None
     impact: bool = False
-
-
-class EnergyShare(NamedTuple):
-    """What an element has of a run's energy.
-
-    - ``place``: where the energy was lost, in words: "end stop".
-    - ``label``: of a curve of all of it: "in the end stop".
-    - ``names``: of the energies that count, of which the last one is what was lost.
-    """
-
-    place: str
-    label: str
-    names: tuple[str, ...]
 
 
 class ContactForces(NamedTuple):
@@ -87,7 +72,7 @@ class Impacts(eqx.Module):
         return jnp.zeros(())
 
 
-class Element(Impacts):
+class Element(Impacts, SteppingHints):
     """A physical part between bodies, such as a buffer, a latch or a drive, or a sensor of their motion.
 
     `jaxbuffer.mechanisms.assembled.Assembled` joins elements to a mechanism. It keeps each element's numbers in the
@@ -103,6 +88,11 @@ class Element(Impacts):
     def name(self) -> str:
         """Return the element's name; each class has a field for it."""
         raise NotImplementedError
+
+    @property
+    def report(self) -> Report[Any]:
+        """Return what a summary, a figure and a page say of the element."""
+        return Report(self)
 
     # --- what it adds to the mechanism's state ------------------------------------------------------------------------
 
@@ -265,73 +255,3 @@ class Element(Impacts):
     def recorded(self, at: Any, closed: Closed) -> Mapping[str, Scalar]:
         """Return what a history shows besides, by name; it replaces an observable of the same name, for a sign, say."""
         return {}
-
-    # --- what people are told and shown of a run ----------------------------------------------------------------------
-
-    @property
-    def words(self) -> str:
-        """Return what the element is called in texts."""
-        return self.name.replace("_", " ")
-
-    def summary(self, run: Any) -> list[tuple[str, str]]:
-        """Return lines of a run's summary, each as its heading and its text."""
-        return []
-
-    def panels(self, run: Any) -> list[Panel]:
-        """Return panels of a figure of a run that has a history."""
-        return []
-
-    def warnings(self, run: Any) -> list[str]:
-        """Return a line for each limit of validity that a run exceeds."""
-        return []
-
-    @property
-    def shares(self) -> tuple[EnergyShare, ...]:
-        """Return what the element has of a run's energy."""
-        return ()
-
-    # --- time stepping ------------------------------------------------------------------------------------------------
-
-    def springs(self, at: Any, closed: Closed) -> tuple[SpringDirection, ...]:
-        """Return the element's spring-dampers with their directions frozen: what implicit steps take for stiff."""
-        return ()
-
-    def contact_term(self, system: System, at: Any, closed: Closed) -> ContactTerm | None:
-        """Return a contact's share of the stiff part; None if the element has no contact."""
-        return None
-
-    def decays(self, at: Any) -> list[Scalar] | None:
-        """Return the rates at which `variables` decay by themselves [1/s]; None if none does."""
-        return None
-
-    def scale_limits(self) -> list[Scalar] | None:
-        """Return the largest magnitude that an error of each of `variables` may be relative to; None if of all."""
-        return None
-
-    def impact_step(self, system: System, own: Own) -> Scalar | None:
-        """Return a step that resolves an impact of the element [s]; None if it has none."""
-        return None
-
-    def stiff_force(self, at: Any, closed: Closed) -> Scalar:
-        """Return the size of the stiff forces [N], of which rounding of positions makes an error in the energy."""
-        return 0.0
-
-    def followers(self, first: int, order: Coordinates) -> Followers | None:
-        """Return the element's oscillators for implicit steps; None if it has none. ``first``: where `variables` stand,
-        counted from the end of the velocities; ``order``: of the velocities."""
-        return None
-
-    @property
-    def sudden(self) -> bool:
-        """Return whether reactions may rise within a step from far below their largest value to above it."""
-        return False
-
-    @property
-    def tolerance_share(self) -> float:
-        """Return the share of a run's tolerance that steps keep to: less where a force is not smooth."""
-        return 1.0
-
-    @property
-    def invariant_share(self) -> float:
-        """Return the share of the usual change of energy that a step may make: less where runs are long."""
-        return 1.0

@@ -13,8 +13,9 @@ from jaxtyping import Array, Float
 from .._types import Scalar
 from ..multibody import Kinematics, Load, MaterialPoint, Point, SpringDirection, load_at
 from ..plane import Vector
-from .element import ROUNDED_LENGTH, Closed, Element, EnergyShare, Magnitudes, Own, Switch
+from .element import ROUNDED_LENGTH, Closed, Element, Magnitudes, Own, Switch
 from .picture import Level, Panel, PanelCurve
+from .report import EnergyShare, Report
 from .telling import closed_at, largest, reached
 
 
@@ -206,34 +207,6 @@ class Latch(Element):
     def recorded(self, at: LatchState, closed: Closed) -> dict[str, Scalar]:
         return {f"{self.name}_closed": closed[0] * at.share}
 
-    # --- what people are told and shown -------------------------------------------------------------------------------
-
-    def summary(self, run: Any) -> list[tuple[str, str]]:
-        closed, force = closed_at(run, self.name), f"{self.name}_force"
-        if not math.isfinite(closed):
-            return []
-        held = f", held {float(run.end_time) - closed:.4g} s later" if run.outcome.name == "held" else ""
-        strength = "" if self.strength is None else f" of {float(self.strength):.6g} N strength"
-        most = f"{self.words} force at most {largest(run, force):.6g} N{strength}{reached(run, force)}"
-        heading = "latched" if self.name == "latch" else f"{self.words} closed"
-        return [(heading, f"at {closed:.6g} s{held}; {most}")]
-
-    def panels(self, run: Any) -> list[Panel]:
-        most = largest(run, f"{self.name}_force")
-        levels = [Level(f"largest, {most:.4g} N", most)]
-        if self.strength is not None and most > 0.5 * float(self.strength):
-            levels.append(Level(f"strength, {float(self.strength):.4g} N", float(self.strength), limit=True))
-        curve = PanelCurve("", run.history.others[f"{self.name}_force"])
-        title = f"{self.words} force"
-        # What is latched comes to rest long after the last impact.
-        shown = Panel(title.capitalize(), f"{title} [N]", (curve,), (*levels, Level("", 0.0)))
-        return [shown._replace(whole=True, to_end=True)]
-
-    @property
-    def shares(self) -> tuple[EnergyShare, ...]:
-        together = "latches" if self.name == "latch" else self.words
-        return (EnergyShare(self.words, f"in the {together}", (self.name, f"{self.name}_damper")),)
-
     # --- time stepping ------------------------------------------------------------------------------------------------
 
     def springs(self, at: LatchState, closed: Closed) -> tuple[SpringDirection, ...]:
@@ -256,6 +229,43 @@ class Latch(Element):
     def invariant_share(self) -> float:
         """Return less than one: until the bodies are at rest there are hundreds of long steps, whose errors add up."""
         return 0.4
+
+    @property
+    def report(self) -> "LatchReport":
+        return LatchReport(self)
+
+
+class LatchReport(Report[Latch]):
+    """What is said and drawn of latches."""
+
+    def summary(self, run: Any) -> list[tuple[str, str]]:
+        latch = self.element
+        closed, force = closed_at(run, latch.name), f"{latch.name}_force"
+        if not math.isfinite(closed):
+            return []
+        held = f", held {float(run.end_time) - closed:.4g} s later" if run.outcome.name == "held" else ""
+        strength = "" if latch.strength is None else f" of {float(latch.strength):.6g} N strength"
+        most = f"{self.words} force at most {largest(run, force):.6g} N{strength}{reached(run, force)}"
+        heading = "latched" if latch.name == "latch" else f"{self.words} closed"
+        return [(heading, f"at {closed:.6g} s{held}; {most}")]
+
+    def panels(self, run: Any) -> list[Panel]:
+        latch = self.element
+        most = largest(run, f"{latch.name}_force")
+        levels = [Level(f"largest, {most:.4g} N", most)]
+        if latch.strength is not None and most > 0.5 * float(latch.strength):
+            levels.append(Level(f"strength, {float(latch.strength):.4g} N", float(latch.strength), limit=True))
+        curve = PanelCurve("", run.history.others[f"{latch.name}_force"])
+        title = f"{self.words} force"
+        # What is latched comes to rest long after the last impact.
+        shown = Panel(title.capitalize(), f"{title} [N]", (curve,), (*levels, Level("", 0.0)))
+        return [shown._replace(whole=True, to_end=True)]
+
+    @property
+    def shares(self) -> tuple[EnergyShare, ...]:
+        latch = self.element
+        together = "latches" if latch.name == "latch" else self.words
+        return (EnergyShare(self.words, f"in the {together}", (latch.name, f"{latch.name}_damper")),)
 
 
 def _size(force: Vector) -> Scalar:

@@ -14,6 +14,7 @@ from ..errors import InputError
 from ..hybrid import Followers
 from ..multibody import Coordinates, Kinematics
 from .element import ROUNDED_LENGTH, Closed, Element, Magnitudes, Own
+from .report import Report
 from .telling import largest
 
 
@@ -74,7 +75,7 @@ class Oscillators(Element):
         return [*(size.speed / self.rates_of_axes), *[size.speed] * self.axes]
 
     def _base(self, kin: Kinematics) -> Float[Array, " axes"]:
-        return stacked([speed for body in self.bodies for speed in kin.frame(body).velocity])
+        return stacked([speed for body in self.bodies for speed in Coordinates.translation(kin.v, body)])
 
     def evaluate(self, kin: Kinematics, own: Own) -> OscillatorState:
         return OscillatorState(own[: self.axes], own[self.axes :], self._base(kin))
@@ -100,13 +101,22 @@ class Oscillators(Element):
         sizes = ROUNDED_LENGTH * self.rates_of_axes[::2] ** 2
         return dict(zip(self.names, sizes, strict=True))
 
-    def summary(self, run: Any) -> list[tuple[str, str]]:
-        felt = [
-            f"{name.partition('_')[0]} {largest(run, name):.4g} m/s² at {float(frequency):.4g} Hz"
-            for name, frequency in zip(self.names, self.frequencies, strict=True)
-        ]
-        return [("shock", ", ".join(felt))]
-
     def followers(self, first: int, order: Coordinates) -> Followers:
         shaken_by = tuple(column for body in self.bodies for column in order.columns(body)[:2])
         return Followers(first, shaken_by, self.rates_of_axes, self.damping)
+
+    @property
+    def report(self) -> "OscillatorsReport":
+        return OscillatorsReport(self)
+
+
+class OscillatorsReport(Report[Oscillators]):
+    """What is said and drawn of oscillators."""
+
+    def summary(self, run: Any) -> list[tuple[str, str]]:
+        oscillators = self.element
+        felt = [
+            f"{name.partition('_')[0]} {largest(run, name):.4g} m/s² at {float(frequency):.4g} Hz"
+            for name, frequency in zip(oscillators.names, oscillators.frequencies, strict=True)
+        ]
+        return [("shock", ", ".join(felt))]

@@ -11,6 +11,7 @@ from ..errors import InputError
 from ..multibody import Kinematics, Load
 from ..plane import Frame, Vector
 from .element import Closed, Element, Magnitudes, Own, Switch
+from .report import Report
 
 UNIT = 1e-6  # how far the length of an axis may be from 1, as of digits that were typed
 
@@ -82,9 +83,18 @@ class Thrust(Element):
     def impulse(self, own: Own) -> tuple[Vector, Scalar]:
         return Vector(own[2], own[3]), own[4]
 
-    def summary(self, run: Any) -> list[tuple[str, str]]:
-        work = -float(run.energy.stored[self.name])  # what was put in is counted negative
-        return [(self.words, f"{float(self.size):.6g} N for {float(self.time):.6g} s, which put in {work:.6g} J")]
-
     def settled(self, at: ThrustState) -> Scalar:
         return at.time >= self.time
+
+    @property
+    def report(self) -> "ThrustReport":
+        return ThrustReport(self)
+
+
+class ThrustReport(Report[Thrust]):
+    """What is said and drawn of a thrust."""
+
+    def summary(self, run: Any) -> list[tuple[str, str]]:
+        thrust = self.element
+        work = -float(run.energy.stored[thrust.name])  # what was put in is counted negative
+        return [(self.words, f"{float(thrust.size):.6g} N for {float(thrust.time):.6g} s, which put in {work:.6g} J")]

@@ -7,6 +7,7 @@ from typing import Any, TypeVar
 
 import equinox as eqx
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float, Int
 
 from .._types import Scalar, stacked
@@ -109,7 +110,8 @@ class Assembled(ContactSystem):
             raise InputError("quiet is of bodies that nothing holds to the ground: give momentum_size [kg m/s] too")
         if sum(isinstance(element, Oscillators) for element in self.elements) > 1:
             raise InputError("there are several Oscillators: put all of them into one, which implicit steps then know")
-        check_magnitudes(self)
+        numbers = (self.system, self.q, self.v, self.elements, self.size, self.parts)
+        check_magnitudes(self, {"quiet": self.quiet}, numbers, dimensions=np.ndim(self.q))
 
     # --- the state's layout -------------------------------------------------------------------------------------------
 

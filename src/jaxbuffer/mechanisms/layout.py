@@ -167,7 +167,7 @@ class Layout(NamedTuple):
             if all(jnp.ndim(value) == 0 for value in values[k]):
                 parts.append([values[k][i]])
             elif i == 0:
-                parts += values[k]
+                parts += [jnp.asarray(row) for row in values[k]]
         return _joined(parts)
 
 

@@ -1,34 +1,36 @@
 """The magnitudes that a mechanism's changes are compared with: that each of them is a number."""
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import Any
 
 import jax
 import numpy as np
 
+from .._types import Scalar
 from ..errors import InputError, concrete
-
-if TYPE_CHECKING:  # `Assembled` checks itself by this
-    from .assembled import Assembled
+from .system import ContactSystem
 
 
-def check_magnitudes(assembled: "Assembled") -> None:
+def check_magnitudes(system: ContactSystem, others: Mapping[str, Scalar | None], numbers: Any, dimensions: int) -> None:
     """Raise `InputError` for a threshold, scale or tolerance that is no number: NaN is below and above nothing, so that
-    what is compared with it is decided without a word. Traced numbers have no values to look at."""
-    it = assembled
-    leaves = jax.tree.leaves((it.system, it.q, it.v, it.elements, it.size, it.parts))
-    if any(isinstance(leaf, jax.core.Tracer) or np.ndim(leaf) > np.ndim(it.q) for leaf in leaves):
+    what is compared with it is decided without a word.
+
+    **Arguments:** ``system``; ``others``: magnitudes besides its own, by name; ``numbers``: all that these come from.
+    Where one of them is traced, or has more axes than so many ``dimensions``, there are no values to look at.
+    """
+    if any(isinstance(leaf, jax.core.Tracer) or np.ndim(leaf) > dimensions for leaf in jax.tree.leaves(numbers)):
         return
     # A threshold may be -∞, a limit ∞ and a number that nothing stands for None; NaN is wrong everywhere.
     magnitudes: dict[str, tuple[Any, bool]] = {
-        **{f"negligible of {name}": (x, True) for name, x in zip(it.observed, it.negligible(), strict=True)},
-        "scales": (it.scales(), False),
-        "scale_limits": (it.scale_limits(), True),
-        "typical_speed": (it.typical_speed, False),
-        "energy_scale": (it.energy_scale, False),
-        "momentum_scale": (it.momentum_scale, False),
-        "tolerance_share": (it.tolerance_share, False),
-        "invariant_change": (it.invariant_change, False),
-        "quiet": (it.quiet, False),
+        **{f"negligible of {name}": (x, True) for name, x in zip(system.observed, system.negligible(), strict=True)},
+        "scales": (system.scales(), False),
+        "scale_limits": (system.scale_limits(), True),
+        "typical_speed": (system.typical_speed, False),
+        "energy_scale": (system.energy_scale, False),
+        "momentum_scale": (system.momentum_scale, False),
+        "tolerance_share": (system.tolerance_share, False),
+        "invariant_change": (system.invariant_change, False),
+        **{name: (value, False) for name, value in others.items()},
     }
     for name, (value, unbounded) in magnitudes.items():
         array = None if value is None else concrete(value)

@@ -6,7 +6,7 @@ import jax
 import numpy as np
 
 from ..contact import Hole, Segment
-from ..elements import BallContact, Pin
+from ..elements import BallContact
 from ..multibody import AxialSpringDamper
 from .assembled import Assembled
 from .drawing import Disc, Drawing, Outline, Spot, Spring, Touch, plain_drawing
@@ -28,15 +28,15 @@ def drawing_of(mechanism: Mechanism, design: Any, scenario: Any) -> Drawing:
 def assembled_drawing(system: Assembled, bodies: tuple[str, ...] = ()) -> Drawing:
     """Return the balls, flanks, holes and springs of a mechanism, and a cross at each named body's origin."""
     shapes: list[Any] = []
-    balls = system.all_of(BallContact)
-    pins = [element.contact for element in system.elements if isinstance(element, Pin)]
+    balls = [ball for element in system.elements for ball in element.report.balls]
     crosses = plain_drawing(None, bodies).shapes
     for body in range(-1, len(system.system.bodies)):
         shapes += [cross for cross in crosses if cross.body == body]
-        for contact in (*balls, *pins):
+        for contact in balls:
             shapes += _shapes_on(contact, body)
     shapes += [_spring(force) for force in _springs(system)]
-    touches = [touch for contact in balls for touch in _touches(contact)]
+    # A picture shows the forces of those contacts that have impacts.
+    touches = [touch for contact in system.all_of(BallContact) for touch in _touches(contact)]
     return Drawing(tuple(shapes), tuple(touches))
 
 

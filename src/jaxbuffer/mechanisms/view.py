@@ -110,10 +110,10 @@ class View:
     contradictions: Callable[[Any, Any], list[str]] = lambda design, scenario: []
     limitations: tuple[str, ...] = ()
     limitations_without: tuple[tuple[str, str], ...] = ()
-    warnings: Callable[[Any], list[str]] = lambda run: [line for it in run.elements for line in it.warnings(run)]
+    warnings: Callable[[Any], list[str]] = lambda run: [line for it in run.elements for line in it.report.warnings(run)]
     validity: Callable[..., list[ValidityLimit]] = lambda design, peak_force, penetration=None: []
     chaotic: bool = False
-    panels: Callable[[Any], list[Panel]] = lambda run: [panel for it in run.elements for panel in it.panels(run)]
+    panels: Callable[[Any], list[Panel]] = lambda run: [panel for it in run.elements for panel in it.report.panels(run)]
     meshes: Callable[..., list[Meshed]] = lambda run, times=None: []
     drawing: Callable[[Any, tuple[str, ...]], Drawing] = plain_drawing
 

@@ -42,10 +42,12 @@ class Coordinates(NamedTuple):
         """Return the entries of x, y and angle of all bodies."""
         return values[..., : PLACEMENT * self.bodies].reshape(*values.shape[:-1], self.bodies, PLACEMENT)
 
-    def translation(self, values: Float[Numbers, " coordinates"], body: int) -> Vector:
+    @staticmethod
+    def translation(values: Float[Numbers, " coordinates"], body: int) -> Vector:
         """Return the entries of a body's x and y."""
         return Vector(values[PLACEMENT * body + X], values[PLACEMENT * body + Y])
 
-    def angle(self, values: Float[Numbers, "*axes coordinates"], body: int) -> Float[Numbers, "*axes"]:
+    @staticmethod
+    def angle(values: Float[Numbers, "*axes coordinates"], body: int) -> Float[Numbers, "*axes"]:
         """Return the entry of a body's angle."""
         return values[..., PLACEMENT * body + ANGLE]

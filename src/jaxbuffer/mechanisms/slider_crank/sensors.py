@@ -56,7 +56,7 @@ def eccentricity(pin: PinInBush, contact: BallContact) -> list[Element]:
 def slider_acceleration(kin: Kinematics, acceleration: Array, numbers: None) -> Scalar:
     """Return the size of the slider's acceleration [m/s²]."""
     # The guide lets the slider move along its line alone.
-    return jnp.abs(BODIES.translation(acceleration, SLIDER).x)
+    return jnp.abs(Coordinates.translation(acceleration, SLIDER).x)
 
 
 def off_centre_along(kin: Kinematics, pin: tuple[float, BallContact]) -> Scalar:
