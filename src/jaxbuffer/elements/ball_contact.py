@@ -136,7 +136,7 @@ class BallContact(Element):
 
     def after_start(self, at: BallState, own: Own, closed: Closed) -> Own:
         # An open contact's memory only says how fast the first impact may be.
-        floor = jnp.where(closed > 0.5, self.slowest_touchdown, self._fastest)
+        floor = jnp.where(closed > 0.5, self.slowest_touchdown, self._speed)
         memory = jnp.maximum(at.approach.approach_speed, floor) if self.first_memory is None else self.first_memory
         return self._with_memory(own, memory)
 
@@ -147,14 +147,14 @@ class BallContact(Element):
         return own[1:] if self.spins else own
 
     @property
-    def _fastest(self) -> Scalar:
+    def _speed(self) -> Scalar:
         assert self.typical_speed is not None, "a mechanism says it"
         return self.typical_speed
 
     @property
     def slowest_touchdown(self) -> Scalar:
         """Return the least memory of a touchdown [m/s] (M36)."""
-        return slowest_touchdown(self._fastest)
+        return slowest_touchdown(self._speed)
 
     @property
     def resets(self) -> bool:
@@ -343,7 +343,7 @@ class BallContact(Element):
         # it.
         speed = jnp.max(self.touchdown_speeds(own))
         # At its floor, as before the first touchdown of a free start, the memory says nothing of the impact.
-        speed = jnp.where(speed > self.slowest_touchdown, speed, self._fastest)
+        speed = jnp.where(speed > self.slowest_touchdown, speed, self._speed)
         return 0.2 * jnp.asarray(self.pair.law.time_scale(system.bodies[self.body].mass, speed))
 
     def contact_term(self, system: System, at: BallState, closed: Closed) -> ContactTerm:
