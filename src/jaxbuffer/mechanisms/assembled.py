@@ -23,7 +23,7 @@ from .energy import Energy
 from .equations import Exerted, exerted, rate_of_state
 from .layout import Closed, EvaluatedState, Layout, State, row
 from .magnitudes import check_magnitudes
-from .observables import Shown as Shown
+from .observables import Observable as Observable
 from .observables import element_observables, element_records
 from .relative_energy import rigid_energy
 from .snapshot import Snapshot
@@ -65,8 +65,8 @@ class Assembled(ContactSystem):
     closed: Any = ()
     ends: tuple[Quantity, ...] = eqx.field(static=True, default=())
     size: tuple[Any, Any] = (1.0, 1.0)
-    shown: tuple[Shown, ...] = eqx.field(static=True, default=())
-    recorded: tuple[Shown, ...] = eqx.field(static=True, default=())
+    shown: tuple[Observable, ...] = eqx.field(static=True, default=())
+    recorded: tuple[Observable, ...] = eqx.field(static=True, default=())
     parts: Any = None
     energy_size: Scalar | None = None
     end_names: tuple[str, ...] = eqx.field(static=True, default=())

@@ -9,7 +9,7 @@ from ..errors import InputError
 from .layout import Closed, EvaluatedState, Layout, State
 
 
-class Shown(NamedTuple):
+class Observable(NamedTuple):
     """An observable: its ``name``; ``of``: its value from the mechanism, an evaluated state and the state's rate;
     ``of_rate``: whether it depends on the rate; ``least``: what its largest value is at least, as a depth is 0 where
     nothing touches; ``negligible``: from the mechanism, what of it is rounding where nothing acts."""

@@ -8,7 +8,7 @@ from jaxtyping import Array
 from ..._types import Scalar
 from ...elements.element import ROUNDED_LENGTH
 from ...plane import Vector
-from ..assembled import Assembled, Shown
+from ..assembled import Assembled, Observable
 from ..layout import EvaluatedState
 from .bodies import TIP, B, P, S, T
 from .design import Design, Scenario
@@ -57,20 +57,20 @@ def _rounded_length(mechanism: Assembled) -> Scalar:
     return ROUNDED_LENGTH
 
 
-HINGE_FORCE = Shown("hinge_force", hinge_force, of_rate=True, negligible=_rounded_force("active"))
-PASSIVE_FORCE = Shown("passive_force", passive_force, of_rate=True, negligible=_rounded_force("passive"))
-HINGE_ANGLE = Shown("hinge_angle", lambda *at: jnp.abs(hinge_angle(*at)), negligible=_rounded_length)
-BENDING = Shown("bending", lambda *at: jnp.abs(bending_of_tip(*at)), negligible=_rounded_length)
+HINGE_FORCE = Observable("hinge_force", hinge_force, of_rate=True, negligible=_rounded_force("active"))
+PASSIVE_FORCE = Observable("passive_force", passive_force, of_rate=True, negligible=_rounded_force("passive"))
+HINGE_ANGLE = Observable("hinge_angle", lambda *at: jnp.abs(hinge_angle(*at)), negligible=_rounded_length)
+BENDING = Observable("bending", lambda *at: jnp.abs(bending_of_tip(*at)), negligible=_rounded_length)
 # Of a history; those of which the largest size is watched have their sign there.
 RECORDED = (
-    Shown("tip_spin", lambda mechanism, at, rate: mechanism.evaluated(at, TIP).spin),
-    Shown("hinge_angle", hinge_angle),
-    Shown("bending", bending_of_tip),
+    Observable("tip_spin", lambda mechanism, at, rate: mechanism.evaluated(at, TIP).spin),
+    Observable("hinge_angle", hinge_angle),
+    Observable("bending", bending_of_tip),
 )
-NO_STOP = Shown("stop_force", lambda mechanism, at, rate: jnp.zeros(()))  # a history has that force in any case
+NO_STOP = Observable("stop_force", lambda mechanism, at, rate: jnp.zeros(()))  # a history has that force in any case
 
 
-def shown_of(design: Design, scenario: Scenario) -> tuple[Shown, ...]:
+def shown_of(design: Design, scenario: Scenario) -> tuple[Observable, ...]:
     """Return what is watched beside the elements' own observables."""
     bending = (BENDING,) if design.probe.has("bending_stiffness") else ()
     # Without a latch, and from the touch, nothing but the tip acts on the passive vehicle.
