@@ -20,7 +20,7 @@ from ..multibody import Kinematics, System
 from ..plane import Vector
 from .energies import added, momentum, stored_energies, supplied_energies
 from .energy import Energy
-from .equations import Exerted, exerted, rate_of_state
+from .equations import Forces, forces_of, rate_of_state
 from .layout import Closed, EvaluatedState, Layout, State, row
 from .magnitudes import check_magnitudes
 from .observables import Observable as Observable
@@ -301,15 +301,15 @@ class Assembled(ContactSystem):
         closed = self.layout.of_elements(active)
         return tuple(self.elements[k].contact_forces(at.elements[k], closed[k]) for k in self.layout.impacting)
 
-    def exerted(self, at: EvaluatedState, active: Closed) -> Exerted:
+    def forces(self, at: EvaluatedState, active: Closed) -> Forces:
         """Return what acts at an instant."""
-        return exerted(self.system, self.layout, at, active)
+        return forces_of(self.system, self.layout, at, active)
 
     def derivative(self, time: Scalar, state: State, active: Closed) -> State:
         at = self.evaluate(state)
-        return self._rate(at, active, self.exerted(at, active))
+        return self._rate(at, active, self.forces(at, active))
 
-    def _rate(self, at: EvaluatedState, active: Closed, acting: Exerted) -> State:
+    def _rate(self, at: EvaluatedState, active: Closed, acting: Forces) -> State:
         """Return the rate of the state."""
         return rate_of_state(self.system, self.layout, at.kin, active, acting, (self.loss_names, self.lost_in))
 
@@ -379,24 +379,24 @@ class Assembled(ContactSystem):
         return row([self.normal_force_at(at, active), *([stacked(others)] if others else [])])
 
     def snapshot_at(self, at: EvaluatedState, active: Closed) -> Snapshot:
-        exerted = self.exerted(at, active)
-        rate = self._rate(at, active, exerted)
+        acting = self.forces(at, active)
+        rate = self._rate(at, active, acting)
         others = element_observables(self.layout, at, rate, active) | element_records(self.layout, at, active)
         # Those recorded come last: where a size is watched, the history has the value with its sign.
         others |= {shown.name: shown.of(self, at, rate) for shown in (*self.shown, *self.recorded)}
         if self.momentum_size is not None:
             others["relative_energy"] = self.relative_energy(at, active)
         gap, closing = self.gaps_at(at)
-        forces = self.contact_forces(at._replace(elements=exerted.elements), active)
+        forces = self.contact_forces(at._replace(elements=acting.elements), active)
         return Snapshot(
             gap=gap[: self.impact_contacts],
             approach_speed=closing[: self.impact_contacts],
             slip=row([self.elements[k].slips(at.elements[k]) for k in self.layout.impacting]),
             normal=row([it.normal for it in forces]),
             friction=row([it.friction for it in forces]),
-            multipliers=exerted.motion.multipliers,
+            multipliers=acting.motion.multipliers,
             others={name: jnp.asarray(value) for name, value in others.items()},
-            acceleration=exerted.motion.acceleration,
+            acceleration=acting.motion.acceleration,
         )
 
     def stored(self, at: EvaluatedState, active: Closed) -> dict[str, Scalar]:

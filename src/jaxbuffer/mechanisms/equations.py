@@ -8,21 +8,21 @@ from .energies import added
 from .layout import Closed, EvaluatedState, Layout, State
 
 
-class Exerted(NamedTuple):
+class Forces(NamedTuple):
     """What acts at one instant: the ``elements`` with their forces, and accelerations and multipliers of the bodies."""
 
     elements: tuple[Any, ...]
     motion: Motion
 
 
-def exerted(system: System, layout: Layout, at: EvaluatedState, active: Closed) -> Exerted:
+def forces_of(system: System, layout: Layout, at: EvaluatedState, active: Closed) -> Forces:
     """Return what acts in an evaluated state. ``active``: closed contacts and switches."""
     closed = layout.of_elements(active)
     each = zip(layout.elements, at.elements, closed, strict=True)
     forces = tuple(element.with_forces(it, mine) for element, it, mine in each)
     acting = zip(layout.elements, forces, closed, strict=True)
     loads = [load for element, it, mine in acting for load in element.loads(it, mine)]
-    return Exerted(forces, system.motion(at.kin, tuple(loads)))
+    return Forces(forces, system.motion(at.kin, tuple(loads)))
 
 
 def rate_of_state(
@@ -30,7 +30,7 @@ def rate_of_state(
     layout: Layout,
     kin: Kinematics,
     active: Closed,
-    acting: Exerted,
+    acting: Forces,
     losses: tuple[tuple[str, ...], str | None],
 ) -> State:
     """Return the rate of the state.
@@ -53,7 +53,7 @@ def rate_of_state(
 
 
 def _element_rates(
-    system: System, layout: Layout, kin: Kinematics, active: Closed, acting: Exerted
+    system: System, layout: Layout, kin: Kinematics, active: Closed, acting: Forces
 ) -> list[list[Scalar]]:
     """Return the rates of each element's numbers."""
     rates: list[list[Scalar]] = []
