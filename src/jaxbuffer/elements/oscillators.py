@@ -11,7 +11,7 @@ from jaxtyping import Array, Float
 
 from .._types import Scalar, stacked
 from ..errors import InputError
-from ..hybrid import Followers
+from ..hybrid import PassiveOscillators
 from ..multibody import Coordinates, Kinematics
 from .element import ROUNDED_LENGTH, Closed, Element, Magnitudes, Own
 from .report import Report
@@ -101,9 +101,9 @@ class Oscillators(Element):
         sizes = ROUNDED_LENGTH * self.rates_of_axes[::2] ** 2
         return dict(zip(self.names, sizes, strict=True))
 
-    def followers(self, first: int, order: Coordinates) -> Followers:
+    def followers(self, first: int, order: Coordinates) -> PassiveOscillators:
         shaken_by = tuple(column for body in self.bodies for column in order.columns(body)[:2])
-        return Followers(first, shaken_by, self.rates_of_axes, self.damping)
+        return PassiveOscillators(first, shaken_by, self.rates_of_axes, self.damping)
 
     @property
     def report(self) -> "OscillatorsReport":

@@ -6,7 +6,7 @@ import equinox as eqx
 from jaxtyping import Array, Float
 
 from .._types import Scalar
-from ..hybrid import Followers
+from ..hybrid import PassiveOscillators
 from ..multibody import Coordinates, SpringDirection, System
 from .stiff_terms import ContactTerm
 
@@ -44,7 +44,7 @@ class SteppingHints(eqx.Module):
         """Return the size of the stiff forces [N], of which rounding of positions makes an error in the energy."""
         return 0.0
 
-    def followers(self, first: int, order: Coordinates) -> Followers | None:
+    def followers(self, first: int, order: Coordinates) -> PassiveOscillators | None:
         """Return the element's oscillators for implicit steps; None if it has none. ``first``: where `variables` stand,
         counted from the end of the velocities; ``order``: of the velocities."""
         return None

@@ -17,7 +17,7 @@ State = Float[Array, " state"]
 Active = Float[Array, " contacts"]
 
 
-class Followers(eqx.Module):
+class PassiveOscillators(eqx.Module):
     """Oscillators that velocities of the system shake and that do not act back, in what follows these in the state.
 
     Of each, the deflection u and the absolute velocity z: u̇ = z - w, ż = -2ζω(z - w) - ω²u.
@@ -64,7 +64,7 @@ class Linearisation(eqx.Module):
     damping: Float[Array, "rank rank"]
     coordinates: int = eqx.field(static=True)
     decay: Float[Array, " rest"] | None = None
-    followers: Followers | None = None
+    followers: PassiveOscillators | None = None
 
     @staticmethod
     def none(velocities: int, coordinates: int) -> "Linearisation":

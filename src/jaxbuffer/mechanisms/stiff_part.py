@@ -8,7 +8,7 @@ from jaxtyping import Array
 
 from .._types import stacked
 from ..elements.stiff_terms import ContactTerm, SpringTerm, linearised
-from ..hybrid import Followers, Linearisation
+from ..hybrid import Linearisation, PassiveOscillators
 from ..multibody import SpringDirection, System
 from .layout import Closed, EvaluatedState, Layout
 
@@ -52,7 +52,7 @@ def _decay(layout: Layout, at: EvaluatedState) -> Array | None:
     return whole[layout.places["spins"].stop :]
 
 
-def _followers(system: System, layout: Layout) -> Followers | None:
+def _followers(system: System, layout: Layout) -> PassiveOscillators | None:
     """Return the oscillators of the one element that has some, None where none has."""
     places = layout.places
     velocities = places["spins"].stop
