@@ -92,7 +92,7 @@ class Linearisation(eqx.Module):
         return jnp.maximum(fastest, RESOLVED * jnp.max(self.followers.rates))
 
 
-class Watched(NamedTuple):
+class EventValues(NamedTuple):
     """All that is watched of a state for events, looked at together: gaps with their rates, guards of the run's end,
     observables, and `HybridSystem.invariant`."""
 
@@ -210,7 +210,7 @@ class HybridSystem(eqx.Module):
         """Return by how much a step may change the `invariant`, as a share of the relative tolerance."""
         return 0.03
 
-    def watched(self, state: State, rate: State, active: Active) -> Watched:
+    def watched(self, state: State, rate: State, active: Active) -> EventValues:
         """Return `gaps` and what follows it, together; a mechanism may look at the state once for all of them. Nothing
         needs to know how the invariant changes: it may be held fixed."""
         n = self.coordinates
@@ -219,7 +219,7 @@ class HybridSystem(eqx.Module):
         gap, gap_rate = jax.jvp(self.gaps, (state,), (motion,))
         # The push-forward that gives the rates of all else stops here: the invariant's own rate is of no use.
         invariant = self.invariant(jax.lax.stop_gradient(state), active)
-        return Watched(gap, gap_rate, self.terminals(state), self.observables(state, rate, active), invariant)
+        return EventValues(gap, gap_rate, self.terminals(state), self.observables(state, rate, active), invariant)
 
     def impact_step(self, state: State) -> Float[Array, ""]:
         """Return a first step after a touchdown [s]: a fifteenth of the impact's duration."""

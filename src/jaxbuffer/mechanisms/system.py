@@ -8,7 +8,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from .._types import Scalar
-from ..hybrid import HybridSystem, Watched
+from ..hybrid import EventValues, HybridSystem
 from ..multibody import Kinematics
 from .energy import Energy
 from .snapshot import Snapshot
@@ -186,14 +186,14 @@ class ContactSystem(HybridSystem):
     def observables(self, state: State, rate: State, active: Active) -> Float[Array, " observables"]:
         return self.observables_at(self.evaluate(state), rate, active)
 
-    def watched(self, state: State, rate: State, active: Active) -> Watched:
+    def watched(self, state: State, rate: State, active: Active) -> EventValues:
         # One look serves gaps, guards and observables, which a step's end needs together.
         at = self.evaluate(state)
         gap, closing = self.gaps_at(at)
         if any(self.one_way):  # closed, they are far from opening
             closed = jnp.asarray(self.one_way) & (active > 0.5)
             gap, closing = jnp.where(closed, -1.0, gap), jnp.where(closed, 0.0, closing)
-        return Watched(
+        return EventValues(
             gap=gap,
             gap_rate=-closing,
             terminal=self.terminals_at(at),
