@@ -78,7 +78,7 @@ class Pin(Element):
         return self.force(at, closed)[0]
 
     @property
-    def sudden(self) -> bool:
+    def has_impulsive_reactions(self) -> bool:
         return True  # where the pin bounces, the reaction rises from nothing within a step
 
     @property

@@ -50,7 +50,7 @@ class SteppingHints(eqx.Module):
         return None
 
     @property
-    def sudden(self) -> bool:
+    def has_impulsive_reactions(self) -> bool:
         """Return whether reactions may rise within a step from far below their largest value to above it."""
         return False
 

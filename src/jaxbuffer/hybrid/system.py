@@ -170,7 +170,7 @@ class HybridSystem(eqx.Module):
         return any(self.rate_observables())
 
     @property
-    def sudden(self) -> bool:
+    def has_impulsive_reactions(self) -> bool:
         """Return whether an observable of the state's rate may rise within a step from far below its largest value to
         above it, as a reaction does where something rings. It is then followed closely at every step, not only near its
         largest value, which takes two right-hand sides more."""

@@ -52,7 +52,7 @@ class Assembled(ContactSystem):
     [J]: magnitude of the energy; if given, steps must also keep the energy balance; ``momentum_size`` [kg m/s]: that of
     the momentum, where the ground takes no part; ``stored_in``, ``lost_in``: names of the energies that the system
     itself stores and loses (None: it loses none); ``listed``: names of energies, stored and lost, that are listed also
-    where no part has them; ``rings``: whether reactions may rise suddenly, as where a body bends or a pin bounces.
+    where no part has them; ``impulsive_reactions``: whether reactions may rise suddenly, as where a body bends.
 
     Observables are the contacts' normal forces [N], the forces of elements that open and close [N], those shown, and
     what else the elements observe.
@@ -76,7 +76,7 @@ class Assembled(ContactSystem):
     stored_in: str = eqx.field(static=True, default="potential")
     lost_in: str | None = eqx.field(static=True, default="dampers")
     listed: tuple[tuple[str, ...], tuple[str, ...]] = eqx.field(static=True, default=((), ()))
-    rings: bool = eqx.field(static=True, default=True)
+    impulsive_reactions: bool = eqx.field(static=True, default=True)
 
     def __post_init__(self) -> None:
         """Tell the elements the speed of the mechanism, and add their driving joints to those of the system."""
@@ -221,8 +221,8 @@ class Assembled(ContactSystem):
         return tuple(name in rated for name in self.observed)
 
     @property
-    def sudden(self) -> bool:
-        return self.rings or any(element.sudden for element in self.elements)
+    def has_impulsive_reactions(self) -> bool:
+        return self.impulsive_reactions or any(element.has_impulsive_reactions for element in self.elements)
 
     @property
     def typical_speed(self) -> Scalar:

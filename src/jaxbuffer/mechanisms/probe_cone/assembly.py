@@ -91,7 +91,7 @@ def assemble(design: Design, scenario: Scenario, stabilisation: Scalar = 20.0) -
         stored_in="spring",
         lost_in=None if bending is None else "bending",
         listed=LISTED,
-        rings=bending is not None,
+        impulsive_reactions=bending is not None,
     )
 
 
