@@ -238,7 +238,7 @@ def test_sensors_see_motion_accelerations_and_depths_and_integrals_add_up():
     assert_allclose(assembled.part(rate, "element 6"), 0.05, err_msg="the integrand")
     others = assembled.snapshot_at(at, closed).others
     assert_allclose([others["shown"], others["speed"], others["jolt"]], [0.2, -0.1, rate[13]])
-    assert_allclose(assembled.negligible()[3:5], [-np.inf, 1e-12])
+    assert_allclose(assembled.roundoff()[3:5], [-np.inf, 1e-12])
     assert_allclose(assembled.scales()[assembled.layout.places["element 6"]], 1e-3)
 
 

@@ -184,7 +184,7 @@ class BallContact(Element):
     def gaps(self, at: BallState) -> list[tuple[Array, Array]]:
         return [(at.approach.gap, at.approach.approach_speed)]
 
-    def negligible(self) -> dict[str, Scalar]:
+    def roundoff(self) -> dict[str, Scalar]:
         if self.onset_length is None:
             return {}
         # Even a flank far away exerts something, which is rounding.

@@ -181,7 +181,7 @@ class Buffer(Element):
     def observables(self, at: BufferState, closed: Closed) -> dict[str, Scalar]:
         return {f"{self.name}_force": jnp.abs(self.force.tension(at.kin)), self.stroke: at.stroke}
 
-    def negligible(self) -> dict[str, Scalar]:
+    def roundoff(self) -> dict[str, Scalar]:
         return {f"{self.name}_force": ROUNDED_LENGTH * self.stiffness_at_rest, self.stroke: ROUNDED_LENGTH}
 
     def recorded(self, at: BufferState, closed: Closed) -> dict[str, Scalar]:

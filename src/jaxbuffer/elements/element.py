@@ -247,7 +247,7 @@ class Element(Impacts, SteppingHints):
         """Return what the largest values of some of what is watched are at least, by name."""
         return {}
 
-    def negligible(self) -> Mapping[str, Scalar]:
+    def roundoff(self) -> Mapping[str, Scalar]:
         """Return the value that is rounding where nothing acts, of some of what is watched; of all others it is
         zero."""
         return {}

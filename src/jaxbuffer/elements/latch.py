@@ -201,7 +201,7 @@ class Latch(Element):
     def observables(self, at: LatchState, closed: Closed) -> dict[str, Scalar]:
         return {f"{self.name}_force": _size(self.force(at, closed))}
 
-    def negligible(self) -> dict[str, Scalar]:
+    def roundoff(self) -> dict[str, Scalar]:
         return {f"{self.name}_force": ROUNDED_LENGTH * self.stiffness}
 
     def recorded(self, at: LatchState, closed: Closed) -> dict[str, Scalar]:

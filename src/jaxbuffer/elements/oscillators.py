@@ -97,7 +97,7 @@ class Oscillators(Element):
         of = self.acceleration(at)
         return {name: jnp.sqrt(of[2 * k] ** 2 + of[2 * k + 1] ** 2 + 1e-24) for k, name in enumerate(self.names)}
 
-    def negligible(self) -> dict[str, Scalar]:
+    def roundoff(self) -> dict[str, Scalar]:
         sizes = ROUNDED_LENGTH * self.rates_of_axes[::2] ** 2
         return dict(zip(self.names, sizes, strict=True))
 

@@ -57,7 +57,7 @@ class Sensor(Element):
     def least_maxima(self) -> dict[str, float]:
         return {self.name: self.least} if self.watched else {}
 
-    def negligible(self) -> dict[str, Scalar]:
+    def roundoff(self) -> dict[str, Scalar]:
         return {self.name: -jnp.inf if self.rounding is None else self.rounding}
 
 

@@ -181,7 +181,7 @@ class HybridSystem(eqx.Module):
         """Return a name for each of `observables`, in order."""
         return tuple(f"observable_{k}" for k in range(len(self.rate_observables())))
 
-    def negligible(self) -> Float[Array, "..."]:
+    def roundoff(self) -> Float[Array, "..."]:
         """Return the values of the observables below which no maximum matters, one for each or one for all: what
         rounding makes of them where nothing acts."""
         return jnp.asarray(-jnp.inf)

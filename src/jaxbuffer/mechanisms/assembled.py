@@ -207,12 +207,12 @@ class Assembled(ContactSystem):
             least |= element.least_maxima
         return {name: value for name, value in least.items() if value > -math.inf}
 
-    def negligible(self) -> Float[Array, " observables"]:
+    def roundoff(self) -> Float[Array, " observables"]:
         sizes: dict[str, Scalar] = {
-            shown.name: -jnp.inf if shown.negligible is None else shown.negligible(self) for shown in self.shown
+            shown.name: -jnp.inf if shown.roundoff is None else shown.roundoff(self) for shown in self.shown
         }
         for element in self.elements:
-            sizes |= element.negligible()
+            sizes |= element.roundoff()
         return stacked([sizes.get(name, 0.0) for name in self.observed]) if self.observed else jnp.zeros(0)
 
     def rate_observables(self) -> tuple[bool, ...]:

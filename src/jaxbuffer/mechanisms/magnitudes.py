@@ -22,7 +22,7 @@ def check_magnitudes(system: ContactSystem, others: Mapping[str, Scalar | None],
         return
     # A threshold may be -∞, a limit ∞ and a number that nothing stands for None; NaN is wrong everywhere.
     magnitudes: dict[str, tuple[Any, bool]] = {
-        **{f"negligible of {name}": (x, True) for name, x in zip(system.observed, system.negligible(), strict=True)},
+        **{f"roundoff of {name}": (x, True) for name, x in zip(system.observed, system.roundoff(), strict=True)},
         "scales": (system.scales(), False),
         "scale_limits": (system.scale_limits(), True),
         "typical_speed": (system.typical_speed, False),

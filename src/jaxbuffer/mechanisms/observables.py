@@ -12,13 +12,13 @@ from .layout import Closed, EvaluatedState, Layout, State
 class Observable(NamedTuple):
     """An observable: its ``name``; ``of``: its value from the mechanism, an evaluated state and the state's rate;
     ``of_rate``: whether it depends on the rate; ``least``: what its largest value is at least, as a depth is 0 where
-    nothing touches; ``negligible``: from the mechanism, what of it is rounding where nothing acts."""
+    nothing touches; ``roundoff``: from the mechanism, what of it is rounding where nothing acts."""
 
     name: str
     of: Callable[[Any, EvaluatedState, State], Scalar]
     of_rate: bool = False
     least: float = -math.inf
-    negligible: Callable[[Any], Scalar] | None = None
+    roundoff: Callable[[Any], Scalar] | None = None
 
 
 def element_observables(layout: Layout, at: EvaluatedState, rate: State, active: Closed) -> dict[str, Scalar]:

@@ -57,10 +57,10 @@ def _rounded_length(mechanism: Assembled) -> Scalar:
     return ROUNDED_LENGTH
 
 
-HINGE_FORCE = Observable("hinge_force", hinge_force, of_rate=True, negligible=_rounded_force("active"))
-PASSIVE_FORCE = Observable("passive_force", passive_force, of_rate=True, negligible=_rounded_force("passive"))
-HINGE_ANGLE = Observable("hinge_angle", lambda *at: jnp.abs(hinge_angle(*at)), negligible=_rounded_length)
-BENDING = Observable("bending", lambda *at: jnp.abs(bending_of_tip(*at)), negligible=_rounded_length)
+HINGE_FORCE = Observable("hinge_force", hinge_force, of_rate=True, roundoff=_rounded_force("active"))
+PASSIVE_FORCE = Observable("passive_force", passive_force, of_rate=True, roundoff=_rounded_force("passive"))
+HINGE_ANGLE = Observable("hinge_angle", lambda *at: jnp.abs(hinge_angle(*at)), roundoff=_rounded_length)
+BENDING = Observable("bending", lambda *at: jnp.abs(bending_of_tip(*at)), roundoff=_rounded_length)
 # Of a history; those of which the largest size is watched have their sign there.
 RECORDED = (
     Observable("tip_spin", lambda mechanism, at, rate: mechanism.evaluated(at, TIP).spin),
