@@ -231,7 +231,7 @@ def test_sensors_see_motion_accelerations_and_depths_and_integrals_add_up():
     rate = assembled.derivative(0.0, at.state, closed)
     assert assembled.observed == ("contact", "buffer_force", "stroke", "speed", "jolt", "depth", "way")
     assert assembled.rate_observables() == (False, False, False, False, True, False, False)
-    assert assembled.least_maxima == {"depth": 0.0}
+    assert assembled.lower_bounds == {"depth": 0.0}
     seen = dict(zip(assembled.observed, assembled.observables_at(at, rate, closed), strict=True))
     assert_allclose([seen["speed"], seen["way"]], [-0.1, 0.0])
     assert_allclose([seen["jolt"], seen["depth"]], [rate[13], -assembled.gaps_at(at)[0][0]])

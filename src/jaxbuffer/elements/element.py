@@ -243,7 +243,7 @@ class Element(Impacts, SteppingHints):
         return {}
 
     @property
-    def least_maxima(self) -> Mapping[str, float]:
+    def lower_bounds(self) -> Mapping[str, float]:
         """Return what the largest values of some of what is watched are at least, by name."""
         return {}
 

@@ -201,10 +201,10 @@ class Assembled(ContactSystem):
         return (*forces, *(shown.name for shown in self.shown), *others)
 
     @property
-    def least_maxima(self) -> Mapping[str, float]:
+    def lower_bounds(self) -> Mapping[str, float]:
         least = {shown.name: shown.least for shown in self.shown}
         for element in self.elements:
-            least |= element.least_maxima
+            least |= element.lower_bounds
         return {name: value for name, value in least.items() if value > -math.inf}
 
     def roundoff(self) -> Float[Array, " observables"]:

@@ -39,7 +39,7 @@ class ContactSystem(HybridSystem):
         raise NotImplementedError
 
     @property
-    def least_maxima(self) -> Mapping[str, float]:
+    def lower_bounds(self) -> Mapping[str, float]:
         """Return what the largest values of some observables are at least, by name."""
         return {}
 
