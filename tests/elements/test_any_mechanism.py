@@ -168,8 +168,8 @@ def test_a_switch_is_closed_at_the_start_where_the_start_is_beyond_its_place():
 
 def test_what_would_mislead_is_refused():
     system = System((Body(2.0, 0.3),))
-    with pytest.raises(InputError, match="quiet is of bodies that nothing holds to the ground: give momentum_size"):
-        Assembled(system, Q[:3], V[:3], quiet=1e-3)
+    with pytest.raises(InputError, match="rest_threshold is of bodies that nothing holds to the ground: give"):
+        Assembled(system, Q[:3], V[:3], rest_threshold=1e-3)
     with pytest.raises(InputError, match="there are several Oscillators"):
         mechanism((Oscillators((0,), (3.0,), ("first",)), Oscillators((1,), (8.0,), ("second",), name="more")))
     with pytest.raises(InputError, match="an oscillator is on the ground"):

@@ -44,9 +44,9 @@ class Assembled(ContactSystem):
     `jaxbuffer.elements`; ``closed``: which contacts that have impacts, and then which of the elements' other switches,
     are closed at t = 0 (default: those that are beyond their place, of contacts that have impacts none); ``ends``:
     quantities whose crossing of zero upwards ends the run (so do elements); ``end_names``: of each, the name of the
-    outcome that it stands for, among the mechanism's outcomes ("ended" unless given); ``quiet``: if given, the run ends
-    as "held" where all that closes once has closed and the energy of relative motion is below this share of that at t =
-    0 (M177); ``size``: magnitudes that matter of the coordinates and of the velocities, one for all or one for each;
+    outcome that it stands for, among the mechanism's outcomes ("ended" unless given); ``rest_threshold``: if given, the
+    run ends as "held" where all that closes once has closed and the energy of relative motion is below this share of
+    that at t = 0 (M177); ``size``: magnitudes that matter of the coordinates and of the velocities, one or one each;
     ``speed`` [m/s]: that velocities are of the order of (default: the second of ``size``); ``shown``: further
     observables; ``recorded``: what a history shows besides; ``parts``: whatever these need to know; ``energy_size``
     [J]: magnitude of the energy; if given, steps must also keep the energy balance; ``momentum_size`` [kg m/s]: that of
@@ -70,7 +70,7 @@ class Assembled(ContactSystem):
     parts: Any = None
     energy_size: Scalar | None = None
     end_names: tuple[str, ...] = eqx.field(static=True, default=())
-    quiet: Scalar | None = None
+    rest_threshold: Scalar | None = None
     speed: Scalar | None = None
     momentum_size: Scalar | None = None
     stored_in: str = eqx.field(static=True, default="potential")
@@ -106,19 +106,21 @@ class Assembled(ContactSystem):
             for name, count in Counter(names).items():
                 if count > 1:
                     raise InputError(f"{count} {what} {name!r}: give each a name of its own")
-        if self.quiet is not None and self.momentum_size is None:
-            raise InputError("quiet is of bodies that nothing holds to the ground: give momentum_size [kg m/s] too")
+        if self.rest_threshold is not None and self.momentum_size is None:
+            raise InputError(
+                "rest_threshold is of bodies that nothing holds to the ground: give momentum_size [kg m/s]"
+            )
         if sum(isinstance(element, Oscillators) for element in self.elements) > 1:
             raise InputError("there are several Oscillators: put all of them into one, which implicit steps then know")
         numbers = (self.system, self.q, self.v, self.elements, self.size, self.parts)
-        check_magnitudes(self, {"quiet": self.quiet}, numbers, dimensions=np.ndim(self.q))
+        check_magnitudes(self, {"rest_threshold": self.rest_threshold}, numbers, dimensions=np.ndim(self.q))
 
     # --- the state's layout -------------------------------------------------------------------------------------------
 
     @property
     def layout(self) -> Layout:
         """Return where in the state each part's numbers stand."""
-        return Layout(self.coordinates, self.elements, len(self.loss_names), self.quiet is not None)
+        return Layout(self.coordinates, self.elements, len(self.loss_names), self.rest_threshold is not None)
 
     @property
     def places(self) -> dict[str, slice]:
@@ -275,7 +277,7 @@ class Assembled(ContactSystem):
         parts = zip(self.elements, at.elements, own, self.layout.of_elements(closed), strict=True)
         own = [element.after_start(it, mine, active) for element, it, mine, active in parts]
         at = self.evaluate(self._start_state(own))
-        if self.quiet is not None:
+        if self.rest_threshold is not None:
             # A run ends as held below a share of the first energy (M177), which therefore stands in the state.
             energy = self.relative_energy(at, closed)
             at = at._replace(state=at.state.at[self.places["first energy"]].set(energy))
@@ -339,7 +341,7 @@ class Assembled(ContactSystem):
     @property
     def end_outcomes(self) -> tuple[str, ...]:
         elements = (name for element in self.elements for name in element.outcomes)
-        held = () if self.quiet is None else ("held",)
+        held = () if self.rest_threshold is None else ("held",)
         return (*(self.end_names or ("ended",) * len(self.ends)), *elements, *held) or NO_END
 
     def terminals_at(self, at: EvaluatedState) -> Float[Array, " terminals"]:
@@ -347,13 +349,13 @@ class Assembled(ContactSystem):
         ends = [quantity(self.system, at.kin) for quantity in self.ends]
         for element, it in zip(self.elements, at.elements, strict=True):
             ends += element.guards(it)
-        ends += [] if self.quiet is None else [self._at_rest(at)]
+        ends += [] if self.rest_threshold is None else [self._at_rest(at)]
         return stacked(ends or [-1.0])
 
     def _at_rest(self, at: EvaluatedState) -> Scalar:
         """Return a number above zero where all that closes once has closed and the energy of relative motion is below
-        its quiet share (M177)."""
-        assert self.quiet is not None
+        its threshold (M177)."""
+        assert self.rest_threshold is not None
         parts = list(zip(self.elements, at.elements, strict=True))
         settled = jnp.asarray(True)
         for element, it in parts:
@@ -361,7 +363,7 @@ class Assembled(ContactSystem):
         # No event tells here which contacts are closed: it shows in their gaps, and in what elements know.
         active = self.layout.of_switches([element.closed_by_state(it) for element, it in parts])
         left = self.relative_energy(at, active) / self.part(at.state, "first energy")[0]
-        return jnp.where(settled, self.quiet - left, -1.0)
+        return jnp.where(settled, self.rest_threshold - left, -1.0)
 
     # --- what is watched, and the balance -----------------------------------------------------------------------------
 

@@ -76,7 +76,7 @@ def assemble(design: Design, scenario: Scenario, stabilisation: Scalar = 20.0) -
         v=v,
         elements=(tip, *elements_of(design, scenario, probe)),
         closed=touching,
-        quiet=design.latch.quiet if latched else None,
+        rest_threshold=design.latch.quiet if latched else None,
         # Angles are compared at an arm of 0.1 m.
         size=(
             stacked([length, length, length / 0.1] * 4 + bent),
