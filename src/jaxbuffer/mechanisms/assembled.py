@@ -1,7 +1,6 @@
 """Any planar mechanism with contacts: bodies, joints, and elements between them."""
 
 import math
-from collections import Counter
 from collections.abc import Callable, Mapping
 from typing import Any, TypeVar
 
@@ -18,14 +17,15 @@ from ..errors import InputError
 from ..hybrid import Linearisation
 from ..multibody import Kinematics, System
 from ..plane import Vector
+from .checks import check_magnitudes, check_names
 from .energies import added, momentum, stored_energies, supplied_energies
 from .energy import Energy
 from .equations import Forces, forces_of, rate_of_state
 from .layout import Closed, EvaluatedState, Layout, State, row
-from .magnitudes import check_magnitudes
 from .observables import Observable as Observable
 from .observables import element_observables, element_records
 from .relative_energy import rigid_energy
+from .scales import scale_limits, scales
 from .snapshot import Snapshot
 from .stiff_part import stiff_part
 from .system import ContactSystem
@@ -97,18 +97,12 @@ class Assembled(ContactSystem):
         Of two with one name, what one of them shows would hide what the other does. The energy of relative motion means
         nothing where the ground takes part: all of the motion would count as that of the whole.
         """
-        named = {
-            "elements are called": [element.name for element in self.elements],
-            "contacts are called": self.contact_names,
-            "observables are called": self.observed,
-        }
-        for what, names in named.items():
-            for name, count in Counter(names).items():
-                if count > 1:
-                    raise InputError(f"{count} {what} {name!r}: give each a name of its own")
+        check_names("elements", [element.name for element in self.elements])
+        check_names("contacts", self.contact_names)
+        check_names("observables", self.observed)
         if self.rest_threshold is not None and self.momentum_size is None:
             raise InputError(
-                "rest_threshold is of bodies that nothing holds to the ground: give momentum_size [kg m/s]"
+                "rest_threshold is of bodies that nothing holds to the ground: give momentum_size [kg m/s] too"
             )
         if sum(isinstance(element, Oscillators) for element in self.elements) > 1:
             raise InputError("there are several Oscillators: put all of them into one, which implicit steps then know")
@@ -436,31 +430,11 @@ class Assembled(ContactSystem):
     # --- time stepping ------------------------------------------------------------------------------------------------
 
     def scales(self) -> State:
-        n, speed, energy = self.coordinates, self.typical_speed, self.energy_scale
-        place, motion = (jnp.broadcast_to(jnp.asarray(size, float), (n,)) for size in self.size)
         momentum = 1.0 if self.momentum_size is None else self.momentum_size
-        magnitudes = Magnitudes(speed, energy, momentum)
-        return self.layout.state(
-            q=place,
-            v=motion,
-            lost=[energy] * len(self.loss_names),
-            first_energy=energy,
-            own=[element.scales(magnitudes) for element in self.elements],
-            time=1.0,
-        )
+        return scales(self.layout, self.size, Magnitudes(self.typical_speed, self.energy_scale, momentum))
 
     def scale_limits(self) -> State | None:
-        limits = [element.scale_limits() for element in self.elements]
-        if all(of is None for of in limits):
-            return None
-        unlimited = [
-            [jnp.inf] * len(element.variables) if of is None else of
-            for element, of in zip(self.elements, limits, strict=True)
-        ]
-        of_motion, of_losses = jnp.full(self.coordinates, jnp.inf), [jnp.inf] * len(self.loss_names)
-        return self.layout.state(
-            q=of_motion, v=of_motion, lost=of_losses, first_energy=jnp.inf, own=unlimited, time=jnp.inf
-        )
+        return scale_limits(self.layout)
 
     def impact_step(self, state: State) -> Float[Array, ""]:
         """Return a fifteenth of the shortest impact; 1e-6 s without contacts [s]."""

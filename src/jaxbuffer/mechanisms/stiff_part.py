@@ -11,6 +11,7 @@ from ..elements.stiff_terms import ContactTerm, SpringTerm, linearised
 from ..hybrid import Linearisation, PassiveOscillators
 from ..multibody import SpringDirection, System
 from .layout import Closed, EvaluatedState, Layout
+from .scales import decays
 
 
 def stiff_part(system: System, layout: Layout, at: EvaluatedState, active: Closed) -> Linearisation:
@@ -37,19 +38,8 @@ def stiff_part(system: System, layout: Layout, at: EvaluatedState, active: Close
         contacts = [ContactTerm(thin, thin, *((none, none),) * 3)]
     joined = jax.tree.map(lambda *parts: jnp.concatenate(parts, axis=-1), *contacts)
     spins = stacked(inertias) if inertias else None
-    stiff = linearised(system, at.kin, springs, joined, spins, _decay(layout, at))
+    stiff = linearised(system, at.kin, springs, joined, spins, decays(layout, at))
     return dataclasses.replace(stiff, followers=_followers(system, layout))
-
-
-def _decay(layout: Layout, at: EvaluatedState) -> Array | None:
-    """Return the rates at which what follows the velocities in the state decays by itself; None where nothing does."""
-    decays = [element.decays(it) for element, it in zip(layout.elements, at.elements, strict=True)]
-    if all(rates is None for rates in decays):
-        return None
-    none, still = jnp.zeros(layout.coordinates), [0.0] * layout.losses
-    own = [[0.0] * len(it.variables) if of is None else of for it, of in zip(layout.elements, decays, strict=True)]
-    whole = layout.state(q=none, v=none, lost=still, first_energy=0.0, own=own, time=0.0)
-    return whole[layout.places["spins"].stop :]
 
 
 def _followers(system: System, layout: Layout) -> PassiveOscillators | None:

@@ -1,6 +1,7 @@
-"""The magnitudes that a mechanism's changes are compared with: that each of them is a number."""
+"""Checks of an assembled mechanism: its parts have names of their own, and its magnitudes are numbers."""
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import jax
@@ -9,6 +10,13 @@ import numpy as np
 from .._types import Scalar
 from ..errors import InputError, concrete
 from .system import ContactSystem
+
+
+def check_names(what: str, names: Iterable[str]) -> None:
+    """Raise `InputError` where two have one name. ``what``: what they are, in the plural."""
+    for name, count in Counter(names).items():
+        if count > 1:
+            raise InputError(f"{count} {what} are called {name!r}: give each a name of its own")
 
 
 def check_magnitudes(system: ContactSystem, others: Mapping[str, Scalar | None], numbers: Any, dimensions: int) -> None:
