@@ -31,7 +31,7 @@ run: $(READY)  ## tune the Table-2 buffer and say what was found
 studies: $(READY)  ## the studies of optimise/, into results/studies
 	$(BIN)/python -m optimise --resume
 
-test: $(READY)  ## the tests without the slow ones and those of whole runs
+test: $(READY)  ## one test or more of each claim, command, page, mechanism, outcome and kind of bad input
 	$(PYTEST) -m "not ($(SLOW))"
 
 test-slow: $(READY)  ## the other tests but the longest

@@ -11,7 +11,8 @@ study it prints how the runs ended and in how many a reported maximum is
 It also counts runs whose energy is off by more than 1e-6 of the initial. A study with any parts draws structures too:
 which optional parts a design has, each of them once alone and then combined at random.
 
-The runs concerned are listed by their numbers; ``--only NUMBER`` prints everything about one of them.
+The runs concerned are listed by their numbers; ``--only NUMBER`` prints everything about one of them. A study that is
+stopped, by ``--minutes``, Ctrl-C or a request to end, prints its counts so far and the ``--first`` to go on with.
 """
 
 import collections
@@ -34,6 +35,7 @@ from jaxbuffer.run.trust import trust
 
 from .names import chosen
 from .optional_parts import CRANK_PARTS, DOCKING_PARTS, DROP_PARTS, Ranges, Structure, structures
+from .portions import Portion, cases
 
 RUNS, STRUCTURES = 10_000, 60
 STEPS = 6000  # accepted steps looked at
@@ -179,33 +181,32 @@ def sizes(extent: np.ndarray, history: np.ndarray) -> np.ndarray:
     return np.clip(np.abs(history), 1e-6 * extent, extent)
 
 
-def campaign(title: str, studies: list[Structure], count: int, seed: int) -> int:
-    """Run studies, ``count`` designs in all, and print their counts; return how many runs are below their history or
-    missed silently."""
+def campaign(
+    title: str, studies: list[Structure], count: int, seed: int, portion: Portion | None = None, first: int = 0
+) -> int:
+    """Run studies, ``count`` designs in all, as far as a portion goes, and print their counts; return how many runs are
+    below their history or missed silently."""
     ended: collections.Counter[str] = collections.Counter()
     lists: dict[str, list[str]] = {"below its history": [], "missed": [], "missed silently": []}
     unbalanced: list[str] = []
-    each, progress, done = -(-count // len(studies)), counted(True, "run"), 0
-    for k, study in enumerate(studies):
-        for number, (design, scenario) in enumerate(study.drawn(each, seed + k)):
-            label = f"{number}" if len(studies) == 1 else f"{k}:{number} ({', '.join(study.parts)})"
-            outcome, energy, shortfalls = _shortfalls(design, scenario, study.duration)
-            ended[outcome.name] += 1
-            done += 1
-            if progress is not None:
-                progress(k * each + number + 1, each * len(studies))
-            if outcome.failed:
-                lists.setdefault("failed", []).append(label)
-                continue
-            if energy > UNBALANCED:
-                unbalanced.append(f"{label} {energy:.1e}")
-            for heading, cases in shortfalls.items():
-                lists[heading] += [f"{label} {case}" for case in cases]
-        jax.clear_caches()  # the programs of one structure serve no other
-    print(f"{title}: {done} runs, {', '.join(f'{n} {name}' for name, n in ended.most_common())}")
-    for heading, cases in (lists | {f"energy off by more than {UNBALANCED:g}": unbalanced}).items():
-        runs = len({case.split()[0] for case in cases})
-        print(f"  {heading}: {runs}  {'; '.join(cases[:8])}", flush=True)
+    portion, progress = portion or Portion(), counted(True, "run")
+    for case in portion.of(cases(studies, count, seed, first)):
+        outcome, energy, shortfalls = _shortfalls(case.design, case.scenario, case.study.duration)
+        ended[outcome.name] += 1
+        if progress is not None:
+            progress(case.number + 1, count)
+        if outcome.failed:
+            lists.setdefault("failed", []).append(case.label)
+            continue
+        if energy > UNBALANCED:
+            unbalanced.append(f"{case.label} {energy:.1e}")
+        for heading, short in shortfalls.items():
+            lists[heading] += [f"{case.label} {each}" for each in short]
+    counts = ", ".join(f"{n} {name}" for name, n in ended.most_common())
+    print(f"{title}: {ended.total()} runs, {counts}{portion.remark}")
+    for heading, short in (lists | {f"energy off by more than {UNBALANCED:g}": unbalanced}).items():
+        runs = len({each.split()[0] for each in short})
+        print(f"  {heading}: {runs}  {'; '.join(short[:8])}", flush=True)
     return len(lists["below its history"]) + len(lists["missed silently"])
 
 
@@ -258,6 +259,8 @@ def main(
     runs: int = RUNS,
     structures: Annotated[int, typer.Option(help="random structures of a study with any parts")] = STRUCTURES,
     seed: int = 0,
+    minutes: Annotated[float | None, typer.Option(help="stop after so long, with the counts so far")] = None,
+    first: Annotated[int, typer.Option(help="go on with this run of the (first) study")] = 0,
     only: Annotated[int | None, typer.Option(help="print everything about one run of the study")] = None,
     structure: Annotated[int, typer.Option(help="of which structure that run is")] = 0,
 ) -> int:
@@ -267,4 +270,10 @@ def main(
     if only is not None:
         show(studies_of(titles[0], structures, seed)[structure], only, seed + structure)
         return 0
-    return int(sum(campaign(title, studies_of(title, structures, seed), runs, seed) for title in titles) > 0)
+    portion, wrong = Portion(minutes), 0
+    for title in titles:
+        wrong += campaign(title, studies_of(title, structures, seed), runs, seed, portion, first)
+        first = 0
+        if portion.stopped:
+            break
+    return int(wrong > 0)

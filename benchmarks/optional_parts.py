@@ -2,8 +2,8 @@
 
 A campaign that draws numbers alone verifies one structure, and says nothing of the parts that it lacks. `structures`
 draws some of a mechanism's parts at random and puts them together to a `Structure`, whose designs share one program.
-A part that is new is added here, and with that to the campaign of largest values, the wide designs and the tests that
-use either.
+A part that is new is added here, and with that to the campaigns of largest values, wide designs and elasticities, and
+to the tests that use them.
 """
 
 import dataclasses

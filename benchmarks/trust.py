@@ -10,7 +10,6 @@ import jax
 import numpy as np
 
 import jaxbuffer as jb
-from benchmarks.wide import built, draw
 from jaxbuffer.progress import counted
 from jaxbuffer.run.trust import DOUBTFUL, changes, trust
 
@@ -34,9 +33,25 @@ TIGHT, TIGHTER = 1e-10, 1e-11
 KNOWN = 1e-5  # relative: where the two tight runs differ by more, nobody knows the number
 
 
+def draw(count, seed):
+    """``count`` values of every number, shape (count,), by dotted path."""
+    rng = np.random.default_rng(seed)
+    values = {path: np.exp(rng.uniform(*np.log(ends), count)) for path, ends in LOGARITHMIC.items()}
+    return values | {path: rng.uniform(*ends, count) for path, ends in LINEAR.items()}
+
+
+def built(values, free_tip):
+    """Design and scenario with those values."""
+    drawn = {path: value for path, value in values.items() if not path.startswith("scenario.")}
+    met = {path.removeprefix("scenario."): value for path, value in values.items() if path.startswith("scenario.")}
+    count = len(values["buffer.k_A"])
+    pair = jb.replace(jb.table2(), drawn | {"probe.free_tip": free_tip}), jb.replace(jb.Scenario(), met)
+    return jax.tree.map(lambda x: np.broadcast_to(np.asarray(x, float), (count,)), pair)
+
+
 def drawn(count: int) -> Iterator[tuple[jb.Design, jb.Scenario]]:
     """The first so many designs and scenarios, of which every third has a free tip; always the same."""
-    values = draw(DESIGNS, 0, LOGARITHMIC, LINEAR)
+    values = draw(DESIGNS, 0)
     pairs = [built(values, free_tip) for free_tip in (True, False, False)]
     for number in range(count):
         yield jax.tree.map(lambda x, k=number: float(x[k]), pairs[number % 3])

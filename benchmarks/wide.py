@@ -1,21 +1,28 @@
-"""Random designs far wider than an engineer would search: how many captures end how, and how well they keep energy.
+"""Random designs far wider than an engineer would search: how many runs end how, and how well they keep energy.
 
-`python -m benchmarks wide [--count N]`; 2000 of them by default, half with a free tip, each of 8 s at default settings.
-Designs with any of the optional parts are those of `python -m benchmarks campaign --mechanism "docking, any parts"`,
-which counts their outcomes and their errors of energy too.
+`python -m benchmarks wide [--mechanism NAME] [--runs N] [--structures K] [--minutes M] [--first R]`: dockings, half of
+them with a free tip, and designs of each mechanism with any of its optional parts, at default settings.
 """
 
 import collections
+from typing import Annotated, Any
 
-import jax
 import numpy as np
+import typer
 
 import jaxbuffer as jb
-from jaxbuffer.mechanisms.probe_cone.law_validity import validity
+from jaxbuffer.mechanisms.registry import mechanism_of
+from jaxbuffer.progress import counted
 
-CAPTURES = 2000
-CHUNK = 50
-LOGARITHMIC = {  # ranges
+from . import campaign
+from .campaign import ANY_PARTS, STRUCTURES
+from .names import chosen
+from .optional_parts import Ranges, Structure, structures
+from .portions import Case, Portion, cases
+
+RUNS = 1000
+LISTED = 8
+LOGARITHMIC: Ranges = {  # ranges
     "buffer.k_A": (20.0, 2e4),  # N/m
     "buffer.c_A": (0.1, 200.0),  # N s/m
     "buffer.k_T": (20.0, 5000.0),  # N m/rad
@@ -27,7 +34,7 @@ LOGARITHMIC = {  # ranges
     "probe.tip_mass": (0.01, 0.5),  # kg
     "scenario.approach_speed": (0.02, 1.0),  # m/s
 }
-LINEAR = {
+LINEAR: Ranges = {
     "cone.half_angle": (0.4, 1.1),  # rad
     "contact.restitution": (0.3, 1.0),
     "contact.friction": (0.0, 0.6),
@@ -37,65 +44,68 @@ LINEAR = {
 }
 
 
-def draw(count, seed=0, logarithmic=LOGARITHMIC, linear=LINEAR):
-    """``count`` values of every number, shape (count,), by dotted path."""
-    rng = np.random.default_rng(seed)
-    values = {path: np.exp(rng.uniform(*np.log(ends), count)) for path, ends in logarithmic.items()}
-    return values | {path: rng.uniform(*ends, count) for path, ends in linear.items()}
+def docking(**changes: Any) -> Structure:
+    """A docking of 8 s with wide ranges."""
+    return Structure(jb.replace(jb.table2(), changes), jb.Scenario(), 8.0, LOGARITHMIC, LINEAR)
 
 
-def built(values, free_tip):
-    """Design and scenario with those values."""
-    drawn = {path: value for path, value in values.items() if not path.startswith("scenario.")}
-    met = {path.removeprefix("scenario."): value for path, value in values.items() if path.startswith("scenario.")}
-    count = len(values["buffer.k_A"])
-    pair = jb.replace(jb.table2(), drawn | {"probe.free_tip": free_tip}), jb.replace(jb.Scenario(), met)
-    return jax.tree.map(lambda x: np.broadcast_to(np.asarray(x, float), (count,)), pair)
+STUDIES = campaign.STUDIES | {"docking": docking, "docking, free tip": lambda: docking(**{"probe.free_tip": True})}
+TITLES = ("docking", "docking, free tip", *ANY_PARTS)
 
 
-@jax.jit
-def measured(designs, scenarios):
-    """Outcome, error of energy, touchdowns, attempts, peak force and penetration of each capture."""
+def studies_of(title: str, count: int, seed: int) -> list[Structure]:
+    """The structures of a study: one, or of those with any parts so many random ones."""
+    base, parts = ANY_PARTS.get(title, (title, None))
+    return [STUDIES[base]()] if parts is None else list(structures(STUDIES[base](), parts, count, seed))
 
-    def one(design, scenario):
-        run = jb.simulate(design, scenario)
-        return (
-            run.code,
-            run.balance.energy,
-            run.impact_count,
-            run.attempts,
-            run.peak_force,
-            run.penetration,
+
+def shown(title: str, rows: list[tuple[Case, jb.Run]], remark: str) -> int:
+    """Print how the runs ended and how well they keep energy; return how many failed."""
+    ended = collections.Counter(run.outcome.name for _, run in rows)
+    print(f"{title}: {len(rows)} runs, {', '.join(f'{n} {name}' for name, n in ended.most_common())}{remark}")
+    failed = [(case, run) for case, run in rows if run.outcome.failed]
+    solved = [(abs(float(run.balance.energy)), case, run) for case, run in rows if not run.outcome.failed]
+    if solved:
+        energies = np.array([energy for energy, *_ in solved])
+        worst = solved[int(np.argmax(energies))][1]
+        print(
+            f"  energy, relative to the initial: worst {energies.max():.2g} ({worst.label}), "
+            f"99 % {np.quantile(energies, 0.99):.2g}"
         )
+        impacts, attempts = ([int(getattr(run, name)) for _, run in rows] for name in ("impact_count", "attempts"))
+        print(f"  impacts: median {np.median(impacts):.0f}, most {max(impacts)}; attempts: most {max(attempts)}")
+        print(f"  beyond a limit of the model's validity: {sum(_beyond(case, run) for _, case, run in solved)}")
+    for case, run in failed[:LISTED]:
+        print(f"  {run.outcome.name}: {case.label}", case.design, case.scenario, sep="\n    ", flush=True)
+    return len(failed)
 
-    return jax.vmap(one)(designs, scenarios)
+
+def _beyond(case: Case, run: jb.Run) -> bool:
+    """Whether a run exceeds a limit that the mechanism's summaries warn of."""
+    limits = mechanism_of(case.design).view.validity(case.design, run.peak_force, run.quantity("penetration"))
+    return any(np.any(limit.passed) for limit in limits)
 
 
-def main(count: int = CAPTURES) -> None:
-    """Print how the captures ended."""
+def main(
+    mechanism: Annotated[list[str] | None, typer.Option(help=f"study (default: all): {', '.join(TITLES)}")] = None,
+    runs: Annotated[int, typer.Option(help="of each study")] = RUNS,
+    structures: Annotated[int, typer.Option(help="random structures of a study with any parts")] = STRUCTURES,
+    seed: int = 0,
+    minutes: Annotated[float | None, typer.Option(help="stop after so long, with the counts so far")] = None,
+    first: Annotated[int, typer.Option(help="go on with this run of the (first) study")] = 0,
+) -> int:
+    """Print how the runs ended; the exit status."""
+    titles = chosen(mechanism, TITLES, "study")
     jb.configure()
-    for free_tip in (False, True):
-        values = draw(count // 2, seed=int(free_tip))
-        parts = []
-        for first in range(0, count // 2, CHUNK):
-            chunk = {path: value[first : first + CHUNK] for path, value in values.items()}
-            parts.append([np.asarray(x) for x in measured(*built(chunk, free_tip))])
-        code, energy, impacts, attempts, force, depth = (np.concatenate(part) for part in zip(*parts, strict=True))
-        solved = np.array([not jb.Outcome(int(c)).failed for c in code])
-        worst = int(np.argmax(np.where(solved, np.abs(energy), 0.0)))
-        ended = collections.Counter(jb.Outcome(int(c)).name for c in code)
-        beyond = validity(built(values, free_tip)[0], depth, force).too_deep
-        print(f"{count // 2} captures, {'free' if free_tip else 'welded'} tip: {dict(ended.most_common())}")
-        print(f"  beyond the contact law's validity: {int(np.sum(beyond & solved))}")
-        print(f"  energy, relative to the initial: worst {abs(energy[worst]):.2g}, 99 % {q(energy[solved], 0.99):.2g}")
-        print(f"  impacts: median {np.median(impacts):.0f}, most {impacts.max()}; attempts: most {attempts.max()}")
-        for k in np.flatnonzero(~solved):
-            print(
-                f"  {jb.Outcome(int(code[k])).name}:",
-                {path: float(f"{value[k]:.5g}") for path, value in values.items()},
-            )
-
-
-def q(values, share):
-    """A quantile of magnitudes."""
-    return float(np.quantile(np.abs(values), share))
+    portion, failed, progress = Portion(minutes), 0, counted(True, "run")
+    for title in titles:
+        rows = []
+        for case in portion.of(cases(studies_of(title, structures, seed), runs, seed, first)):
+            rows.append((case, jb.simulate(case.design, case.scenario, case.study.duration)))
+            if progress is not None:
+                progress(case.number + 1, runs)
+        failed += shown(title, rows, portion.remark)
+        first = 0
+        if portion.stopped:
+            break
+    return int(failed > 0)

@@ -1,21 +1,22 @@
 """Every test runs in double precision and with strict rank promotion, and may leave evidence for the report.
 
 Compiled programs, which take most of the time, are kept in one folder for all processes of a test run. Those in memory
-are dropped between files where a process holds too much.
+are dropped where a process holds too much, and read from there again. A run ends with what it took.
 
 `make test` runs what has none of the markers `slow`, `whole` and `long`, `make test-slow` what is slow or whole and not
-long, `make test-long` what is long.
+long, `make test-long` what is long. `WHOLE` names the files whose tests are whole unless they are marked `quick`.
 """
 
-import ctypes
 import gc
 import os
+import resource
 import shutil
 import tempfile
 from pathlib import Path
 
 import pytest
 
+import jaxbuffer as jb
 import jaxbuffer.cli.quick
 import jaxbuffer.programs.process
 
@@ -25,16 +26,19 @@ jaxbuffer.programs.process.configure()
 import jax  # noqa: E402
 
 from evidence import Evidence  # noqa: E402
-from jaxbuffer.programs.cache import stored  # noqa: E402
 from jaxbuffer.programs.store import store_in  # noqa: E402
 
 jax.config.update("jax_numpy_rank_promotion", "raise")
 
 EVIDENCE = Evidence()
 PROGRAMS = pytest.StashKey[Path]()
-MOST_MEMORY = 5 * 2**30  # bytes that a process may hold at the end of a file
+WITHOUT_QUICK = pytest.StashKey[set[str]]()  # files, of those collected, that `make test` leaves out as a whole
+# Bytes that a process may hold: at the end of a file, whose tests share programs, and of any test.
+MOST_AFTER_A_FILE, MOST_AFTER_A_TEST = 1.2e9, 1.4e9
+RESOURCES: list[tuple[float, float]] = []  # processor time [s] and largest size [bytes] of each process
 # Tests here solve whole runs of a mechanism, mostly one of their own: they compile large programs or start processes.
-# Each may be quick by itself; all together they are too long for `make test`.
+# Each may be quick by itself; all together they are too long for `make test`, which takes those marked `quick`: of each
+# claim one that needs no run, or a run that other tests compile.
 WHOLE = ("cluster/", "mechanisms/", "multibody/test_flexible_", "properties/", "verification/")
 # Some tests here take minutes: begun last, one of them would keep one process busy after the other has finished.
 FIRST = ("test_guides.py", "test_lost_work_kills.py", "test_lost_work_tank.py")
@@ -77,20 +81,13 @@ def no_figures(monkeypatch):
     )
 
 
-@pytest.fixture(scope="module", autouse=True)
-def _memory_freed():
-    yield
-    resident = int(Path("/proc/self/statm").read_text().split()[1]) * 4096
-    if resident > MOST_MEMORY:
-        jax.clear_caches()
-        gc.unfreeze()  # what is frozen is in no list of objects
-        for function in gc.get_objects():
-            if isinstance(function, stored):
-                function.programs.clear()
-        gc.collect()
-        # What is freed goes back to the system; else the process would seem to hold too much after every file to come,
-        # and compile everything anew in each.
-        ctypes.CDLL(None).malloc_trim(0)
+@pytest.hookimpl(trylast=True)
+def pytest_runtest_teardown(item, nextitem):
+    """Fixtures of the test, and of the file where it is the last, have ended."""
+    last = nextitem is None or nextitem.path != item.path
+    resident = int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()
+    if resident > (MOST_AFTER_A_FILE if last else MOST_AFTER_A_TEST):
+        jb.clear_caches()
 
 
 def pytest_addoption(parser):
@@ -107,12 +104,17 @@ def pytest_configure(config):
 
 
 @pytest.hookimpl(tryfirst=True)  # before tests are selected by their markers
-def pytest_collection_modifyitems(items):
+def pytest_collection_modifyitems(config, items):
+    quick, every = set(), set()
     for item in items:
         if not item.path.is_relative_to(TESTS):
             continue
-        if item.path.relative_to(TESTS).as_posix().startswith(WHOLE):
+        if item.path.relative_to(TESTS).as_posix().startswith(WHOLE) and not item.get_closest_marker("quick"):
             item.add_marker("whole")
+        every.add(name := item.path.relative_to(TESTS).as_posix())
+        if not any(map(item.get_closest_marker, ("slow", "whole", "long"))):
+            quick.add(name)
+    config.stash[WITHOUT_QUICK] = every - quick
     items.sort(key=lambda item: item.path.name not in FIRST)
 
 
@@ -131,12 +133,29 @@ def pytest_configure_node(node):
 @pytest.hookimpl(optionalhook=True)
 def pytest_testnodedown(node, error):
     """What pytest-xdist has from each of its processes."""
-    EVIDENCE.add(getattr(node, "workeroutput", {}).get("evidence", []))
+    output = getattr(node, "workeroutput", {})
+    EVIDENCE.add(output.get("evidence", []))
+    RESOURCES.extend(map(tuple, output.get("resources", [])))
+
+
+def resources():
+    """Processor time [s] and largest size [bytes] of this process with those that it has started."""
+    each = [resource.getrusage(whose) for whose in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return sum(it.ru_utime + it.ru_stime for it in each), max(1024.0 * it.ru_maxrss for it in each)
+
+
+def pytest_terminal_summary(terminalreporter):
+    seconds, sizes = zip(*(RESOURCES or [resources()]), strict=True)
+    processes = f"{len(seconds)} process{'es' if len(seconds) > 1 else ''}"
+    terminalreporter.write_line(
+        f"{sum(seconds):.0f} s of processor in {processes}, the largest {max(sizes) / 1e9:.2f} GB"
+    )
 
 
 def pytest_sessionfinish(session):
     if hasattr(session.config, "workeroutput"):
         session.config.workeroutput["evidence"] = list(EVIDENCE.records.values())
+        session.config.workeroutput["resources"] = [resources()]
     elif path := session.config.getoption("--evidence"):
         EVIDENCE.write(path)
 
@@ -144,3 +163,9 @@ def pytest_sessionfinish(session):
 def pytest_unconfigure(config):
     if not hasattr(config, "workerinput") and not config.getoption("--programs"):
         shutil.rmtree(config.stash[PROGRAMS], ignore_errors=True)
+
+
+@pytest.fixture
+def files_without_quick(pytestconfig):
+    """The files of tests, of those collected, that `make test` leaves out as a whole."""
+    return pytestconfig.stash[WITHOUT_QUICK]

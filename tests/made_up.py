@@ -55,7 +55,8 @@ def made_up_capture(scenario=None, peak=250.0, at=0.02, outcome=Outcome.captured
         }.items()},
         others={name: jnp.asarray(value) for name, value in {
             "tip_spin": ramp, "hinge_force": force[:, 1], "buffer_force": 4 * ramp, "stop_force": 0 * ramp,
-            "stroke": 0.0075 * ramp, "hinge_angle": -0.004 * ramp, "throat_distance": 0.03 * (1 - ramp),
+            "extension": -0.0075 * ramp, "stroke": 0.0075 * ramp, "hinge_angle": -0.004 * ramp,
+            "throat_distance": 0.03 * (1 - ramp),
             "relative_energy": 1.0 - 0.8 * ramp, "latch_force": 20 * ramp, "latch_closed": ramp,
         }.items()},
         energy=energy,
@@ -73,6 +74,7 @@ def made_up_capture(scenario=None, peak=250.0, at=0.02, outcome=Outcome.captured
         **{name: jnp.asarray(value) for name, value in {
             "code": int(outcome), "peak_force": peak, "peak_time": at, "peak_contact": 1, "peak_impact": 0,
             "peak_hinge_force": 1.5 * peak, "peak_buffer_force": 4.0, "peak_stop_force": 0.0, "stroke": 0.0075,
+            "extension": 0.0,
             "stroke_margin": 0.129, "hinge_angle": 0.004, "penetration": 1e-5,
             "peak_latch_force": 0.0, "passive_force": np.nan,
             "end_time": END, "contact_time": PULSE, "impact_count": 1, "throat_distance": 0.0, "capture_margin": 0.3,
@@ -81,7 +83,7 @@ def made_up_capture(scenario=None, peak=250.0, at=0.02, outcome=Outcome.captured
         design=design,
         scenario=scenario,
         maxima={name: jnp.asarray(value) for name, value in {
-            "hinge_force": 1.5 * peak, "buffer_force": 4.0, "stroke": 0.0075, "hinge_angle": 0.004,
+            "hinge_force": 1.5 * peak, "buffer_force": 4.0, "stroke": 0.0075, "extension": 0.0, "hinge_angle": 0.004,
         }.items()},
         impacts=hits,
         docking=made_up_docking(),
@@ -221,6 +223,7 @@ def made_up_sweep(design, scenarios, outcomes=None) -> Sweep:
         "peak_buffer_force": 4.0,
         "peak_stop_force": 0.0,
         "stroke": 0.01,
+        "extension": 0.002,
         "peak_latch_force": 0.0,
         "latch_time": np.nan,
         "settling_time": np.nan,

@@ -22,16 +22,18 @@ TALLY = RunTally(
 )
 
 
-def made_up_choice(stroke=0.025, tolerances=TOLERANCES, broken_corners=0, optimum=180.0, design=None) -> Choice:
+def made_up_choice(
+    stroke=0.025, tolerances=TOLERANCES, broken_corners=0, optimum=180.0, design=None, then=None
+) -> Choice:
     """Two ranked combinations of four: forces of 250 N, 300 N, … times 0.8 and 0.9, and strokes of 10 mm.
 
     **Arguments:** ``stroke``: its limit [m]; ``broken_corners``: how many of the corners have a stroke of 30 mm;
-    ``optimum``: the continuous one's objective [N], None for none.
+    ``optimum``: the continuous one's objective [N], None for none; ``then``: a second objective.
     """
     design = table2() if design is None else design
     scenarios = [Scenario(approach_speed=speed) for speed in SPEEDS]
     problem = Problem(design, scenarios, [], limits=Limits(at_most={"stroke": stroke}), tolerances=tolerances)
-    criterion, combinations = selection(problem, PARTS, at_most={"price": 18.0})
+    criterion, combinations = selection(problem, PARTS, at_most={"price": 18.0}, then=then)
     ranked = []
     for share, number in ((0.8, 0), (0.9, 1)):
         own = dataclasses.replace(criterion.problem, design=combinations.built(number))
@@ -45,7 +47,8 @@ def made_up_choice(stroke=0.025, tolerances=TOLERANCES, broken_corners=0, optimu
         variables = [Variable("buffer.k_A", 200.0, 450.0)]
         tuned = made_up_tuning(Problem(replace(design, {"buffer.k_A": 300.0}), scenarios, variables))
         bound = ContinuousOptimum(dataclasses.replace(tuned, confirmed=False), optimum)
-    return Choice(criterion, combinations.catalogues, tuple(ranked), TALLY, bound)
+    second = {} if then is None else {"least": ranked[0], "ceiling": then.ceiling(ranked[0].value)}
+    return Choice(criterion, combinations.catalogues, tuple(ranked), TALLY, bound, **second)
 
 
 def largest_force(choice) -> float:

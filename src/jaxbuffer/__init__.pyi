@@ -1,5 +1,6 @@
 """The public names, each once: Python imports one when it is first asked for, a type checker reads them here."""
 
+from .programs.memory import clear_caches as clear_caches
 from .programs.process import configure as configure
 from .choosing.buildable import buildable as buildable
 from .choosing.choice import Choice as Choice

@@ -101,7 +101,7 @@ def test_what_is_wrong_with_a_table_is_said(given, message):
 
 BAD_FILES = [
     ("name,k_A [N/m]\nS1,500\nS2,600\nS1,700\n", "springs.csv, line 4: S1 stands in line 2 already; keep one"),
-    ("# list\n\nname,k_A\nS1,500,3\n", "springs.csv, line 4: 3 cells, where the headings are 2"),
+    ("# list\n\nname,k_A\nS1,500,3\n", "springs.csv, line 4 has 3 cells, and line 3 names 2 columns"),
     ("k_A [N/m]\n500\n", "springs.csv, line 1: no column is called name; found k_A [N/m]"),
     ("name,k_A,k_A\nS1,5,6\n", "springs.csv, line 1: k_A is the heading of two columns"),
     ("name,,k_A\nS1,5,6\n", "springs.csv, line 1: column 2 has no heading"),
@@ -113,7 +113,12 @@ BAD_FILES = [
     ("name,k_A [N]\nS1,500\n", "springs.csv, line 2, k_A = '500 N': N is a force"),
     ("name,k_A [N/m]\nS1,soft\n", "springs.csv, line 2, k_A"),
     ('name,damper_curve\nD1,"[[0.1, 2.0]"\n', "springs.csv, line 2, damper_curve = '[[0.1, 2.0]' is no list of points"),
-    ("name;k_A\nS1;0,5\n", "numbers have a decimal point here; write 0.5"),
+    ("name;k_A\nS1;0,5\nS2;0.6\n", 'springs.csv, line 3, column "k_A": 0.6 beside line 2, column "k_A": 0,5'),
+    ("name;price\nS1;9,50 EUR\nS2;1.200 EUR\n", 'line 3, column "price": 1.200 EUR beside line 2'),
+    ('name,k_A\nS1,"0,5"\n', "0,5 beside commas between the cells: a file has one decimal mark"),
+    ("name,k_A [N/m]\nS1,0,5\n", "3 cells, and line 1 names 2 columns; numbers with decimal commas need semicolons"),
+    ("name;k_A [N/m]\nS1;1.194,5\n", "line 2, k_A = '1.194,5' is no number: a file has one decimal mark"),
+    ("# name, k_A [N/m]\nS1,500\nS2,600\n", "no column is called name; line 1 has it behind a #"),
     ("", "springs.csv has no part"),
 ]
 
@@ -128,3 +133,20 @@ def test_what_is_wrong_with_a_file_is_said_with_its_line(tmp_path, text, message
 def test_a_file_that_is_missing_is_named(tmp_path):
     with pytest.raises(InputError, match=r"none\.csv: no such file"):
         read({"spring": "none.csv"}, tmp_path)
+
+
+@pytest.mark.parametrize("delimiter", [";", "\t"])
+def test_decimal_commas_are_read_as_of_measured_tests(tmp_path, delimiter):
+    """Beside whole numbers, names and curves with points of their own, of a unit in the heading or in the cell."""
+    rows = (
+        ("name", "k_A [kN/m]", "price", "damper_curve"),
+        ("4.7", "0,5", "9,50 EUR", "[[0.1, 2.0], [0.2, 5.0]]"),
+        ("4,8", "1", "11 EUR", "[[0.1, 3.0], [0.2, 6.5]]"),
+    )
+    (tmp_path / "springs.csv").write_text("\n".join(delimiter.join(row) for row in rows))
+    (made,) = read({"spring": "springs.csv"}, tmp_path)
+    assert [(part.name, part.fields["buffer.k_A"], part.totals["price"]) for part in made.parts] == [
+        ("4.7", 500.0, 9.5),
+        ("4,8", 1000.0, 11.0),
+    ]
+    assert made.parts[1].fields["buffer.damper_curve"].points() == [[0.1, 3.0], [0.2, 6.5]]

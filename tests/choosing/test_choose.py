@@ -157,12 +157,50 @@ def test_a_number_that_scenarios_list_is_neither_chosen_nor_rounded():
         jb.buildable(listed, {"buffer.k_A": "E12"})
 
 
-def test_a_second_objective_is_refused(problem):
-    then = dataclasses.replace(problem, then=jb.SecondObjective(jb.Objective({"stroke": 1.0})))
-    with pytest.raises(jb.InputError, match=r"problem\.then = stroke.*leave out problem\.then"):
-        jb.choose(then, PARTS)
-    with pytest.raises(jb.InputError, match=r"problem\.then = stroke.*leave out problem\.then"):
-        jb.buildable(then, {"buffer.k_A": "E12"})
+@pytest.mark.slow
+@pytest.mark.parametrize("second", ["stroke", "price"])
+@pytest.mark.parametrize("ranking", [1, 6])
+def test_a_second_objective_decides_among_those_about_as_good(problem, swept, second, ranking):
+    """Brute force by a sweep: of the combinations within 40 % of the least force the one with the least stroke, or the
+    cheapest one."""
+    then = jb.SecondObjective(jb.Objective({second: 1.0}), tolerance=0.4)
+    priced = {**PARTS, "tip": {"light": {"tip_mass": "25 g", "price": 9}, "heavy": {"tip_mass": "70 g", "price": 5}}}
+    if second == "price":
+        choice = jb.choose(problem, priced, then=then, ranking=ranking, optimum=False)
+    else:
+        choice = jb.choose(dataclasses.replace(problem, then=then), priced, ranking=ranking, optimum=False)
+    captured = np.array([outcome.name == "captured" for outcome in swept.outcomes])
+    keeps = np.flatnonzero(np.all((captured & (swept.stroke <= STROKE)).reshape(18, 4), axis=1))
+    force, stroke = (np.max(it.reshape(18, 4), axis=1) for it in (swept.peak_force, swept.stroke))
+    parts = [[priced[role][name] for role, name in zip(priced, names_of(k), strict=True)] for k in range(18)]
+    price = np.array([sum(it["price"] for it in each) for each in parts])
+    about_best = [int(k) for k in keeps if force[k] <= 1.4 * min(force[keeps])]
+    other = stroke if second == "stroke" else price
+    expected = sorted(about_best, key=lambda k: (other[k], k))
+    expected += [int(k) for k in sorted(keeps, key=lambda k: force[k]) if k not in about_best]
+    assert 1 < len(about_best) < len(keeps) and np.argmin(other[about_best]) != np.argmin(force[about_best])
+    assert [it.names for it in choice.ranked] == [names_of(k) for k in expected[:ranking]]
+    assert choice.best.second == pytest.approx(other[expected[0]], rel=1e-5)
+    assert choice.ceiling == pytest.approx(1.4 * min(force[keeps]), rel=1e-5)
+    assert choice.least.names == names_of(min(keeps, key=lambda k: force[k]))
+    assert f"then {second}" in str(choice) and "all within 40 % of the least objective" in str(choice)
+
+
+@pytest.mark.slow
+def test_a_second_objective_decides_among_roundings(problem):
+    """Brute force: each rounding is simulated in every load case."""
+    then = jb.SecondObjective(jb.Objective({"stroke": 1.0}), tolerance=0.1)
+    design, steps = jb.replace(jb.table2(), {"buffer.k_A": 290.0}), (220.0, 270.0, 330.0, 390.0)
+    fast = [case.scenario for case in problem.cases if case.scenario.approach_speed == max(SPEEDS)]
+    problem = dataclasses.replace(problem, scenarios=fast, then=then)
+    choice = jb.buildable(problem, {"buffer.k_A": "E12"}, design)
+    built = [jb.replace(design, {"buffer.k_A": k}) for k in steps]
+    runs = [[jb.simulate(it, case.scenario, rtol=1e-9) for case in problem.cases] for it in built]
+    force, stroke = ([max(float(getattr(run, it)) for run in each) for each in runs] for it in ("peak_force", "stroke"))
+    keeps = [k for k in range(4) if stroke[k] <= STROKE]
+    least = min(force[k] for k in keeps)
+    best = min((k for k in keeps if force[k] <= 1.1 * least), key=lambda k: stroke[k])
+    assert best != min(keeps, key=lambda k: force[k]) and choice.best.names == (f"{steps[best]:g} N/m",)
 
 
 def test_what_cannot_be_chosen_is_said(problem):

@@ -88,7 +88,10 @@ def test_check_says_the_price_that_decides_and_refuses_it_without_parts(study, c
     shown = capsys.readouterr().out
     assert re.search(r"objective +price\n", shown) and "peak_force, worst" not in shown
     assert "price ≤ 40 EUR of all parts" in shown
-    for table, name in (("objective", "price"), ("constraints", "mass")):
+    (study / "study.toml").write_text(STUDY + "[problem.then]\nprice = 1.0\ntolerance = 0.1\n")
+    assert run(["check", "study.toml"]) == 0
+    assert re.search(r"then +price\n", capsys.readouterr().out)
+    for table, name in (("objective", "price"), ("then", "price"), ("constraints", "mass")):
         (study / "study.toml").write_text(f"[problem.{table}]\n{name} = 1.0\n")
         assert run(["check", "study.toml"]) == 2
         assert f"problem.{table}.{name} is unknown" in capsys.readouterr().err

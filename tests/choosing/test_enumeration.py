@@ -1,10 +1,14 @@
 """The enumeration against a look at every number of a made-up table: same winner, same ranking, fewer runs."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
+import jaxbuffer as jb
 from jaxbuffer import Limits, Objective, Problem, Scenario, table2
 from jaxbuffer.choosing.enumeration import Enumeration
+from jaxbuffer.choosing.order import Second
 from jaxbuffer.choosing.runs import Ended
 from jaxbuffer.tuning.measurement import Measurement
 
@@ -73,6 +77,47 @@ def test_the_ranking_is_that_of_a_look_at_every_run(over, seed):
     assert {number for number, _ in runs.wanted} <= set(np.flatnonzero(allowed))
     tally = search.tally({})
     assert tally.priced_out + tally.infeasible + tally.beaten + tally.complete == tally.combinations == 400
+
+
+@pytest.mark.parametrize("over", OVER)
+@pytest.mark.parametrize("seed", range(6))
+def test_a_second_objective_orders_those_within_the_tolerance_of_the_least(over, seed):
+    """By a look at every run: those within the tolerance by the second objective, the others behind them by the first.
+
+    Which objective has a price, and how many are ranked, is drawn, too; some second values are equal."""
+    random = np.random.default_rng(17 + seed)
+    (objective, aggregate), then_over = OVER[over], list(OVER)[seed % 3]
+    then, aggregate_then = OVER[then_over]
+    then = dataclasses.replace(then, weights={"stroke": 1e4})
+    runs, ranking, tolerance = made_up(seed, objective), int(random.integers(1, 40)), random.choice([0.02, 0.1, 0.3])
+    runs.stroke = np.round(runs.stroke, 3)
+    constant, price = random.uniform(0.0, 40.0, 400) * (seed % 2), random.uniform(0.0, 60.0, 400) * (seed % 3 == 1)
+    second = Second(then, price, jb.SecondObjective(then, tolerance).ceiling)
+    allowed = random.uniform(size=400) > 0.1
+    search = Enumeration(runs, objective, constant=constant, allowed=allowed, ranking=ranking, second=second)
+    search.run()
+    keeps = np.flatnonzero(np.all((runs.stroke <= STROKE) & runs.captured, axis=1) & allowed)
+    value = np.apply_along_axis(aggregate, 1, runs.force) + constant
+    other = np.apply_along_axis(aggregate_then, 1, 1e4 * runs.stroke) + price
+    about_best = [k for k in keeps if value[k] <= (1.0 + tolerance) * min(value[keeps])]
+    rest = [k for k in keeps if k not in about_best]
+    expected = sorted(about_best, key=lambda k: (other[k], k)) + sorted(rest, key=lambda k: value[k])
+    assert [int(k) for k in search.best()] == expected[:ranking]
+    assert search.tally({}).runs < search.tally({}).possible
+
+
+def test_a_price_on_the_ceiling_is_within_it():
+    """1.15 times 20 is less than 23 by rounding alone."""
+    runs = made_up(1, jb.Objective())
+    runs.stroke[:], runs.captured[:] = 0.01, True
+    runs.force[:] = 300.0
+    runs.force[3] = 100.0
+    price = np.full(400, 40.0)
+    price[[2, 3]] = 20.0, 23.0
+    second = Second(jb.Objective(), np.zeros(400), jb.SecondObjective(jb.Objective(), 0.15).ceiling)
+    search = Enumeration(runs, None, constant=price, allowed=np.ones(400, bool), ranking=1, second=second)
+    search.run()
+    assert search.best() == [3]
 
 
 def test_a_worst_case_objective_needs_little_more_than_a_run_a_combination():

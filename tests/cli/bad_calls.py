@@ -255,7 +255,7 @@ PYTHON = [
     ),
     call(lambda: CustomQuantity(lambda stroke: stroke * random.random(), "m"), "is another one at each call"),
     call(lambda: CustomQuantity(lambda stroke: {}["k"], "m"), "<lambda> raises KeyError: 'k' in line"),
-    call(lambda: Objective("peak_force"), "weights = 'peak_force' is not a Mapping; write Objective({'peak_force'"),
+    call(lambda: Objective("peak_force"), "weights = 'peak_force' is not a Mapping; write Objective({'stroke'"),
     call(lambda: Objective({"peak_force": "1"}), "objective.peak_force: '1' is not a number; expected (0, inf) N/N"),
     call(lambda: Limits(at_most=[("stroke", 0.025)]), "at_most = [('stroke', 0.025)] is not a Mapping"),
     call(lambda: Limits({"stroke": 0.025}), "constraints.require_success = {'stroke': 0.025} must be true or false"),

@@ -113,3 +113,17 @@ def test_quantities_that_can_change_sign_have_derivatives_and_no_elasticities(es
     by_name = {row[0]: dict(zip(header, row, strict=True)) for row in rows}
     assert by_name["peak_force"]["elasticity [-]"] == pytest.approx(4.0)
     assert by_name["capture_margin"]["elasticity [-]"] is None and by_name["capture_margin"]["gradient"] == 2.0
+
+
+def test_a_scenario_of_a_grid_is_run_by_its_number(computed, tmp_path, capsys):
+    """Grids set numbers of the design too: the run is that of the load case of this number of the problem."""
+    path = tmp_path / "study.toml"
+    grid = '[problem.grid]\napproach_speed = [0.1, 0.2]\n"buffer.k_A" = [300, 900]\n'
+    path.write_text(f"{grid}[problem.variables]\nbuffer.c_A = [1, 50]\n")
+    assert run(["simulate", str(path), "--scenario-number", "3"]) == 0
+    case = load(path).problem().cases[2]
+    asked = computed.calls[-1][1]
+    assert (asked["scenario"], asked["design"]) == (case.scenario, case.of(table2()))
+    assert asked["scenario"].approach_speed == 0.2 and asked["design"].buffer.k_A == 300.0
+    assert run(["simulate", str(path), "--scenario-number", "5"]) == 2
+    assert "--scenario-number 5 must be a whole number from 1 to 4" in capsys.readouterr().err

@@ -191,11 +191,9 @@ def test_tune_prints_before_and_after_and_writes_files(computed, capsys, tmp_pat
     }
     assert arguments["problem"].limits.at_most == {"stroke": 0.025} and str(arguments["folder"]) == "out"
     written = load(tmp_path / "out" / "design.toml")
-    assert written.design.buffer.k_A == pytest.approx(300.0) and [s.approach_speed for s in written.scenarios] == [
-        0.2,  # the one with the largest peak first
-        0.15,
-        0.1,
-    ]
+    assert written.design.buffer.k_A == pytest.approx(300.0)
+    assert [s.approach_speed for s in written.scenarios] == [0.1, 0.15, 0.2]  # in the study's order
+    assert written.scenario.approach_speed == 0.2  # the one with the largest peak
     rows = list(csv.DictReader(io.StringIO((tmp_path / "out" / "history.csv").read_text())))
     assert len(rows) == 5 and float(rows[-1]["buffer.k_A [N/m]"]) == pytest.approx(300.0)
     assert rows[0]["worst peak_force [N]"] == "350.0"
@@ -327,6 +325,14 @@ def test_a_run_outside_the_studys_limits_exits_with_1_and_says_which(computed, c
     kept = "error: [problem.constraints] not kept: stroke 7.5 mm is above 5 mm; end_time 0.04 s is below 0.05 s"
     assert shown.err.splitlines()[-1] == kept
     assert shown.out and any((tmp_path / "out").iterdir()), "the result is saved and shown all the same"
+    if command == "simulate":
+        table = shown.out[shown.out.index("Limits: what stands in the way") :].splitlines()
+        rows = [" ".join(line.split()) for line in table[4:10]]
+        # The one that is farthest broken stands first.
+        assert rows[0].startswith("buffer stroke 7.5 mm ≤ 5 mm -50 % ") and rows[0].endswith("broken")
+        assert rows[1].startswith("end time 0.04 s ≥ 0.05 s -20 % ") and rows[1].endswith("broken")
+        assert {row.split(" ", 2)[0] for row in rows[2:]} == {"end", "share", "impacts", "captured"}
+        assert table[4] in (tmp_path / "out" / "capture.txt").read_text()
     computed.outcome = Outcome.timeout
     (tmp_path / "study.toml").write_text("[problem.constraints]\nstroke = 0.02\n")
     assert run([command, "study.toml"]) == 1

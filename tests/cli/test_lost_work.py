@@ -1,10 +1,13 @@
 """What was computed is saved before anything is printed, and neither a pipe, an encoding nor a disk takes it away."""
 
+import functools
 import io
 import os
+import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import warnings
 from pathlib import Path
 
@@ -14,6 +17,7 @@ from determinism import computed_part
 
 import jaxbuffer
 import jaxbuffer as jb
+from computed import stand_in
 from jaxbuffer.cli import streams
 from jaxbuffer.cli.entry import run
 from jaxbuffer.cli.signals import Ending
@@ -48,7 +52,7 @@ SPEEDS = ["--over", "scenario.approach_speed=0.1:0.3:5"]
 @pytest.mark.parametrize(
     "error", [OSError(28, "No space left on device"), UnicodeEncodeError("ascii", "×", 0, 1, "no")]
 )
-def test_results_are_there_when_printing_fails(computed, monkeypatch, tmp_path, capsys, command, error):
+def test_results_are_there_when_printing_fails(computed, no_figures, monkeypatch, tmp_path, capsys, command, error):
     class Full(io.StringIO):
         def write(self, text):
             raise error
@@ -118,7 +122,7 @@ def test_a_file_that_appears_meanwhile_is_left_and_the_result_put_beside_it(comp
 
 
 @pytest.mark.parametrize(("command", "file"), [("tune", "log.jsonl"), ("tune", "state.npz"), ("sweep", "sweep.zarr")])
-def test_an_earlier_run_is_resumed_or_overwritten_on_purpose(computed, capsys, tmp_path, command, file):
+def test_an_earlier_run_is_resumed_or_overwritten_on_purpose(computed, no_figures, capsys, tmp_path, command, file):
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / file).write_text("theirs")
     assert run([command, "--output", "out"]) == 2
@@ -151,12 +155,22 @@ DAMAGES = {
 }
 
 
+@functools.cache
+def results(command):
+    """The folder of a command's results, made once for all kinds of damage."""
+    folder = tempfile.TemporaryDirectory(prefix="results-")
+    with pytest.MonkeyPatch.context() as patched:
+        stand_in(patched)
+        assert run([command, "--output", folder.name, "--force"]) == 0
+    return folder
+
+
 @pytest.mark.parametrize("damage", DAMAGES)
 @pytest.mark.parametrize(
     ("command", "name"), [("sweep", "sweep.nc"), ("simulate", "capture.json"), ("tune", "tuned.json")]
 )
 def test_a_report_of_a_damaged_folder_is_one_line(computed, capsys, tmp_path, command, name, damage):
-    assert run([command, "--output", "out"]) == 0
+    shutil.copytree(results(command).name, tmp_path / "out")
     file = tmp_path / "out" / name
     capsys.readouterr()
     file.write_bytes(DAMAGES[damage](file.read_bytes()))

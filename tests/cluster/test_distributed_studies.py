@@ -51,6 +51,7 @@ def test_so_do_the_certificates_of_the_probe_that_bends(asked):
     assert asked == ["the executor"]
 
 
+@pytest.mark.quick
 def test_a_scheduler_that_is_none_is_one_line_and_bad_input(asked, tmp_path, capsys):
     with pytest.raises(SystemExit) as ended:
         command.main(["speeds", "--output", str(tmp_path), "--scheduler", "lokal"])

@@ -56,6 +56,7 @@ def refused_at_once(monkeypatch):
     monkeypatch.setattr(module, "PAUSE", 0.0)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("executor", [None, Processes({}, {}), ThreadPoolExecutor(2)])
 def test_all_calls_are_made_once_and_map_keeps_their_order(executor):
     with Pool(executor, 2) as pool:
@@ -65,6 +66,7 @@ def test_all_calls_are_made_once_and_map_keeps_their_order(executor):
         assert executor.submit(str, "it stays open").result()
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("what", ["jaxbuffer", "jaxlib", "XLA"])
 def test_a_process_that_differs_is_left_out_and_another_makes_its_calls(what):
     processes = Processes({}, {what: "another"})
@@ -117,6 +119,7 @@ def test_the_machine_of_the_first_process_counts():
     assert {name for name in kind() if pool.kind[name] != kind()[name]} == set(theirs) <= set(HOST)
 
 
+@pytest.mark.quick
 def test_what_a_call_raises_ends_it():
     with pytest.raises(OSError, match=r"No space left on device: 'a\.zarr'"):
         Pool(Processes({})).map(failing, range(5))
@@ -200,6 +203,7 @@ def test_a_cluster_of_our_own_is_not_to_be_reached_from_outside(where):
         assert listening(processes), "there are some"
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("where", "message"),
     [

@@ -98,6 +98,7 @@ def test_the_store_is_labelled_and_says_what_it_is(executor, tmp_path, solved):
     assert set(json.loads(data.made_on)) >= {"jaxbuffer", "Python", "jaxlib", "processor", "XLA"}
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("stop_at", [15, 45, 70])
 def test_what_was_done_is_not_computed_again(executor, tmp_path, solved, stop_at):
     def report(done, count):
@@ -288,6 +289,7 @@ def test_calls_are_few_at_a_time_and_small(executor, solved, monkeypatch):
     assert len(pickle.dumps(next(batch.parts(512)))) < 20_000
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("sizes", "most", "found"),
     [

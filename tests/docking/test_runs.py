@@ -47,6 +47,7 @@ def test_a_captures_gradient_is_that_of_its_differences():
     assert_allclose(float(jax.jit(jax.grad(peak))(stiffness)), slope, rtol=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["free start above, all rates", "real buffer"])
 def test_reference_runs(name):
     """All others: tests/verification/test_docking.py."""

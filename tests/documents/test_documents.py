@@ -11,7 +11,7 @@ from documents.examples import DOCS, ROOT, blocks
 from jaxbuffer.contact.laws.registry import _all as laws
 
 HEADING = "**Example:**"
-COMPILES = re.compile(r"\.(simulate|sensitivity|sweep|sample|tune|pareto|diffeqsolve)\(")
+COMPILES = re.compile(r"\.(simulate|sensitivity|sweep|sample|tune|pareto|choose|diffeqsolve)\(")
 LONG = ("Certificate", "published_slider_crank")  # whose examples are for `make test-long`
 PARSER = doctest.DocTestParser()
 

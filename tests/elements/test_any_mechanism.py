@@ -26,7 +26,7 @@ from jaxbuffer.elements import (
     deepest,
 )
 from jaxbuffer.mechanisms.assembled import Assembled
-from jaxbuffer.multibody import AxialSpringDamper, Body, DrivenAngle, System, TorsionalSpringDamper
+from jaxbuffer.multibody import AxialSpringDamper, Body, DrivenAngle, Revolute, System, TorsionalSpringDamper
 
 Q = jnp.array([0.0, 0.0, 0.1, 1.0, 0.2, -0.05, 0.5, 1.0, 0.3])
 V = jnp.array([0.2, -0.1, 0.3, -0.1, 0.15, -0.2, 0.05, -0.3, 0.4])
@@ -107,6 +107,26 @@ def test_it_acts_on_two_bodies_and_its_energies_are_its_powers(name):
     assert_allclose(found, 0.0, atol=1e-11 * float(force) + 1e-12)
 
 
+def of_one_entry(part):
+    """The part with every single number as an array of one entry."""
+    plain = lambda leaf: callable(leaf) or np.ndim(leaf)  # noqa: E731
+    return jax.tree.map(lambda leaf: leaf if plain(leaf) else jnp.reshape(jnp.asarray(leaf, float), (1,)), part)
+
+
+@pytest.mark.parametrize("name", ELEMENTS)
+def test_arrays_of_one_entry_are_the_numbers_that_they_hold(name):
+    elements = (*ELEMENTS[name], ball(1, 2, 0.2))
+    one, other = mechanism(elements), mechanism(of_one_entry(elements))
+    for single, array in zip(jax.tree.leaves(one), jax.tree.leaves(other), strict=True):
+        assert np.shape(single) == np.shape(array) and np.all(np.asarray(single) == np.asarray(array))
+
+
+def test_arrays_of_one_entry_are_numbers_in_a_system_too():
+    parts = (Body(2.0, 0.3), Body(3.0, 0.5)), (Revolute(0, 1, (0.1, 0.0), (0.0, 0.2)),), (AXIAL,)
+    one, other = System(*parts), System(*of_one_entry(parts))
+    assert [np.shape(leaf) for leaf in jax.tree.leaves(one)] == [np.shape(leaf) for leaf in jax.tree.leaves(other)]
+
+
 @pytest.mark.parametrize("spins", [(None, None), (0.2, None), (None, 0.3), (0.2, 0.3)], ids=str)
 def test_balls_that_spin_freely_or_not_in_any_order(spins):
     assembled = mechanism((ball(0, 1, spins[0], "first"), ball(2, 1, spins[1], "second")))
@@ -154,7 +174,10 @@ def test_two_parts_of_one_name_are_refused():
         mechanism((STOPS[0], EndStop(AXIAL, KelvinVoigt(1e4, 20.0), 0.07)))
     with pytest.raises(InputError, match="2 observables are called 'stroke'"):
         mechanism((Buffer(AXIAL), Buffer(AXIAL, name="other")))
-    assert mechanism((Buffer(AXIAL), Buffer(AXIAL, name="other", stroke="other_stroke"))).observed[-1] == "other_stroke"
+    assert mechanism((Buffer(AXIAL), Buffer(AXIAL, name="other", stroke="other_stroke"))).observed[-2:] == (
+        "other_stroke",
+        "other_extension",
+    )
 
 
 def test_a_switch_is_closed_at_the_start_where_the_start_is_beyond_its_place():
@@ -229,16 +252,16 @@ def test_sensors_see_motion_accelerations_and_depths_and_integrals_add_up():
     assembled = mechanism((touching, Buffer(AXIAL), *sensors))
     at, closed = assembled.first_evaluation()
     rate = assembled.derivative(0.0, at.state, closed)
-    assert assembled.observed == ("contact", "buffer_force", "stroke", "speed", "jolt", "depth", "way")
-    assert assembled.rate_observables() == (False, False, False, False, True, False, False)
-    assert assembled.lower_bounds == {"depth": 0.0}
+    assert assembled.observed == ("contact", "buffer_force", "stroke", "extension", "speed", "jolt", "depth", "way")
+    assert assembled.rate_observables() == (False, False, False, False, False, True, False, False)
+    assert assembled.lower_bounds == {"extension": 0.0, "depth": 0.0}
     seen = dict(zip(assembled.observed, assembled.observables_at(at, rate, closed), strict=True))
     assert_allclose([seen["speed"], seen["way"]], [-0.1, 0.0])
     assert_allclose([seen["jolt"], seen["depth"]], [rate[13], -assembled.gaps_at(at)[0][0]])
     assert_allclose(assembled.part(rate, "element 6"), 0.05, err_msg="the integrand")
     others = assembled.snapshot_at(at, closed).others
     assert_allclose([others["shown"], others["speed"], others["jolt"]], [0.2, -0.1, rate[13]])
-    assert_allclose(assembled.roundoff()[3:5], [-np.inf, 1e-12])
+    assert_allclose(assembled.roundoff()[4:6], [-np.inf, 1e-12])
     assert_allclose(assembled.scales()[assembled.layout.places["element 6"]], 1e-3)
 
 

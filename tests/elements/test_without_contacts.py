@@ -70,6 +70,22 @@ def test_a_run_is_saved_with_its_history_and_its_tables(track, tmp_path):
     assert not [name for name in jb.recorded_quantities(track, Kick()) if name.startswith(("gap", "contact"))]
 
 
+def test_the_extension_is_that_of_the_swing_back(track):
+    """Half a period after the largest stroke the cart is as far out, but for the decay; pushed the other way, the two
+    change places; and with more than the critical damping it never comes out."""
+    zeta = DAMPER / (2.0 * np.sqrt(SPRING * MASS))
+    decayed = largest(SPRING) * np.exp(-np.pi * zeta / np.sqrt(1.0 - zeta**2))
+    into, out = (jb.simulate(track, Kick(speed=speed), rtol=1e-9) for speed in (SPEED, -SPEED))
+    for run, stroke, extension in ((into, largest(SPRING), decayed), (out, decayed, largest(SPRING))):
+        assert float(run.maxima["stroke"]) == pytest.approx(stroke, rel=1e-8)
+        assert float(run.maxima["extension"]) == pytest.approx(extension, rel=1e-8)
+        assert f"{1e3 * extension:.6g} mm beyond the free length at {run.maximum_times['extension']:.6g} s" in repr(run)
+    half = np.pi / np.sqrt(SPRING / MASS - (DAMPER / (2.0 * MASS)) ** 2)
+    assert into.maximum_times["extension"] - into.maximum_times["stroke"] == pytest.approx(half, rel=1e-7)
+    damped = jb.simulate(jb.replace(track, {"cart.damper": 100.0}), Kick(), rtol=1e-9)
+    assert float(damped.maxima["extension"]) == 0.0 and "beyond the free length" not in repr(damped)
+
+
 def test_a_sweep_has_a_summary_figures_and_files(track, tmp_path):
     springs = np.array([100.0, 200.0, 400.0])
     table = jb.sweep(track, Kick(), over={"cart.spring": springs})

@@ -130,3 +130,18 @@ def test_units_and_quantities_that_do_not_fit_are_refused(tmp_path, heading, cha
 def test_a_file_that_is_not_there_is_named(tmp_path):
     with pytest.raises(jb.InputError, match=r"none\.csv: no such file"):
         jb.read_recording(tmp_path / "none.csv", CHANNELS, units=UNITS)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("# time [s], stroke [mm]\n0,1\n0.1,2\n", "line 2: numbers in place of headings, 0 say; if line 1 has them"),
+        ("# bench 4\n#time [s];stroke [mm]\n0;0\n1;1\n", "if line 2 has them, take the # away"),
+        ("0,1\n0.1,2\n0.2,3\n", "line 1: numbers in place of headings, 0 say"),
+        ("# time [s], stroke [mm]\na,b\n0.1,2\n1,2\n", 'no column "time [s]"; line 1 has it behind a #'),
+    ],
+)
+def test_headings_in_a_comment_are_named(tmp_path, text, said):
+    with pytest.raises(jb.InputError) as caught:
+        read(tmp_path, text, {"stroke [mm]": jb.Channel("stroke")})
+    assert said in str(caught.value)

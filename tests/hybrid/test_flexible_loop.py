@@ -63,7 +63,9 @@ SOLVERS = {
 }
 
 
-@pytest.mark.parametrize("name", SOLVERS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=() if name == "KenCarp4" else pytest.mark.slow) for name in SOLVERS]
+)
 def test_order_on_a_smooth_phase(name, evidence):
     solver, theory, counts = SOLVERS[name]
     advance = stepper(solver, swinging())
@@ -106,7 +108,11 @@ def test_implicit_steps_pass_over_stiff_modes(evidence):
         evidence(TOPIC, f"{name} against explicit steps, the bar's place", error, 1e-5, "explicit steps", "m, rad")
 
 
-@pytest.mark.parametrize("solver", [Automatic(), ExplicitRungeKutta(), DiagonallyImplicit()])
+# The automatic solver has the steps of both others in its loop.
+ALONE = [pytest.param(it, marks=pytest.mark.slow) for it in (ExplicitRungeKutta(), DiagonallyImplicit())]
+
+
+@pytest.mark.parametrize("solver", [Automatic(), *ALONE])
 def test_the_loop_stays_one_kernel(solver):
     """XLA leaves out any loop that holds a call into a library."""
     mechanism = arrays(hanging(SOFT, contact=True, damping_ratio=0.02))

@@ -19,7 +19,11 @@ def compiled(solver):
     return _simulate.jitted.lower(given, CHECKED).compile().as_text()
 
 
-@pytest.mark.parametrize("solver", [Automatic(), ExplicitRungeKutta(), DiagonallyImplicit()])
+# The automatic solver has the steps of both others in its loop.
+ALONE = [pytest.param(it, marks=pytest.mark.slow) for it in (ExplicitRungeKutta(), DiagonallyImplicit())]
+
+
+@pytest.mark.parametrize("solver", [Automatic(), *ALONE])
 def test_no_library_calls(solver):
     program = compiled(solver)
     assert " while(" in program

@@ -25,7 +25,10 @@ SOLVERS = {
     "Automatic": (Automatic(), 8, (8, 16)),
 }
 SWING, CLOSING = 0.02, 1.2e-4  # s; the second ends before the first impact's peak
-each_solver = pytest.mark.parametrize("name", SOLVERS)
+QUICK = ("DOP853", "KenCarp4", "Automatic")  # the methods that runs take unless they are told
+each_solver = pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in SOLVERS]
+)
 
 
 @cache
@@ -50,7 +53,7 @@ def test_order_on_a_smooth_phase(evidence, name):
     evidence(TOPIC, f"{name}: order on a smooth phase", abs(observed - theory), allowed, "its theory", detail=detail)
 
 
-@pytest.mark.parametrize("name", ["Tsit5", "KenCarp5"])
+@pytest.mark.parametrize("name", ["Tsit5", pytest.param("KenCarp5", marks=pytest.mark.slow)])
 def test_order_through_a_touchdown(evidence, name):
     solver = SOLVERS[name][0]
     exact = reference(impact, CLOSING, 100_000)
@@ -60,7 +63,7 @@ def test_order_through_a_touchdown(evidence, name):
     evidence(TOPIC, claim, abs(observed - 2.5), 0.15, "force ~ δ^{3/2} at touchdown", detail=detail)
 
 
-@pytest.mark.parametrize("name", ["Tsit5", "DOP853"])
+@pytest.mark.parametrize("name", [pytest.param("Tsit5", marks=pytest.mark.slow), "DOP853"])
 def test_order_is_kept_in_the_root_of_time(evidence, name):
     """Steps that are even in the root of the time since touchdown see a smooth force; some gain an order on top."""
     solver, theory, *_ = SOLVERS[name]
@@ -80,7 +83,9 @@ def test_order_is_kept_in_the_root_of_time(evidence, name):
     )
 
 
-@pytest.mark.parametrize("name", ["Tsit5", "KenCarp3", "KenCarp4"])
+@pytest.mark.parametrize(
+    "name", [*(pytest.param(name, marks=pytest.mark.slow) for name in ("Tsit5", "KenCarp3")), "KenCarp4"]
+)
 def test_error_estimate(evidence, name):
     """One order below the error, so that it overrates small errors ever more.
 

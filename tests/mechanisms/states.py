@@ -1,5 +1,7 @@
 """Random states of the capture mechanism with the tip pressed into a flank or a rim."""
 
+import functools
+
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
@@ -14,6 +16,7 @@ assembled = eqx.filter_jit(put_on_constraints)
 RANDOM = {"buffer.c_A": 40.0, "buffer.c_T": 6.0, "contact.restitution": 0.6, "contact.friction": 0.4}
 
 
+@functools.cache
 def mechanism(free_tip=False, stabilisation=20.0, **choices):
     """Table 2 with more damping and loss, so that every term counts; ``choices``: paths with _ for the dot."""
     extra = {path.replace("_", ".", 1): value for path, value in choices.items()}

@@ -2,6 +2,7 @@
 
 import jax.numpy as jnp
 import numpy as np
+import pytest
 
 from jaxbuffer.elements.stiff_terms import _coupling
 
@@ -17,6 +18,7 @@ def test_without_springs():
     np.testing.assert_array_equal(matrix([]), CONTACTS)
 
 
+@pytest.mark.quick
 def test_springs_come_first_and_answer_to_themselves():
     found = matrix([11.0, 13.0])
     np.testing.assert_array_equal(found[2:, 2:], CONTACTS)

@@ -26,6 +26,7 @@ def close(actual, expected, relative):
     assert_allclose(actual, expected, rtol=relative, atol=relative * np.max(np.abs(expected)))
 
 
+@pytest.mark.quick
 @each_place
 @each_tip
 @each_seed
@@ -50,6 +51,7 @@ def test_constraints(place, tip):
         assert_allclose(ours, written, atol=1e-15)
 
 
+@pytest.mark.quick
 @each_place
 @each_tip
 @each_seed
@@ -61,6 +63,7 @@ def test_contact_forces(place, tip, seed):
     close(forces.friction, [touch.friction_force for touch in touches], 5e-11)
 
 
+@pytest.mark.quick
 @each_place
 @each_tip
 @each_seed
@@ -86,7 +89,7 @@ def test_rates_of_the_losses(place, tip, seed):
 def test_observables(place, tip):
     assembled, state, active, exact, (q, v, memory) = both(tip, place, 7)
     seen = assembled.observables(state, assembled.derivative(0.0, state, active), active)
-    names = ("lower", "upper", "hinge_force", "buffer_force", "stroke", "hinge_angle")
+    names = ("lower", "upper", "hinge_force", "buffer_force", "stroke", "hinge_angle", "extension")
     expected = exact.quantities(np.concatenate([q, v]), memory)
     assert_allclose([seen[assembled.observed.index(name)] for name in names], expected, rtol=1e-9)
 

@@ -25,6 +25,7 @@ def place(k, point):
     return np.array([Q[3 * k] + cos * point[0] - sin * point[1], Q[3 * k + 1] + sin * point[0] + cos * point[1]])
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("points", [{}, {"point": (0.2, -0.1)}, {"carrier_point": (0.3, 0.4)}])
 def test_the_gap_is_the_height_above_the_plane(points):
     """Points are the bodies' origins unless they are given."""
@@ -42,6 +43,7 @@ def test_on_the_ground_it_is_the_height():
     np.testing.assert_allclose(approach.gap, [2.0 - RADIUS], rtol=1e-14)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(("normal", "friction"), [(3.0, 0.0), (0.0, 2.0), (3.0, 2.0)])
 def test_loads_at_the_foot_balance(normal, friction):
     """Equal and opposite, with the same moment about the origin; a normal force has none about the ball's centre."""

@@ -125,6 +125,14 @@ def test_a_bar_that_bends(evidence, modes, plate):
     assert abs(float(found.balance.energy)) < 1e-6 and float(found.balance.drift) < 1e-8
 
 
+@pytest.mark.slow
+def test_a_plate_that_rings_for_thousands_of_steps_keeps_its_energy(evidence):
+    """Without damping it rings on at full size, and each step loses a little."""
+    found = dropped(0.4, 1e-6, None, plate__modes=8, plate__damping_ratio=0.0)
+    assert int(found.accepted) > 5000
+    evidence(TOPIC, "energy of a plate that rings undamped", abs(float(found.balance.energy)), 1e-6, "its balance")
+
+
 def test_a_stiff_bar_is_a_rigid_one():
     """Without a damper, which would feel waves in any bar; the rest is the time a force takes along the bar."""
     rigid = float(dropped(0.213, impact__damping=0.0).peak_force)
@@ -135,6 +143,7 @@ def test_a_stiff_bar_is_a_rigid_one():
     assert off[1] < 0.02 * off[0] and off[1] < 1e-4
 
 
+@pytest.mark.quick
 def test_one_mode_of_a_free_bar_is_refused():
     with pytest.raises(jb.InputError, match=r"bar.modes = 1: both ends move and turn, which takes 2 modes"):
         jb.replace(jb.BarDrop(), {"bar.modes": 1})

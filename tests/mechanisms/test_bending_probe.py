@@ -49,6 +49,7 @@ def clamped_beam_with_a_ball(design, count):
     return scale * np.array(roots[:count]) ** 2
 
 
+@pytest.mark.quick
 def test_frequencies_of_a_clamped_beam_with_a_ball(evidence):
     design = soft(50.0, modes=6)
     expected = clamped_beam_with_a_ball(design, 3)
@@ -58,6 +59,7 @@ def test_frequencies_of_a_clamped_beam_with_a_ball(evidence):
     )
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("modes", [2, 4])
 def test_a_frequency_is_what_was_asked_for(modes):
     design = soft(70.0, modes, damping_ratio=0.03)
@@ -167,6 +169,7 @@ def test_bending_beyond_a_tenth_of_the_length_is_warned_of():
     assert "more than a tenth of its length of 200 mm" in str(run)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("values", "message"),
     [

@@ -90,6 +90,7 @@ def test_a_torque_that_rings_loses_none_of_its_peaks(evidence):
     evidence("bending rod", "torque ripple at default settings", off, 2e-4, "the same at rtol 1e-10")
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("fields", "message"),
     [

@@ -21,12 +21,14 @@ def bent(body, modes):
     return SimpleNamespace(modal=lambda k: modal[k])
 
 
+@pytest.mark.quick
 def test_the_bars_middle_against_its_ends():
     bar = replace(BarDrop(), {"bar.modes": 30}).bar
     found = bar_deflection(bent(BAR, 30), bar.middle_off_ends)
     assert float(found) == pytest.approx(BENT * (FREE_END - FREE_MIDDLE), rel=1e-4)
 
 
+@pytest.mark.quick
 def test_the_rods_middle_against_its_ends_and_its_stress():
     """E h/2 w'': the depth h is that of the section."""
     design = replace(SliderCrank(), {"rod.depth": 0.012, "rod.modes": 30})

@@ -25,6 +25,7 @@ def other_value(part, path):
     return 0.5 * value if isinstance(value, float) and value else 0.02 if "unit" in declared else 3
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("mechanism", all_mechanisms(), ids=lambda it: it.name)
 def test_each_number_that_needs_another_is_named_with_what_it_needs(mechanism):
     design, scenario = mechanism.design(), mechanism.scenario()
@@ -94,6 +95,7 @@ def test_a_ball_larger_than_the_throat_is_said_with_how_far_it_gets():
     assert said({"probe.tip_radius": 0.014}) == said({}) == []
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("numbers", "miss"),
     [
@@ -165,6 +167,7 @@ def test_a_latch_that_puts_in_much_by_turning_is_said_before_a_run(turn, angle, 
         assert lines[0].endswith("a smaller latch.turn_stiffness adds less")
 
 
+@pytest.mark.quick
 def test_a_latch_without_a_rebound_stop_is_said():
     checks = PROBE_CONE.view.sanity_checks
     assert checks(jb.replace(jb.table2(), LATCH)) == []

@@ -40,6 +40,7 @@ def by_hand(along: float, across: float, shear: float, x: float, y: float) -> fl
     return (along**2 / x**2 - along * across / x**2 + across**2 / y**2 + shear**2 / 75.0**2) ** -0.5
 
 
+@pytest.mark.quick
 def test_its_membrane_is_as_stiff_as_the_laminate(evidence):
     _, piece = wall()
     one = piece.material.answer(jnp.array([1e-6, -1e-6 * float(piece.material.coupling()[0]), 0.0]), None)
@@ -93,6 +94,7 @@ def test_bending_is_nearly_as_stiff_as_the_laminate():
     assert d11 / a11 == pytest.approx(1.0147, abs=1e-4)
 
 
+@pytest.mark.quick
 def test_unknown_criteria_and_kinds_are_refused():
     with pytest.raises(jb.InputError, match="criterion"):
         Composite(criterion="hope")

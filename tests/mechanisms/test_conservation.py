@@ -32,6 +32,7 @@ def energy_rate(assembled, state, active):
     return float(sum(flows)), max(abs(float(flow)) for flow in flows)
 
 
+@pytest.mark.quick
 @each_place
 @each_tip
 @each_seed
@@ -45,6 +46,7 @@ def test_momentum_is_conserved(place, tip, seed):
     assert_allclose(angular, 0.0, atol=2e-15 * largest)
 
 
+@pytest.mark.quick
 @each_place
 @each_tip
 @each_seed

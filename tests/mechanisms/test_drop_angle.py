@@ -90,6 +90,7 @@ def _areas(corners):
     return 0.5 * np.sum(x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1), axis=1)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("cushion", ["layer", "none"])
 def test_the_slider_just_touches_the_tank_at_the_start(cushion):
     """At a corner, whose nodes are 22.5° of its radius from each other."""
@@ -253,6 +254,7 @@ def test_derivatives_by_the_angle_are_those_of_differences():
 NEEDS = 'an angle other than 0 needs mesh.extent = "whole"'
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("extent", "angle", "said"),
     [

@@ -23,6 +23,7 @@ def stopped(tip, seed, closed=1.0, **choices):
     return assembled, state, jnp.append(active, closed)
 
 
+@pytest.mark.quick
 @each_tip
 @each_seed
 def test_force_is_that_of_a_one_sided_spring_and_damper(tip, seed):
@@ -68,6 +69,7 @@ def test_a_stop_closed_and_open_differ_by_its_force_along_the_cylinder():
     assert np.max(np.abs(force)) > 100.0
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("values", "message"),
     [

@@ -66,6 +66,7 @@ def _registered():
         yield
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("speed", [0.775, 0.8, 0.825])
 def test_a_run_that_reaches_its_mark_is_ended_there(speed):
     """Its apex is 2 to 16 % above the mark, and in 0.6 s it is far below again: one step of free flight."""
@@ -90,6 +91,7 @@ def test_a_run_that_stays_below_its_mark_finishes():
     np.testing.assert_allclose(run.end_time, 0.6)
 
 
+@pytest.mark.quick
 def test_ends_have_the_names_that_the_mechanism_gives_them():
     assert isinstance(Arrival.risen, enum.IntEnum)
     system = thrown(Thrown(), Throw())

@@ -8,6 +8,7 @@ import pytest
 from mechanisms.states import TIPS, mechanism, pressed
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(("place", "tip"), [("lower flank", "welded"), ("upper mouth rim", "free")])
 def test_rates_of_depth_and_slip(place, tip):
     """δ̇ = b·w is minus the gap's derivative along the motion, and b·w of the tangents is the speed of slip."""

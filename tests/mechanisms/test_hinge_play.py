@@ -137,6 +137,7 @@ def test_many_plays_at_once():
     assert_allclose(found.peak_force, [row[0] for row in one], rtol=1e-6)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("values", "message"),
     [

@@ -38,6 +38,7 @@ OUT_OF_RANGE = [
 ]
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(("path", "value", "message"), OUT_OF_RANGE)
 def test_out_of_range_names_field_value_unit_and_range(path, value, message):
     with pytest.raises(InputError) as caught:
@@ -45,6 +46,7 @@ def test_out_of_range_names_field_value_unit_and_range(path, value, message):
     assert str(caught.value) == message
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("value", [True, None, {}, 1j])
 def test_what_is_not_a_number_is_shown_as_given(value):
     with pytest.raises(InputError) as caught:
@@ -61,6 +63,7 @@ def test_input_errors_are_value_errors():
     assert issubclass(InputError, ValueError)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("values", "message"),
     [
@@ -121,6 +124,7 @@ def test_every_number_declares_its_unit():
     assert unit(table2(), "buffer.damping") == ""
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("scenario", "message"),
     [
@@ -140,6 +144,7 @@ def test_scenario_out_of_range(scenario, message):
     assert str(caught.value) == message
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("scenario", "message"),
     [
@@ -162,6 +167,7 @@ def test_scenario_that_does_not_fit_the_design(scenario, message):
         simulate(table2(), Scenario(**scenario))
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("options", "message"),
     [
@@ -261,6 +267,7 @@ def gap_to_the_other_flank(design, scenario):
     return np.min(np.linalg.norm(flank @ turn.T - turn @ centre, axis=1)) - radius
 
 
+@pytest.mark.quick
 def test_a_start_in_the_other_flank_is_refused_wherever_it_is():
     """300 random cones, tips and contacts: refused exactly where the sampled flank is nearer than the tip's radius."""
     random, refused, accepted = np.random.default_rng(16), 0, 0

@@ -73,6 +73,7 @@ def test_the_energy_panel_has_the_energy_of_relative_motion_and_no_common_one(la
     assert parts["in the latches"][-1] == pytest.approx(many * 0.05)
 
 
+@pytest.mark.quick
 def test_no_panel_of_latches_without_any():
     assert not any(panel.to_end or "Latch" in panel.title for panel in panels(made_up_capture()))
 
@@ -193,6 +194,7 @@ def test_the_label_says_what_is_free_of_a_free_start():
     assert scenario_label(jb.Scenario(start="free")) == "0.1 m/s, 0°, free start"
 
 
+@pytest.mark.quick
 def test_what_a_heavy_design_keeps_of_the_laboratory_model_is_listed():
     heavy = {"active.mass": 8000.0, "passive.mass": 8000.0, "active.inertia": 2e4, "passive.inertia": 2e4}
     heading, *lines = sanity_checks(jb.replace(jb.table2(), heavy))

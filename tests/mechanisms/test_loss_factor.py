@@ -19,6 +19,7 @@ def integrated(hysteresis):
     return max(force(y) for y in found.sol(times).T) / 1.25**0.6
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("hysteresis", [1e-3, 0.1, 0.4, 0.75, 1.5])
 def test_peak_with_loss_over_that_without(hysteresis):
     np.testing.assert_allclose(loss_factor(hysteresis), integrated(hysteresis), rtol=1e-7)

@@ -12,12 +12,14 @@ from jaxbuffer.mechanisms.probe_cone.law_validity import Validity, validity
 from jaxbuffer.mechanisms.probe_cone.margins import throat
 
 
+@pytest.mark.quick
 def test_beyond_the_limits_of_the_law_and_just_on_them():
     found = Validity(np.array([0.99, 1.0, 1.01]), np.array([1.01, 1.0, 0.99]))
     assert found.too_deep.tolist() == [False, False, True]
     assert found.yields.tolist() == [True, False, False]
 
 
+@pytest.mark.quick
 def test_depth_counts_by_a_tenth_of_the_radius_and_pressure_by_where_yield_begins():
     contact, materials = SimpleNamespace(yield_stress=None), (70e9, 0.3, 70e9, 0.3)
     design = SimpleNamespace(probe=SimpleNamespace(tip_radius=0.02), contact=contact, materials=materials)

@@ -65,6 +65,7 @@ def test_a_mechanism_of_another_distribution(installed, tmp_path, monkeypatch, c
     assert "from 100 mm" in capsys.readouterr().out
 
 
+@pytest.mark.quick
 def test_the_tank_comes_in_by_the_same_door():
     assert mechanism_named("tank_drop").design is jb.TankDrop
 

@@ -55,6 +55,7 @@ def test_a_straight_mesh_runs_as_the_bar_does(evidence):
     evidence(TOPIC, "straight mesh with play: joints", float(balance.drift), 1e-8, "constraints")
 
 
+@pytest.mark.quick
 def test_stress_and_deflection_under_end_couples(evidence):
     """M D/2I on the surface, M L²/8EI in the middle; exact but for Poisson's ratio at the tied ends."""
     body = with_shape(rod__shape=rod(kind=skfem.MeshTri), rod__width=WIDTH, rod__modes=9).rod.form
@@ -92,6 +93,7 @@ def test_a_tapered_rod_vibrates_as_beam_theory_says(kind, evidence):
     evidence(TOPIC, f"tapered rod, {kind.__name__}: frequencies", off.max(), 1e-2, "Rayleigh and Ritz")
 
 
+@pytest.mark.quick
 def test_mass_and_centre_of_a_tapered_rod(evidence):
     """In closed form; the mechanism starts on its constraints, the centre beside the pins' line too."""
     design = with_shape(rod__shape=rod(tapered, turn=0.7), rod__width=WIDTH)
@@ -152,6 +154,7 @@ def test_files_and_studies(tmp_path):
         jb.load_design(study)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("fields", "message"),
     [

@@ -11,6 +11,7 @@ REST = jb.SliderCrankScenario(crank_speed=0.0)
 CYCLE = 2.0 * np.pi / 10.0  # s
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("exponent", [0.01, 0.1, 0.2, 1.5])
 def test_onset_leaves_the_power_law(exponent):
     """Depth of a lossless impact, ((e+1) m v²/2k)^{1/(e+1)}, and the force there; energy is the force's integral."""

@@ -21,6 +21,7 @@ def test_the_highest_period_is_that_of_the_rods_own_modes(modes):
     assert float(found) == pytest.approx(1.0 / float(np.max(frequencies)), rel=1e-9)
 
 
+@pytest.mark.quick
 def test_a_force_takes_the_time_of_its_spring():
     """Two bodies of 0.14 kg and the rod's 0.212 kg on a spring of 1e8 N/m: √(m/k)."""
     mass = 1.0 / (1.0 / 0.14 + 1.0 / (7850.0 * 0.015**2 * 0.12))

@@ -39,6 +39,7 @@ def changed(**values):
     return jb.replace(jb.SliderCrank(), {name.replace("__", "."): value for name, value in values.items()})
 
 
+@pytest.mark.quick
 def test_six_impacts_of_the_table():
     """Two programs to every digit shown, and Exudyn to what its steps of 2.5e-8 s leave."""
     found = jax.tree.map(np.asarray, jb.simulate(jb.SliderCrank(), crank(), 2e-3, rtol=1e-9).impacts)

@@ -16,6 +16,7 @@ def test_the_command_line(tmp_path, monkeypatch, capsys):
     assert "contact_force piston [N]" in header and "gap crank [m]" in header and "drive_torque [N m]" in header
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("words", "message"),
     [

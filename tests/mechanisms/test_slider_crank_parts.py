@@ -18,6 +18,7 @@ from jaxbuffer.plane import Vector
 ASKED = ("rod_deflection", "rod_stress", "torque_ripple", "contact_share")
 
 
+@pytest.mark.quick
 def test_a_rod_with_a_section_is_a_uniform_bar():
     """m = ρ w d L, and m L²/12 about its middle."""
     design = replace(SliderCrank(), {"rod.length": 0.3, "rod.depth": 0.02, "rod.width": 0.01, "rod.density": 2700.0})
@@ -66,6 +67,7 @@ def test_a_rigid_rod_bends_by_nothing_and_torques_ripple_between_largest_and_lea
     assert deep(run) == 3e-5
 
 
+@pytest.mark.quick
 def test_a_bush_by_components_is_a_square():
     """Each side is centred at half the width, twice as long as the square is wide; its front is the inside, where the
     centre is at half the width from all four."""
@@ -83,6 +85,7 @@ def test_a_bush_by_components_is_a_square():
     assert found == middles
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("angle", [0.0, 0.4, 2.5, -1.2])
 def test_where_it_starts_is_the_textbooks_slider_crank(angle):
     """Closed loop at both pins, and velocities by differences of the positions."""

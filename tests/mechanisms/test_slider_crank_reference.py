@@ -27,6 +27,7 @@ OTHERS = {  # first two impacts: touchdown [ms], approach [m/s], peak [N]
 }
 
 
+@pytest.mark.quick
 def test_published_table():
     impacts = DESIGNS["reference"]["impacts"]
     for found, (time, approach, peak, duration, separation) in zip(impacts, PUBLISHED, strict=True):

@@ -52,6 +52,7 @@ def test_a_motor_turns_are_counted_by_its_angle():
     np.testing.assert_allclose(np.interp(starts, time, angle), 2.0 * np.pi * np.arange(len(starts)), atol=5e-3)
 
 
+@pytest.mark.quick
 def test_standard_errors_of_independent_and_of_alike_values():
     """1/√n of white noise; of x_k = a x_{k-1} + noise (1 + a)/(1 - a) times the variance of the mean."""
     random = np.random.default_rng(3)

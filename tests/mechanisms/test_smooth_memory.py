@@ -44,6 +44,7 @@ def test_a_slider_crank_in_the_loop(evidence):
     assert long / usual == pytest.approx(5.0, rel=0.2)
 
 
+@pytest.mark.quick
 def test_a_bar_drops_force_that_jumps_has_no_smooth_law():
     with pytest.raises(jb.InputError, match=r"impact\.law = 'kelvin-voigt': its force jumps at touchdown"):
         jb.as_diffrax(jb.replace(jb.BarDrop(), {"impact.law": "kelvin-voigt", "impact.exponent": 1.5}))

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from jaxbuffer import Scenario, replace, table2
+from jaxbuffer import InputError, Problem, Scenario, replace, sensitivity, simulate, sweep, table2
 from jaxbuffer.elements.ball_contact import SLOWEST_TOUCHDOWN
 from jaxbuffer.mechanisms.probe_cone.assembly import assemble
 
@@ -28,6 +28,7 @@ def start(name, free):
     return mechanism, state, active, mechanism.kinematics(state)
 
 
+@pytest.mark.quick
 @each_scenario
 @each_tip
 def test_start_satisfies_the_constraints(name, free):
@@ -37,6 +38,7 @@ def test_start_satisfies_the_constraints(name, free):
     assert_allclose(jnp.sum(constraints.jacobian * kin.v[None], axis=1), 0.0, atol=1e-16)
 
 
+@pytest.mark.quick
 @each_scenario
 @each_tip
 def test_tip_just_touches_the_lower_flank_at_the_slant_distance(name, free):
@@ -134,3 +136,16 @@ def test_a_free_tips_spin_adds_its_own_angular_momentum():
     turned = state.at[2 * mechanism.coordinates].add(spin)
     more = mechanism.momentum(turned)[1] - mechanism.momentum(state)[1]
     assert_allclose(more, 0.4 * tip.tip_mass * tip.tip_radius**2 * spin, rtol=1e-9)
+
+
+def test_a_free_start_has_no_first_contact_for_published_arms():
+    """`contact_distance`, where such arms stay, means nothing at a free start: its default would decide."""
+    published, free = replace(table2(), {"contact.arms": "published"}), Scenario(start="free")
+    for call in (
+        lambda: simulate(published, free),
+        lambda: sweep(published, free, 8.0, over={"buffer.k_A": [300.0, 400.0]}),
+        lambda: Problem(published, [free], []),
+        lambda: sensitivity(published, free, wrt=("buffer.k_A",)),
+    ):
+        with pytest.raises(InputError, match=r'contact\.arms = "published".*use contact\.arms = "moving"'):
+            call()

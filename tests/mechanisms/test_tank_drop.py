@@ -29,6 +29,7 @@ def gentle():
     return dropped()
 
 
+@pytest.mark.quick
 def test_a_gentle_drop_keeps_energy_and_momentum(gentle, evidence):
     """Energy by all terms together; the slider's momentum, from its speed, by the force's impulse, summed up."""
     assert gentle.outcome.name == "whole"

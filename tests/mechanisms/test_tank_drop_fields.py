@@ -1,6 +1,7 @@
 """The mesh of a tank that is drawn: both halves, and a liquid that goes with the wall."""
 
 import numpy as np
+import pytest
 
 import jaxbuffer as jb
 from jaxbuffer.mechanisms.picture import Meshed
@@ -55,6 +56,7 @@ def test_both_halves_make_the_whole_section():
         assert np.isclose(area[~of_wall].sum(), inside * level / 0.29 - corners, rtol=2e-3)
 
 
+@pytest.mark.quick
 def test_at_times_it_is_drawn_in_the_nearest_rows():
     first, second = meshes(Kept(), times=[4e-4, 6e-4])
     assert (first.title, second.title) == ("0 ms", "1 ms")
@@ -73,6 +75,7 @@ def test_an_animation_colours_each_frame_by_the_stress_then():
         assert cells.get_clim()[1] >= stress.max()
 
 
+@pytest.mark.quick
 def test_the_liquid_goes_with_the_wall():
     worst, last = meshes(Kept())
     assert np.allclose(worst.nodes - last.nodes, [0.0, MOVED], atol=1e-12)

@@ -14,6 +14,7 @@ HIGH, SHARE = 0.005, 0.3
 RIBS = {"plates.kind": "none", "ribs.kind": "rings", "ribs.height": HIGH, "ribs.share": SHARE}
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("refinement", [1, 2])
 def test_the_ribs_elements_have_their_mass(refinement):
     design = tank(RIBS | {"mesh.refinement": refinement})

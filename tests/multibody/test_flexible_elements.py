@@ -54,6 +54,7 @@ def wave_numbers(elements, first, last):
     return squared[squared > 1.0] ** 0.25
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("ends", BETA)
 def test_wave_numbers_of_beams(ends, evidence):
     """An eigenvalue β⁴ of cubic elements of the length h is too large by the share (βh)⁴/720, β by a quarter of it."""
@@ -96,6 +97,7 @@ def test_derivatives_of_shapes(shapes):
         np.testing.assert_allclose(shapes(5, xi, order + 1), slope, atol=1e-6)
 
 
+@pytest.mark.quick
 def test_the_buckling_load_by_the_geometric_matrix(evidence):
     """A cantilever under an axial load P, and a column under its own weight: P L²/EI = π²/4, q L³/EI = 7.8373."""
     _, stiffness = bending_matrices(20)

@@ -36,6 +36,7 @@ def test_the_mass_matrix_is_the_kinetic_energys(seed, evidence):
     evidence(TOPIC, "mass matrix, relative", off(found, expected), 1e-14, PARTICLES)
 
 
+@pytest.mark.quick
 @each_seed
 def test_kinetic_energy_and_momenta(seed, evidence):
     particles, (q, v) = random_particles(seed), random_motion(seed)
@@ -172,5 +173,6 @@ def test_power_of_the_terms_is_balanced(evidence):
     evidence(TOPIC, "power of damping, relative", abs(float(power / lost) + 1.0), 1e-11, "energy's rate")
 
 
+@pytest.mark.quick
 def test_positive_is_what_it_says():
     assert np.all(np.linalg.eigvalsh(positive(np.random.default_rng(1), 4)) > 0.5)

@@ -75,6 +75,7 @@ def pose(q, body):
     return np.array([x, y]) + turn @ local, angle + turned
 
 
+@pytest.mark.quick
 @each_joint
 @each_pair
 def test_constraint_is_the_stated_geometry(joint, pair):
@@ -213,6 +214,7 @@ def test_the_weight_acts_at_the_centre_of_mass():
     np.testing.assert_allclose([at.velocity.x, at.velocity.y], np.asarray(momentum) / body.mass, rtol=1e-13)
 
 
+@pytest.mark.quick
 def test_a_flexible_body_wants_markers():
     q, v = random_motion(9)
     system = System(bodies(), (), (AppliedForce(0, (1.0, 0.0)),))

@@ -77,6 +77,7 @@ def test_a_tied_pair_conserves_too(evidence):
     evidence(TOPIC, "tied pair, angular momentum", abs(float(angular[1] - angular[0])), 1e-9, "conservation", "kg m²/s")
 
 
+@pytest.mark.quick
 def test_a_falling_bar_falls_as_a_stone(evidence):
     """The weight at the centre of mass of a body clamped to its frame: it falls by g t²/2, and does not swing."""
     body = FlexibleBody(cantilever_bar(SOFT, 2, 1, tip_mass=0.1).modes)

@@ -34,6 +34,7 @@ def slender(depth, interior=6, ratio=0.3, kind=MeshQuad):
     return planar_modes(rectangle(1.0, depth, kind=kind), both_ends(1.0, depth), interior, ratio)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("kind", [MeshQuad, MeshTri])
 def test_a_slender_rectangle_is_a_bar(kind, evidence):
     """The difference from Euler and Bernoulli's bar is shear and rotary inertia: it falls with (depth/length)²."""
@@ -210,6 +211,7 @@ def test_scales_flow_through(evidence):
     evidence(TOPIC, "derivatives to size, thickness, material", np.abs(slopes - expected).max(), 1e-9, "similarity")
 
 
+@pytest.mark.quick
 def test_attachments_that_cannot_be():
     mesh = rectangle(1.0, 0.1, 4)
     start, end = both_ends(1.0, 0.1)

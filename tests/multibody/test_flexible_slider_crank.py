@@ -152,6 +152,7 @@ def _integrated(system, q, v):
     ).ys
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("name", AT_START)
 def test_accelerations_and_multipliers_at_the_start(name, evidence):
     """No time stepping in between: 10 values of each start, which are printed to rounding."""

@@ -45,6 +45,7 @@ def random_motion(system, seed=1):
     return (jnp.asarray(0.3 * rng.normal(size=system.coordinates)) for _ in range(2))
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_motion_solves_the_augmented_system(name, evidence):
     system = SYSTEMS[name]()
@@ -103,6 +104,7 @@ def test_derivatives_of_the_solution(by, evidence):
     evidence(TOPIC, "derivatives of the augmented solve, relative", error, 1e-7, "central differences", detail=by)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("proportional", [False, True])
 def test_springs_make_the_stiffness_matrix(proportional):
     """Σ k b bᵀ = K; with a damping matrix that is a multiple of K, Σ c b bᵀ = C too."""

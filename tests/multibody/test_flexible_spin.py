@@ -52,6 +52,7 @@ def test_the_tips_largest_deflection(count, evidence):
     evidence(TOPIC, "its time", abs(times[np.argmin(found)] - 6.76), 0.05, "an independent program", "s")
 
 
+@pytest.mark.quick
 def test_craig_and_bamptons_modes_against_geometrically_exact_elements(evidence):
     """Exudyn's 32 geometrically exact elements, whose last doubling moved the peak by 5e-4 of it: -0.57398 m."""
     tip = spun_up(cantilever_bar(BLADE, 4, geometric=True), 6, 10.0)

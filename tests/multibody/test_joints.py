@@ -93,3 +93,44 @@ def test_swapping_the_ground_and_a_body_leaves_reactions_on_the_body_alone(joint
 def test_points_left_out_are_the_origins_of_the_bodies(kind):
     joint = kind(0, 1)
     assert (joint.first_point, joint.second_point) == ((0.0, 0.0), (0.0, 0.0))
+
+
+def closed_form(joint, q, v):
+    """Φ, the Jacobian by both bodies and γ of a joint between bodies 0 and 1, as M10 to M14 write them."""
+    (r_i, r_j), (angle_i, angle_j) = (q[0:2], q[3:5]), (q[2], q[5])
+    (u_i, u_j), (spin_i, spin_j) = (v[0:2], v[3:5]), (v[2], v[5])
+    turn = lambda angle: np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])  # noqa: E731
+    across = lambda a: np.array([-a[1], a[0]])  # noqa: E731
+    a, b, nu = turn(angle_i) @ A, turn(angle_j) @ B, turn(angle_i) @ NORMAL
+    pin = (
+        r_i + a - r_j - b,
+        [[1.0, 0.0, -a[1], -1.0, 0.0, b[1]], [0.0, 1.0, a[0], 0.0, -1.0, -b[0]]],
+        spin_i**2 * a - spin_j**2 * b,
+    )
+    angle = ([angle_i - angle_j - 0.4], [[0.0, 0.0, 1.0, 0.0, 0.0, -1.0]], [0.0])
+    p, rate = r_j + b - r_i, u_j + spin_j * across(b) - u_i
+    line = (
+        [nu @ (p - a)],
+        [[-nu[0], -nu[1], across(nu) @ p, nu[0], nu[1], nu @ across(b)]],
+        [spin_i**2 * (nu @ p) - 2.0 * spin_i * (across(nu) @ rate) + spin_j**2 * (nu @ b)],
+    )
+    parts = {
+        "revolute": (pin,),
+        "fixed angle": (angle,),
+        "point on line": (line,),
+        "prismatic": (angle, line),
+        "weld": (pin, angle),
+    }[joint]
+    return [np.concatenate(part) for part in zip(*parts, strict=True)]
+
+
+@each_joint
+@each_seed
+def test_rows_of_primitives_are_the_closed_forms(joint, seed):
+    """In the plane lists of primitives give M10 to M14."""
+    system, q, v = random_system(joint, "both bodies", seed)
+    found = system.constraints(Kinematics(q, v))
+    phi, jacobian, gamma = closed_form(joint, np.asarray(q), np.asarray(v))
+    np.testing.assert_allclose(found.phi, phi, atol=1e-15)
+    np.testing.assert_allclose(found.jacobian, jacobian, atol=1e-15)
+    np.testing.assert_allclose(found.gamma, gamma, rtol=1e-14, atol=1e-14)

@@ -1,5 +1,10 @@
 """Folders with results of every kind, as the commands write them, of runs that are made up."""
 
+import functools
+import shutil
+import tempfile
+from pathlib import Path
+
 import pytest
 
 from computed import stand_in
@@ -25,7 +30,15 @@ COMMANDS = {
 
 
 def every_kind(place):
-    """The folders by what is in them."""
+    """The folders by what is in them, copies of those that a process makes once."""
+    shutil.copytree(_made().name, place, dirs_exist_ok=True)
+    return {name: place / name for name in COMMANDS}
+
+
+@functools.cache
+def _made():
+    folder = tempfile.TemporaryDirectory(prefix="every-kind-")
+    place = Path(folder.name)
     study = place / "study.toml"
     study.write_text(STUDY)
     with pytest.MonkeyPatch.context() as patched:
@@ -34,4 +47,4 @@ def every_kind(place):
             computed.outcome = Outcome.escaped if name == "missed" else Outcome.captured
             code = run([words[0], str(study), *words[1:], "--output", str(place / name)])
             assert code == (1 if name == "missed" else 0)
-    return {name: place / name for name in COMMANDS}
+    return folder

@@ -362,8 +362,8 @@ WHAT_WAS_FOUND = {
     " contact force is 250 N; the largest force on a vehicle is the hinge's, 375 N. It keeps every limit.",
     "missed": "escaped: the tip left the cone. Its largest contact force is 250 N; the largest force on a vehicle is"
     " the hinge's, 375 N. It does not end captured, as it must.",
-    "sensitivity": "Of 5 numbers probe.tip_mass moves the peak contact force most: 1 % more of it changes it by"
-    " +0.05 % (trusted).",
+    "sensitivity": "Of the 5 numbers differentiated probe.tip_mass moves the peak contact force most: 1 % more of it"
+    " changes it by +0.05 % (trusted).",
     "tuned": "Tuning lowered peak force, worst over the scenarios, from 250 to 200 N (-20 %); the design keeps every"
     " limit in its scenario. It changes buffer.k_A from 500 to 300 N/m, buffer.c_A from 5 to 3 N s/m,",
     "sweep": "6 of 6 captures end captured in a sweep over approach speed and k_A. The largest contact force is 110 to"

@@ -5,6 +5,7 @@ import functools
 import jax
 import jax.numpy as jnp
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
@@ -19,7 +20,6 @@ places = st.sampled_from(PLACES)
 seeds = st.integers(0, 10_000)
 tips = st.booleans()
 
-MECHANISMS = {free: mechanism(free) for free in (False, True)}
 VECTORS = np.arange(8).reshape(4, 2) + np.arange(4)[:, None]  # where (x, y) of the four bodies are in q
 TURNS = np.arange(2, 12, 3)
 LOSSES = ("axial_damper", "torsional_damper", "hysteresis", "friction")
@@ -28,7 +28,7 @@ LOSSES = ("axial_damper", "torsional_damper", "hysteresis", "friction")
 @functools.cache
 def compiled(free):
     """Accelerations with the tip's, rates of the losses, and contact forces, of a state and its closed contacts."""
-    assembled = MECHANISMS[free]
+    assembled = mechanism(free)
 
     @jax.jit
     def evaluated(state, active):
@@ -50,10 +50,11 @@ def assert_same(seen, expected, relative):
         assert_allclose(ours, theirs, rtol=relative, atol=relative * max(np.max(np.abs(theirs)), 1e-3))
 
 
+@pytest.mark.quick
 @few
 @given(tips, places, seeds)
 def test_mirror_image_swaps_the_flanks(free, place, seed):
-    assembled = MECHANISMS[free]
+    assembled = mechanism(free)
     state, active = pressed(assembled, place, seed)
     mirrored = np.array(state)
     odd = [k + offset for offset in (0, 12) for body in range(4) for k in (3 * body + 1, 3 * body + 2)]
@@ -71,7 +72,7 @@ def test_mirror_image_swaps_the_flanks(free, place, seed):
 @given(tips, places, seeds, angles, lengths, lengths)
 def test_frame_may_be_turned_and_moved(free, place, seed, angle, x, y):
     """To the rounding of the penetration, some 1e-15 m of some µm when positions are metres."""
-    assembled = MECHANISMS[free]
+    assembled = mechanism(free)
     state, active = pressed(assembled, place, seed)
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
 
@@ -89,11 +90,12 @@ def test_frame_may_be_turned_and_moved(free, place, seed, angle, x, y):
     assert_same(seen, (turned(acceleration), *rest), 2e-9)
 
 
+@pytest.mark.quick
 @few
 @given(tips, places, seeds, speeds, speeds)
 def test_frame_may_travel(free, place, seed, u, v):
     """Galilean invariance: a common velocity changes no force (the paper's published damping has it too)."""
-    assembled = MECHANISMS[free]
+    assembled = mechanism(free)
     state, active = pressed(assembled, place, seed)
     boosted = np.array(state)
     boosted[12 + VECTORS] += [u, v]
@@ -105,7 +107,7 @@ def test_frame_may_travel(free, place, seed, u, v):
 @given(places, seeds, st.floats(0.3, 3.0))
 def test_stopped_motion_has_no_loss_and_scaled_motion_scales_the_dampers(place, seed, factor):
     """Damper powers go as the square of the velocities, whatever the state."""
-    assembled = MECHANISMS[False]
+    assembled = mechanism(False)
     state, active = pressed(assembled, place, seed)
 
     def damped(scale):

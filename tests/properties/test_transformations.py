@@ -12,7 +12,6 @@ from mechanisms.states import PLACES, mechanism, pressed
 
 few = settings(max_examples=15, deadline=None, derandomize=True)
 TOPIC = "JAX's transformations"
-MECHANISMS = {free: mechanism(free) for free in (False, True)}
 
 
 @jax.jit
@@ -20,11 +19,12 @@ def compiled(assembled, state, active):
     return assembled.derivative(jnp.zeros(()), state, active)
 
 
+@pytest.mark.quick
 @few
 @given(st.booleans(), st.sampled_from(PLACES), st.integers(0, 10_000))
 def test_compiled_derivative_is_the_eager_one(evidence, free, place, seed):
     """To the rounding of the penetration, 1e-16 m of some µm."""
-    assembled = MECHANISMS[free]
+    assembled = mechanism(free)
     state, active = pressed(assembled, place, seed)
     eager = np.asarray(assembled.derivative(jnp.zeros(()), state, active))
     off = np.max(np.abs(compiled(assembled, state, active) - eager)) / np.max(np.abs(eager))
@@ -34,7 +34,7 @@ def test_compiled_derivative_is_the_eager_one(evidence, free, place, seed):
 @settings(few, max_examples=4)
 @given(st.booleans(), st.integers(0, 10_000))
 def test_batched_derivative_is_the_loop(evidence, free, seed):
-    assembled = MECHANISMS[free]
+    assembled = mechanism(free)
     states, active = zip(*(pressed(assembled, place, seed) for place in PLACES), strict=True)
     batch = jax.vmap(lambda y, a: assembled.derivative(jnp.zeros(()), y, a))(jnp.stack(states), jnp.stack(active))
     for k, (state, closed) in enumerate(zip(states, active, strict=True)):

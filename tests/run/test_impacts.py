@@ -10,7 +10,7 @@ import pytest
 from jaxbuffer.hybrid import Kind, Log
 from jaxbuffer.mechanisms.run import Maxima
 from jaxbuffer.run.impacts import contact_time, impacts
-from jaxbuffer.run.moving import _carried, moving_end, moving_events, shifted
+from jaxbuffer.run.moving import carried, moving_events, shifted
 from jaxbuffer.run.read_off import _peak_impact
 from jaxbuffer.run.survey import Survey
 
@@ -136,7 +136,7 @@ def test_beyond_a_full_log_the_impact_of_the_peak_is_unknown(room, time, expecte
 def test_an_event_moves_by_its_guard_over_the_guards_rate():
     moved = jax.jvp(shifted, (1.0, 0.0, 4.0), (0.5, 2.0, 7.0))
     np.testing.assert_allclose(moved, (1.0, 0.5 - 2.0 / 4.0 + 0.0))
-    value, move = jax.jvp(_carried, (jnp.array([1.0, 2.0]), jnp.array([3.0, -1.0]), jnp.asarray(9.0)),
+    value, move = jax.jvp(carried, (jnp.array([1.0, 2.0]), jnp.array([3.0, -1.0]), jnp.asarray(9.0)),
                           (jnp.array([0.1, 0.2]), jnp.array([5.0, 5.0]), jnp.asarray(2.0)))  # fmt: skip
     np.testing.assert_allclose(value, [1.0, 2.0])
     np.testing.assert_allclose(move, [6.1, -1.8])
@@ -156,24 +156,3 @@ def test_touchdowns_and_releases_move_with_the_gap():
     of_contact = {0: 0.5, 1: 5.0}
     expected = [0.0, *({T: of_contact[w], R: -of_contact[w]}.get(k, 0.0) for k, w, *_ in EVENTS)]
     np.testing.assert_allclose(move[: len(expected)], expected, atol=1e-15)
-
-
-@pytest.mark.parametrize(("by_guard", "later"), [(True, -1.5), (False, 0.0)])
-def test_the_end_moves_with_its_guard_and_takes_the_state_along(by_guard, later):
-    """The second guard, 3 p at the end, rises at 2: the end comes 1.5 p earlier, and the state with its rate of 1."""
-    ended = [*EVENTS[:-1], (END, 1, *EVENTS[-1][2:])]
-    log = logged(ended, 20)
-
-    def moved(p):
-        guards = SimpleNamespace(terminals=lambda state: jnp.array([7.0 * p, 3.0 * p]))
-        found = moving_end(guards, log, jnp.asarray(by_guard))
-        return found.time, found.rows[:, 0]
-
-    (time, rows), (time_moves, rows_move) = jax.jvp(moved, (0.0,), (1.0,))
-    np.testing.assert_array_equal(time, log.time)
-    np.testing.assert_array_equal(rows, log.rows[:, 0])
-    last = len(EVENTS) - 1
-    expected = np.zeros(log.kind.shape[0])
-    expected[last] = later
-    np.testing.assert_allclose(time_moves, expected, atol=1e-15)
-    np.testing.assert_allclose(rows_move, expected[:, None] * np.ones(4), atol=1e-15)

@@ -1,8 +1,7 @@
 """Largest values and conservation, read off logs written by hand for a system of a few lines."""
 
 import dataclasses
-from types import SimpleNamespace
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import equinox as eqx
 import jax
@@ -10,12 +9,18 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxbuffer.hybrid import Kind, Log
+from jaxbuffer.hybrid import Kind, Log, Start
 from jaxbuffer.mechanisms.energy import Energy
 from jaxbuffer.run.conservation import balance
-from jaxbuffer.run.maxima import _peak_time, maxima
+from jaxbuffer.run.maxima import Places, _peak_time, maxima, places_of
+from jaxbuffer.run.moving import moving_end
+from jaxbuffer.run.readings import readings
 
 SPEED, RATE = 3.0, 2.0  # of the first number of a state; of a guard
+
+
+class Evaluated(NamedTuple):
+    state: jax.Array
 
 
 class Toy(eqx.Module):
@@ -35,17 +40,20 @@ class Toy(eqx.Module):
         return jnp.array([-SPEED, 0.0, 1.0, -RATE])
 
     def evaluate(self, state):
-        return SimpleNamespace(state=state)
+        return Evaluated(state)
 
     def normal_force_at(self, at, active):
         # the slope of a force is its rate times the weight, and an own share of the first contact's
         return at.state[:2] * jnp.array([self.p, self.p**2])
 
-    def gaps(self, state):
-        return jnp.array([state[3] * self.p, 5.0])
+    def rate_at(self, at, active):
+        return self.derivative(0.0, at.state, active)
 
-    def time_to_contact(self, state, contact):
-        return jnp.where(contact == 0, 0.25, 0.5) * (self.p - 1.0)
+    def normal_force(self, state, active):
+        return self.normal_force_at(self.evaluate(state), active)
+
+    def terminals_at(self, at):
+        return jnp.array([7.0, 3.0]) * (self.p - 1.0)
 
     def rate_observables(self):
         return False, False, False, self.of_rate
@@ -63,8 +71,8 @@ class Toy(eqx.Module):
     def energy_at(self, at, active):
         return Energy({"kinetic": at.state[0], "contact": active[0]}, {"friction": at.state[2]})
 
-    def momentum(self, state):
-        return jnp.array([state[0], 2.0 * state[1]]), state[2]
+    def momentum_at(self, at):
+        return jnp.array([at.state[0], 2.0 * at.state[1]]), at.state[2]
 
 
 def logged(entries, room=6):
@@ -88,18 +96,32 @@ ENTRIES = [
 
 
 def start(state=(0.0, 0.0, 1.0)):
-    return SimpleNamespace(state=jnp.array([*state, 0.0])), jnp.zeros(2)
+    return Start(jnp.array([[[*state, 0.0]]]), jnp.zeros(2))
+
+
+def read(toy, log, begin, by_guard=False):
+    return readings(toy, None, begin, log, places_of(toy, log).slots, jnp.asarray(by_guard))
+
+
+def largest(toy, log, begin):
+    return maxima(toy, log, places_of(toy, log), read(toy, log, begin))
+
+
+def later(log, p):
+    """The log whose touchdowns and releases come dp/4 later."""
+    switches = (log.kind == Kind.TOUCHDOWN) | (log.kind == Kind.RELEASE)
+    return dataclasses.replace(log, time=log.time + jnp.where(switches, 0.25, 0.0) * (p - 1.0))
 
 
 def test_the_largest_of_all_entries():
-    top = maxima(Toy(), logged(ENTRIES), start())
+    top = largest(Toy(), logged(ENTRIES), start())
     assert (float(top.peak_force), float(top.peak_time), int(top.peak_contact)) == (9.0, 3.0, 1)
     assert {name: float(value) for name, value in top.others.items()} == {"height": 7.0, "rate": 1.0}
 
 
 def test_another_observable_may_be_largest_while_another_contact_pushes_more():
     entries = [(Kind.PEAK, 0, 2.0, (6.0, 5.0, 2.0)), (Kind.PEAK, 1, 3.0, (4.0, 5.0, 7.0))]
-    top = maxima(Toy(), logged(entries), start())
+    top = largest(Toy(), logged(entries), start())
     assert (float(top.peak_force), float(top.peak_time), int(top.peak_contact)) == (6.0, 2.0, 0)
     assert float(top.others["height"]) == 7.0
 
@@ -107,21 +129,21 @@ def test_another_observable_may_be_largest_while_another_contact_pushes_more():
 def test_a_value_at_the_start_counts_and_unused_entries_do_not():
     """Below zero too: unused entries hold zeros."""
     entries = [(kind, which, time, (a, b, height - 20.0)) for kind, which, time, (a, b, height) in ENTRIES]
-    assert float(maxima(Toy(), logged(entries), start((0.0, 0.0, -30.0))).others["height"]) == -13.0
-    assert float(maxima(Toy(), logged(entries), start((0.0, 0.0, -2.0))).others["height"]) == -2.0
+    assert float(largest(Toy(), logged(entries), start((0.0, 0.0, -30.0))).others["height"]) == -13.0
+    assert float(largest(Toy(), logged(entries), start((0.0, 0.0, -2.0))).others["height"]) == -2.0
 
 
 def test_the_entry_of_a_start_in_contact_is_no_value():
     """It holds zeros, which are above everything that is negative; the start's own value is looked at apart."""
     entries = [(Kind.TOUCHDOWN, 0, 0.0, (0.0, 0.0, 0.0)), (Kind.END, 0, 4.0, (1.0, 2.0, -5.0))]
-    assert float(maxima(Toy(), logged(entries), start((0.0, 0.0, -7.0))).others["height"]) == -5.0
-    assert float(maxima(Toy(), logged(entries), start((0.0, 0.0, -3.0))).others["height"]) == -3.0
+    assert float(largest(Toy(), logged(entries), start((0.0, 0.0, -7.0))).others["height"]) == -5.0
+    assert float(largest(Toy(), logged(entries), start((0.0, 0.0, -3.0))).others["height"]) == -3.0
 
 
 @pytest.mark.parametrize(("entries", "force", "contact"), [(ENTRIES[:2], 6.0, 0), (ENTRIES, 9.0, 1)])
 def test_forces_differentiate_at_fixed_time(entries, force, contact):
     """The envelope theorem: d(p F)/dp = F, d(p² F)/dp = 2 F; the log itself does not move."""
-    top, move = jax.jvp(lambda p: maxima(Toy(p), logged(entries), start())[:3:2], (1.0,), (1.0,))
+    top, move = jax.jvp(lambda p: largest(Toy(p), logged(entries), start())[:3:2], (1.0,), (1.0,))
     assert (float(top[0]), int(top[1])) == (force, contact)
     assert float(move[0]) == force * (1 + contact)
 
@@ -131,61 +153,70 @@ def test_the_time_of_a_peak_moves_with_its_slope(slot, contact, expected):
     """-(∂slope/∂p)/ġ: the guard is minus the slope -3 p of the first force, and rises at 2; the slope of the second is
     zero. At another observable's maximum, or the end, time stands."""
     log = logged(ENTRIES)
-
-    def at(p):
-        toy = Toy(p)
-        return _peak_time(toy, log, jnp.asarray(slot), jnp.asarray(contact), toy.derivative(0.0, None, None))
-
-    time, move = jax.jvp(at, (1.0,), (1.0,))
+    log = dataclasses.replace(log, rates=jnp.broadcast_to(Toy().derivative(0.0, None, None), log.rates.shape))
+    places = Places(jnp.array([slot]), jnp.array([contact]))
+    time, move = jax.jvp(lambda p: _peak_time(Toy(p), log, places), (1.0,), (1.0,))
     assert float(time) == ENTRIES[slot][2]
     np.testing.assert_allclose(move, -expected, rtol=1e-15)
 
 
-@pytest.mark.parametrize(("begins", "expected"), [(1.0, 0.5 * 4.0 / RATE), (0.0, 0.0)])
-def test_where_a_force_jumps_it_may_be_largest_at_the_touchdown_itself(begins, expected):
-    """It moves with the gap 4 p, the guard being minus that; a run that starts in contact does so at t = 0."""
-    log = logged([(Kind.TOUCHDOWN, 0, begins, (6.0, 0.0, 0.0)), *ENTRIES[-1:]])
-    log = dataclasses.replace(log, rows=log.rows.at[0, 0, 3].set(4.0), guard_rate=2.0 * log.guard_rate)
+@pytest.mark.parametrize("contact", [0, 1])
+def test_where_a_force_jumps_it_may_be_largest_at_the_touchdown_itself(contact):
+    """Its time moves with that touchdown, and no further."""
+    log = logged([(Kind.TOUCHDOWN, 0, 1.0, (6.0, 0.0, 0.0)), *ENTRIES[-1:]])
+    places = Places(jnp.array([0]), jnp.array([contact]))
+    time, move = jax.jvp(lambda p: _peak_time(Toy(p, jumps=True), later(log, p), places), (1.0,), (1.0,))
+    assert (float(time), float(move)) == (1.0, 0.25)
 
-    def at(p):
-        toy = Toy(p, jumps=True)
-        return _peak_time(toy, log, jnp.asarray(0), jnp.asarray(0), toy.derivative(0.0, None, None))
 
-    time, move = jax.jvp(at, (1.0,), (1.0,))
-    assert float(time) == begins
-    np.testing.assert_allclose(move, expected, rtol=1e-15)
-    _, other = jax.jvp(lambda p: _peak_time(Toy(p, jumps=True), log, jnp.asarray(0), jnp.asarray(1), jnp.zeros(4)),
-                       (1.0,), (1.0,))  # fmt: skip
-    assert float(other) == 0.0
+@pytest.mark.parametrize(("by_guard", "earlier"), [(True, 1.5), (False, 0.0)])
+def test_the_end_moves_with_its_guard_and_takes_the_state_along(by_guard, earlier):
+    """The second guard, 3 (p - 1) at the end, rises at 2: the end comes 1.5 dp earlier, and the state with its rate of
+    1 there; what is read at the end has that state."""
+    log = logged([*ENTRIES[:-1], (Kind.END, 1, *ENTRIES[-1][2:])])
+
+    def moved(p):
+        at = read(Toy(p), log, start(), by_guard)
+        found = moving_end(log, at.end_time, at.end.state)
+        return found.time, found.rows[:, 0], at.end.energy.friction
+
+    (time, rows, friction), (time_moves, rows_move, friction_moves) = jax.jvp(moved, (1.0,), (1.0,))
+    np.testing.assert_array_equal(time, log.time)
+    np.testing.assert_array_equal(rows, log.rows[:, 0])
+    expected = np.zeros(log.kind.shape[0])
+    expected[len(ENTRIES) - 1] = -earlier
+    np.testing.assert_allclose(time_moves, expected, atol=1e-15)
+    np.testing.assert_allclose(rows_move, expected[:, None] * np.ones(4), atol=1e-15)
+    assert (float(friction), float(friction_moves)) == (-1.0, -earlier)
 
 
 def test_where_a_force_jumps_its_state_goes_with_the_touchdown():
     """The state's rate (-3, 0, 1, -2) times dt = dp/4 at the first contact; a maximum's state stands."""
     jumping = [(Kind.TOUCHDOWN, 0, 1.0, (6.0, 0.0, 0.0)), (Kind.PEAK, 2, 2.0, (1.0, 1.0, 8.0))]
-    top, move = jax.jvp(lambda p: maxima(Toy(p, jumps=True), logged(jumping), start()), (1.0,), (1.0,))
+    top, move = jax.jvp(lambda p: largest(Toy(p, jumps=True), later(logged(jumping), p), start()), (1.0,), (1.0,))
     assert (float(top.peak_force), float(top.others["height"])) == (6.0, 8.0)
     np.testing.assert_allclose(move.peak_force, 6.0 - SPEED * 0.25, rtol=1e-15)
     np.testing.assert_allclose(move.others["height"], 8.0, rtol=1e-15)
 
 
 def test_what_is_largest_at_a_release_goes_with_it():
-    """The third number's rate 1 times dt = dp/4; what depends on the state's rate has the one after the release, not
-    the one in the step that ended there. A maximum stands."""
+    """The third number's rate in the log, 0.5, times dt = dp/4; what depends on the state's rate has the one after the
+    release, not the one in the step that ended there. A maximum stands."""
     entries = [(Kind.RELEASE, 0, 1.0, (0.0, 0.0, 7.0)), (Kind.PEAK, 0, 2.0, (6.0, 0.0, 2.0))]
     log = logged(entries)
     log = dataclasses.replace(log, rates=log.rates.at[0, 0, 2].set(0.5), values=log.values.at[0, 3].set(9.0))
-    top, move = jax.jvp(lambda p: maxima(Toy(p, of_rate=True), log, start()), (1.0,), (1.0,))
+    top, move = jax.jvp(lambda p: largest(Toy(p, of_rate=True), later(log, p), start()), (1.0,), (1.0,))
     assert (float(top.others["height"]), float(top.others["rate"])) == (7.0, 1.0)
-    np.testing.assert_allclose(move.others["height"], 7.0 + 0.25, rtol=1e-15)
+    np.testing.assert_allclose(move.others["height"], 7.0 + 0.5 * 0.25, rtol=1e-15)
     assert float(move.peak_force) == 6.0
 
 
 def test_without_contacts_there_is_no_force():
     toy = Toy(impact_contacts=0)
-    top = maxima(toy, logged(ENTRIES), start())
+    top = largest(toy, logged(ENTRIES), start())
     assert (float(top.peak_force), float(top.peak_time), int(top.peak_contact)) == (0.0, 0.0, -1)
-    largest = {"force_0": 6.0, "force_1": 9.0, "height": 7.0, "rate": 1.0}
-    assert {name: float(value) for name, value in top.others.items()} == largest
+    expected = {"force_0": 6.0, "force_1": 9.0, "height": 7.0, "rate": 1.0}
+    assert {name: float(value) for name, value in top.others.items()} == expected
 
 
 @pytest.mark.parametrize(("first", "scale"), [(1.0, 8.0), (30.0, 32.0), (-30.0, 28.0)])
@@ -195,7 +226,7 @@ def test_what_a_motion_conserves(first, scale):
     before, log = (first, 0.5, 2.0), logged(ENTRIES)
     log = dataclasses.replace(log, rows=jnp.concatenate([log.rows, 100.0 + log.rows], axis=1))
     drift = jnp.where(jnp.arange(log.kind.shape[0]) < 4, jnp.array([1e-9, 3e-9, 2e-9, 0.0] + [0.0] * 8), 7.0)
-    end, found = balance(Toy(), start(before), log, drift)
+    end, found = balance(Toy(), read(Toy(), log, start(before)), log, drift)
     total = before[0] + before[2]
     assert (float(end.kinetic), float(end.contact), float(end.friction)) == (1.0, 1.0, -1.0)
     np.testing.assert_allclose(found.energy, (1.0 - total) / scale, rtol=1e-14)
@@ -205,11 +236,13 @@ def test_what_a_motion_conserves(first, scale):
 
 
 def test_where_the_ground_takes_part_momentum_says_nothing():
-    _, found = balance(Toy(momentum_scale=None), start(), logged(ENTRIES), jnp.zeros(12))
+    toy, log = Toy(momentum_scale=None), logged(ENTRIES)
+    _, found = balance(toy, read(toy, log, start()), log, jnp.zeros(12))
     assert np.isnan(found.linear_momentum)
     assert np.isnan(found.angular_momentum)
 
 
 def test_of_a_run_without_an_event_the_start_is_the_end():
-    _, found = balance(Toy(), start((0.0, 0.0, 0.0)), logged([]), jnp.ones(12))
+    log = logged([])
+    _, found = balance(Toy(), read(Toy(), log, start((0.0, 0.0, 0.0))), log, jnp.ones(12))
     assert float(found.energy) == float(found.linear_momentum) == float(found.drift) == 0.0

@@ -4,7 +4,7 @@ import jax
 import jax.numpy as jnp
 
 import jaxbuffer as jb
-from jaxbuffer.hybrid import Kind, Log, Result, Status
+from jaxbuffer.hybrid import Kind, Log, Result, Start, Status
 from jaxbuffer.mechanisms.bar_drop import BAR_DROP
 from jaxbuffer.run.request import request
 from jaxbuffer.run.stepper import run_of
@@ -26,7 +26,9 @@ def test_an_end_by_time_stays():
         event = (jnp.asarray(x) for x in (True, int(Kind.END), 0, 0.1))
         now = jnp.zeros(observables), jnp.asarray(RATE), jnp.zeros(contacts)
         log = log.append(*event, *now, row + p * lower, jnp.zeros_like(row), jnp.asarray(False))
-        result = Result(jnp.asarray(int(Status.TIMEOUT)), log, None, jnp.asarray(1), jnp.asarray(1))
+        result = Result(
+            jnp.asarray(int(Status.TIMEOUT)), Start(row[None], log.active[0]), log, None, jnp.asarray(1), jnp.asarray(1)
+        )
         return run_of(asked, result).end_time
 
     assert jax.jvp(end, (0.0,), (1.0,)) == (0.1, 0.0)

@@ -1,5 +1,7 @@
 """Contact of plane bodies: momentum, defence node against multipliers, friction, the search, and Hertz."""
 
+import functools
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -55,12 +57,18 @@ def momenta(system, velocity, displacement):
     return np.einsum("n,tni->ti", mass, velocity), spin @ mass
 
 
+@functools.cache
+def met(method):
+    """The system of two blocks without friction, and what is seen of them in 1500 steps."""
+    system, start, _ = two_blocks(method)
+    return system, followed(system, start, 1500)
+
+
 @pytest.mark.parametrize("method", ["defence node", "multiplier", "penalty"])
 def test_both_momenta_are_kept_to_rounding(method):
     """The angular one, Σ m x × v, with the place of an instant and the mean of the velocities half a step before and
     after it."""
-    system, start, _ = two_blocks(method)
-    _, velocity, displacement, normal, _ = followed(system, start, 1500)
+    system, (_, velocity, displacement, normal, _) = met(method)
     assert np.count_nonzero(normal.sum(axis=1)) > 10
     linear, angular = momenta(system, velocity, displacement)
     size = np.abs(linear[0]).max()
@@ -121,8 +129,7 @@ def test_a_defence_node_is_a_multiplier_where_no_two_pairs_share_a_node():
 
 
 def test_multipliers_let_nobody_in_and_never_pull():
-    system, start, _ = two_blocks("multiplier")
-    _, _, displacement, normal, _ = followed(system, start, 1500)
+    system, (_, _, displacement, normal, _) = met("multiplier")
     assert normal.min() >= 0.0
     contact = system.contacts[0]
     for u in displacement[::50]:
@@ -134,11 +141,7 @@ def test_multipliers_let_nobody_in_and_never_pull():
 def test_defence_nodes_let_in_what_neighbours_push_away():
     """Pairs that share nodes: each is closed for itself, so all together are pushed too far or not far enough; the
     difference to multipliers goes with the step."""
-    system, start, _ = two_blocks("defence node")
-    _, _, _, alone, _ = followed(system, start, 1500)
-    system, start, _ = two_blocks("multiplier")
-    _, _, _, together, _ = followed(system, start, 1500)
-    impulses = alone.sum(), together.sum()
+    impulses = [met(method)[1][3].sum() for method in ("defence node", "multiplier")]
     assert impulses[0] == pytest.approx(impulses[1], rel=0.05) and impulses[0] != impulses[1]
 
 

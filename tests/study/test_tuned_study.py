@@ -89,7 +89,7 @@ def test_a_written_number_is_read_back_to_the_last_bit():
 
 def test_settings_that_are_not_the_default_go_with_it():
     problem = loads((TYPED + PROBLEM + "[tune]\nstarts = 4\n").encode(), "study.toml")
-    written = tuned_toml(problem.design, problem.problem(), "", (), problem.tuning)
+    written = tuned_toml(problem.design, problem.problem(), "", settings=problem.tuning)
     assert loads(written.encode(), "design.toml").tuning == problem.tuning
     assert tomllib.loads(written)["tune"] == {"starts": 4}
 
@@ -110,3 +110,39 @@ def test_a_scenario_list_that_is_no_grid_is_written_as_it_is():
     listed = dataclasses.replace(problem, scenarios=scenarios, scatter=problem.scatter)
     table = tomllib.loads(tuned_toml(listed.design, listed, ""))
     assert len(table["scenarios"]) == 3 * 4 and "sample" not in table["problem"]
+
+
+SPEEDS = (0.05, 0.2, 0.1)  # m/s, the second one with the largest force
+
+
+def numbered_problem(**more):
+    listed = [jb.Scenario(approach_speed=speed) for speed in SPEEDS]
+    return jb.Problem(jb.table2(), listed, [jb.Variable("buffer.k_A", 100.0, 3000.0)], **more)
+
+
+def test_scenarios_keep_their_numbers_in_the_tuned_study():
+    """`--scenario-number` counts them, so that their order is the problem's; [scenario] is the one that commands of one
+    run take."""
+    problem = numbered_problem()
+    written = tuned_toml(problem.design, problem, "", problem.drawn[1].scenario)
+    study = loads(written.encode(), "design.toml")
+    assert [case.scenario.approach_speed for case in study.cases] == list(SPEEDS)
+    assert study.scenario.approach_speed == 0.2
+    assert [f"[[scenarios]]  # {k}: {v:g} m/s" in written for k, v in enumerate(SPEEDS, 1)] == [True] * 3
+
+
+def test_a_scenario_without_a_number_does_not_get_that_of_the_first_one_run():
+    """[[scenarios]] begin with the fields of [scenario], and TOML has no word for a number that is not set."""
+    listed = [jb.Scenario(start="free"), jb.Scenario(start="free", thrust=1.0, thrust_time=0.5)]
+    problem = jb.Problem(jb.table2(), listed, [jb.Variable("buffer.k_A", 100.0, 3000.0)])
+    study = loads(tuned_toml(problem.design, problem, "", listed[1]).encode(), "design.toml")
+    assert [case.scenario for case in study.cases] == listed
+
+
+def test_a_corner_has_its_scenarios_number():
+    problem = numbered_problem(tolerances={"buffer.c_A": "20 %"})
+    numbers = ["1", "1.1", "1.2", "2", "2.1", "2.2", "3", "3.1", "3.2"]
+    assert [problem.number_text(k) for k in range(9)] == numbers
+    assert problem.label(4).startswith("2.1: 0.2 m/s, 0°, ") and problem.number(4) == 2
+    one = dataclasses.replace(problem, scenarios=problem.scenarios[:1])
+    assert one.label(0) == "0.05 m/s, 0°", "a single one needs no number"

@@ -10,6 +10,7 @@ from jaxbuffer.programs.cache import Static
 from jaxbuffer.sweeps.chunk import solve_chunk
 from jaxbuffer.sweeps.grid import Batch
 from jaxbuffer.sweeps.result import SweepInterrupted
+from jaxbuffer.sweeps.sweep import CHUNK
 from verification.cases import CASES, PATHS, WELDED
 
 
@@ -47,6 +48,7 @@ def test_one_capture():
     np.testing.assert_allclose(sweep.peak_force, 253.13152694328107, rtol=1e-4)
 
 
+@pytest.mark.slow
 def test_one_program_for_any_number_of_runs():
     """What is not wanted takes no step, and a run's numbers don't depend on its place or on how many there are."""
     solve_chunk.programs.clear()
@@ -80,16 +82,14 @@ def test_no_workers():
         jb.sweep(jb.table2(), jb.Scenario(), workers=0)
 
 
-def test_an_interrupt_hands_over_what_was_done(monkeypatch):
-    monkeypatch.setattr("jaxbuffer.sweeps.sweep.CHUNK", 1)
-
+def test_an_interrupt_hands_over_what_was_done():
     def interrupt(done, count):
         raise KeyboardInterrupt
 
-    speeds = np.array([0.1, 0.1, 0.1])
-    with pytest.raises(SweepInterrupted, match=r"[12] of 3 captures done") as stop:
+    speeds = np.full(2 * CHUNK + 1, 0.1)
+    with pytest.raises(SweepInterrupted, match=r"(16|32) of 33 captures done") as stop:
         jb.sweep(jb.table2(), jb.Scenario(approach_speed=speeds), workers=1, progress=interrupt)
     done, result = stop.value.done, stop.value.partial
-    assert 1 <= done.sum() <= 2, "no more than two are under way at a time"
+    assert done.sum() in (CHUNK, 2 * CHUNK), "no more than two chunks are under way at a time"
     np.testing.assert_allclose(result.peak_force[done], 253.13152694328107, rtol=1e-4)
     assert np.isnan(result.peak_force[~done]).all()

@@ -86,7 +86,7 @@ def test_a_kill_costs_what_was_not_yet_written(solved, tmp_path, monkeypatch):
     monkeypatch.setattr(zarr_format, "write", killed)
     solved.clear()
     with pytest.raises(KeyboardInterrupt):
-        swept(tmp_path)
+        swept(tmp_path, force=True)
     monkeypatch.setattr(zarr_format, "write", write)
     solved.clear()
     assert same(swept(tmp_path, resume=True), whole) and COUNT - 3 * CHUNK <= len(set(solved)) < COUNT
@@ -227,7 +227,7 @@ def captured(solved, monkeypatch):
 def killed(folder, **options):
     """As a kill after some blocks leaves it: without results."""
     with pytest.raises(SweepInterrupted):
-        swept(folder, 3 * CHUNK, save=True, **options)
+        swept(folder, 3 * CHUNK, save=True, force=True, **options)
 
 
 def test_a_sweep_begun_beside_the_results_of_another_is_named(captured, tmp_path):
@@ -273,6 +273,29 @@ def test_a_sample_in_the_place_of_a_sweep(captured, tmp_path):
     """Both are finished: the store is the sample's, and sweep.nc says by itself what it is of."""
     swept(tmp_path, save=True)
     ranges = {"scenario.approach_speed": (0.1, 0.2)}
-    jb.sample(jb.table2(), jb.Scenario(), ranges, 16, folder=tmp_path)
+    with pytest.raises(jb.InputError, match=r"sweep\.zarr exists; force=True replaces it, resume=True goes on"):
+        jb.sample(jb.table2(), jb.Scenario(), ranges, 16, folder=tmp_path)
+    jb.sample(jb.table2(), jb.Scenario(), ranges, 16, folder=tmp_path, force=True)
     found = jb.load(tmp_path)
     assert found.sweep is not None and found.records["sample"]
+
+
+def test_a_sweep_replaces_another_by_force_alone(tmp_path):
+    """As `save` does: refused in words, before anything is computed, and the files stay as they are."""
+    asked = jb.BarDrop(), jb.BarDropScenario(height=[0.1, 0.15]), 0.22
+    jb.sweep(*asked, folder=tmp_path)
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+    with pytest.raises(
+        jb.InputError, match=r"sweep\.zarr and \d more exist; force=True replaces them, resume=True goes"
+    ):
+        jb.sweep(*asked, folder=tmp_path)
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
+    (tmp_path / "beside").mkdir()
+    jb.sweep(*asked, folder=tmp_path / "beside", save=False)  # a store without a result is refused too
+    with pytest.raises(jb.InputError, match=r"sweep\.zarr exists; force=True replaces it"):
+        jb.sweep(*asked, folder=tmp_path / "beside", save=False)
+    jb.sweep(jb.BarDrop(), jb.BarDropScenario(height=[0.1, 0.12, 0.15]), 0.22, folder=tmp_path, force=True)
+    assert jb.load(tmp_path).sweep.sizes["run"] == 3
+    assert jb.sweep(*asked, folder=tmp_path / "beside", resume=True).code.size == 2
+    with pytest.raises(jb.InputError, match="force"):
+        jb.sweep(*asked, folder=tmp_path, force="yes")

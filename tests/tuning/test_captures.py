@@ -1,9 +1,11 @@
 """What the tuner sees of real captures, against the independent reference, closed forms and differences."""
 
+import itertools
+
 import numpy as np
 import pytest
 
-from jaxbuffer import Case, Outcome, Problem, Scenario, Variable, get, replace, simulate, table2, tune
+from jaxbuffer import Case, Limits, Outcome, Problem, Scenario, Variable, get, replace, simulate, table2, tune
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 from jaxbuffer.tuning.checks import lower_bound
 from jaxbuffer.tuning.evaluation import Evaluator
@@ -30,6 +32,7 @@ def coasting_share(duration):
     return -receding * (duration - REFERENCE.values["end_time"]) / seen.throat_distance[0]
 
 
+@pytest.mark.slow
 def test_an_evaluation_agrees_with_the_independent_reference():
     """Values and elasticities of Table 2; a factor of a built mechanism moves both as the chain rule says."""
     spread = Case(Scenario(), (("buffer.k_A", 1.25),))
@@ -89,6 +92,33 @@ def test_the_floor_without_loss_is_the_closed_form():
     lightest, _ = closed_form(replace(lossless(1.0), {"probe.tip_mass": 0.02}), Scenario(approach_speed=0.2))
     assert found.lowest == pytest.approx(lightest, rel=5e-6)
     assert found.at == {"probe.tip_mass": pytest.approx(0.02)}
+
+
+def test_the_lower_bound_of_a_limited_hinge_force_is_the_first_impacts():
+    """The first impact is over before 1 ms. Its hinge force at the least is no more than that of a grid of designs, and
+    the slope that leads there is that of differences; without a limit on it, it is not computed."""
+    problem = stated([Scenario(approach_speed=0.2)], limits=Limits(at_most={"peak_hinge_force": 50.0}))
+    least = lower_bound(problem, problem.start()).least["peak_hinge_force"]
+
+    def hinge_force(scaled):
+        design = problem.built(scaled)
+        return float(simulate(design, Scenario(approach_speed=0.2), duration=1e-3, rtol=1e-9).peak_hinge_force)
+
+    assert hinge_force(least.scaled) == pytest.approx(least.value, rel=1e-5)
+    corners = np.array(list(itertools.product([0.0, 1.0], repeat=5)))
+    forces = [hinge_force(corner) for corner in corners]
+    assert least.value < min(forces) * (1.0 + 1e-5) and min(forces) < 0.9 * hinge_force(problem.start())
+    assert corners[int(np.argmin(forces))][4] == least.scaled[4] == 1.0, "the heaviest tip"
+    # Of numbers that are no variables, by differences of other steps and a tighter tolerance.
+    for path in ("cone.half_angle", "probe.rod_mass"):
+        built = problem.built(least.scaled)
+        up, down = (
+            simulate(replace(built, {path: factor * get(built, path)}), Scenario(approach_speed=0.2), 1e-3, rtol=1e-9)
+            for factor in (1.003, 0.997)
+        )
+        slope = float(np.log(up.peak_hinge_force / down.peak_hinge_force)) / np.log(1.003 / 0.997)
+        assert least.elasticities[path] == pytest.approx(slope, abs=1e-4) and abs(slope) > 0.02
+    assert lower_bound(stated([Scenario()]), problem.start()).least == {}
 
 
 def test_a_short_tuning_of_captures(tmp_path):

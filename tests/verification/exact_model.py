@@ -167,7 +167,8 @@ class ExactModel:
         return np.concatenate([solution[: self.size], spin]), solution[self.size :], touches
 
     def quantities(self, y, memory):
-        """Contact forces of both flanks [N], hinge force [N], |buffer force| [N], stroke [m], |hinge angle| [rad]."""
+        """Contact forces of both flanks [N], hinge force [N], |buffer force| [N], stroke [m], |hinge angle| [rad],
+        extension [m]."""
         q, v = y[: self.size], y[self.size :]
         acceleration, _, touches = self.motion(q, v, memory)
         *_, length, rate = self.buffer(q, v)
@@ -175,7 +176,8 @@ class ExactModel:
         d = self.design.buffer
         tension = abs(d.k_A * (length - d.free_length) + d.c_A * rate)
         forces = [touch.normal_force for touch in touches]
-        return np.array([*forces, hinge, tension, d.free_length - length, abs(q[5] - q[2])])
+        stroke = d.free_length - length
+        return np.array([*forces, hinge, tension, stroke, abs(q[5] - q[2]), -stroke])
 
     def depths(self, y):
         """Of all contacts [m], the flanks first."""
@@ -187,7 +189,7 @@ class ExactModel:
         y, time, memory = np.concatenate([q, v]), 0.0, np.array([speed, 1.0])
         closed = [True] + [False] * (len(self.depths(y)) - 1)
         scale = np.concatenate([np.full(12, 1e-3), np.full(self.size - 12, 1e-5), np.full(len(v), 0.1)])
-        best, touchdowns = np.zeros(6), 1
+        best, touchdowns = np.zeros(7), 1
         while time < until:
             piece = solve_ivp(
                 self._rate,

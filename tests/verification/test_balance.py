@@ -25,6 +25,7 @@ def assert_conserved(evidence, capture, energy):
     evidence(TOPIC, f"constraint drift{when}", balance.drift, 1e-8, SOURCE, "m")
 
 
+@pytest.mark.quick
 @each_capture
 def test_default_settings_conserve(name, evidence):
     assert_conserved(evidence, simulate(*CAPTURES[name]), 1e-6)

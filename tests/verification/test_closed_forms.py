@@ -31,6 +31,7 @@ def drop(law, speed=SPEED, mass=MASS, height=1e-4):
     return Assembled(System((Body(mass, 1e-4),)), q, v, (on_floor(RADIUS, law),), size=(1e-3, 1.0))
 
 
+@pytest.mark.quick
 def test_hertz_impact():
     """δ = (5 m v²/4K)^{2/5}, F = K^{2/5} (5 T/2)^{3/5}, 2.943275 δ/v; 12.366 kN after 1.318 ms / 2."""
     found = ride(drop(Hertz(STIFFNESS)), 5e-3)
@@ -100,6 +101,7 @@ def test_damped_oscillator():
     )
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("slip_speed", [1e-2, 1e-3])
 def test_block_slides_to_rest(slip_speed):
     """m v̇ = -μ m g tanh(v/v_s): sinh(v/v_s) = sinh(v0/v_s) e^{-μgt/v_s}, and v0²/(2 μ g) as v_s → 0."""
@@ -124,6 +126,7 @@ def test_block_slides_to_rest(slip_speed):
     assert_allclose(stopped.q[0], distance + np.pi**2 / 12 * slip_speed**2 / deceleration, rtol=1e-6)
 
 
+@pytest.mark.quick
 def test_sliding_ball_ends_rolling():
     """5/7 of its speed, whatever the friction: m (v - v0) h = -I ω about the foot at the arm h = R - δ."""
     radius, speed, stiffness = 0.05, 2.0, 1e12
@@ -139,6 +142,7 @@ def test_sliding_ball_ends_rolling():
     assert_allclose(found.v[0] + arm * found.v[2], 0.0, atol=1e-8)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("offset", [0.0, 0.3], ids=["central", "eccentric"])
 def test_two_discs_meet_with_their_pre_impact_effective_energy(offset):
     """T_c⁻ = ½ m1 m2/(m1 + m2) (ẋ2 - ẋ1)², with the second body's turning ½ v²/(1/m1 + 1/m2 + s²/I2); the peak force
@@ -160,6 +164,7 @@ def test_two_discs_meet_with_their_pre_impact_effective_energy(offset):
     assert_allclose(np.sum(np.array([0.7, 2.3]) * found.v[[1, 4]]), 0.7 * -0.9 + 2.3 * 0.4, rtol=1e-12)
 
 
+@pytest.mark.quick
 def test_pendulum_period():
     """T = 4 √(2l/3g) K(sin²(θ0/2)) of a uniform rod released at 2.5 rad."""
     amplitude, length = 2.5, 0.8

@@ -7,7 +7,9 @@ F = K^{2/5} (5 T/2)^{3/5}, T = ½ v²/(A M_c⁻¹ Aᵀ), where A q̇ is the appr
 import numpy as np
 import pytest
 
-from jaxbuffer import Scenario, first_impact, replace, simulate, table2
+from jaxbuffer import Scenario, first_impact, get, replace, simulate, table2
+from jaxbuffer.fields import paths
+from jaxbuffer.mechanisms.probe_cone.closed_form import first_impact_elasticities
 from verification.exact_model import ExactModel
 
 HERTZ = "K^{2/5} (5 T/2)^{3/5} with the joints' effective mass"
@@ -73,6 +75,31 @@ def test_duration_tends_to_the_closed_form(scenario):
 
 
 @each_scenario
+def test_elasticities_are_those_of_differences_of_the_closed_form(scenario):
+    """Central differences of the closed form in NumPy, steps of 1e-5 of each number: their own error is 1e-10 and
+    rounding over the step. Numbers without an elasticity change nothing."""
+    given, at = table2(), SCENARIOS[scenario]
+    elasticities = first_impact_elasticities(given, at)
+
+    def peak(path, factor):
+        return closed_form(replace(given, {path: factor * get(given, path)}), at)[0]
+
+    moved = [path for path in paths(given) if isinstance(value := get(given, path), float) and value != 0.0]
+    # Those of parts that are not there, and an exponent that the law fixes, are left out.
+    moved = [path for path in moved if path.split(".")[0] not in ("hinge", "latch", "shock")]
+    moved.remove("contact.exponent")
+    for path in moved:
+        expected = np.log(peak(path, 1.0 + 1e-5) / peak(path, 1.0 - 1e-5)) / 2e-5
+        assert elasticities.get(path, 0.0) == pytest.approx(expected, abs=1e-8), path
+    assert set(elasticities) <= set(moved)
+    assert sorted(elasticities, key=lambda path: -abs(elasticities[path]))[0] == "cone.half_angle"
+
+
+def test_a_free_start_has_no_elasticities_in_closed_form():
+    assert first_impact_elasticities(table2(), Scenario(start="free")) == {}
+
+
+@each_scenario
 def test_what_is_left_goes_as_the_impact_gets_shorter(evidence, scenario):
     """A contact 1e4 times stiffer touches for 1/40 of the time. Measured: 7.2e-8 and 3.9e-8."""
     left = abs(deviation(design(1e-7, 1e4), SCENARIOS[scenario], rtol=1e-11))
@@ -94,6 +121,7 @@ def test_effective_mass_lies_between_that_of_the_tip_alone_and_of_the_whole_vehi
     assert probe / 2 < mass < 4.103
 
 
+@pytest.mark.quick
 def test_rigid_probe_as_published():
     """Joints locked, masses of probe and cylinder neglected: 4.103 kg, 0.01026 J, 931 N, from ball and cone alone."""
     active, passive, angle = (21.9706, 0.445), (23.5731, 0.5206), np.pi / 4

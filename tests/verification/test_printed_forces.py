@@ -106,6 +106,7 @@ def test_which_printed_forces_contradict_the_papers_own_energies(form):
     assert {k for k, error in enumerate(off, 1) if error > 1e-9} == (WRONG if form == PRINTED else set())
 
 
+@pytest.mark.quick
 def test_the_programs_published_forces_are_the_corrected_ones():
     """With eq. 10's damper (M24), and a tip without mass, so that the probe's centre of mass is its middle (M6)."""
     design = replace(table2(), {"buffer.damping": "published", "probe.tip_mass": 1e-14})

@@ -38,6 +38,7 @@ def words(quantity):
     return quantity.replace("_", " ")
 
 
+@pytest.mark.quick
 @each_case
 def test_outcome_and_impacts(name):
     values = CASES[name].values
@@ -45,6 +46,7 @@ def test_outcome_and_impacts(name):
     assert int(capture(name).impact_count) == values["impacts"]
 
 
+@pytest.mark.quick
 @each_case
 @pytest.mark.parametrize("quantity", QUANTITIES)
 def test_default_settings(name, quantity, evidence):

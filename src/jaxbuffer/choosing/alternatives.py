@@ -1,18 +1,21 @@
 """Combinations run at every load case at tight tolerance, and judged."""
 
 import dataclasses
-from collections.abc import Sequence
+import math
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
 from ..fields import Part
 from ..tuning.evaluation import Evaluation, gather
 from ..tuning.goal import Goal
+from ..tuning.objective import Objective, SecondObjective
 from ..tuning.problem import Problem
 from ..tuning.tuned import Tuned
 from .catalogue import CataloguePart
 from .choice import Alternative, margins
-from .criterion import Criterion
+from .criterion import Criterion, constant, objective_of_runs
+from .order import order
 from .runs import Runs
 
 
@@ -42,23 +45,21 @@ def _alternative(
     """Judge a combination; ``problem``: with its design."""
     names = dict.fromkeys(name for part in parts for name in part.totals)
     totals = {name: sum(part.totals[name] for part in parts if name in part.totals) for name in names}
-    objective, constant = criterion.of_runs or problem.objective, criterion.constant(totals)
-    goal = Goal(problem, objective)
-    # Where price and mass decide alone, the problem's own objective must add nothing to them.
-    value, before = (goal.value(it) if criterion.of_runs else 0.0 for it in (evaluation, searched))
+    goal = Goal(problem, criterion.of_runs or problem.objective)
     above = [limit for limit in criterion.limits if not limit.keeps(totals[limit.name])]
     broken = [limit.sentence(totals[limit.name], criterion.catalogue[limit.name]) for limit in above]
     return Alternative(
         names=tuple(part.name for part in parts),
         design=problem.design,
-        value=float(value + constant),
-        searched=float(before + constant),
+        value=_value(problem, criterion.objective, evaluation, totals),
+        searched=_value(problem, criterion.objective, searched, totals),
         totals=totals,
         evaluation=evaluation,
         feasible=goal.feasible(evaluation) and not above,
         broken=(*broken, *goal.broken(evaluation)),
         margins=margins(problem, evaluation),
-        deciding=int(np.argmax(evaluation.quantities @ goal.weights(objective))),
+        deciding=int(np.argmax(evaluation.quantities @ goal.weights(goal.objective))),
+        second=_second(criterion, problem, evaluation, totals),
     )
 
 
@@ -75,5 +76,46 @@ def with_variables(criterion: Criterion, alternative: Alternative, tuned: Tuned)
         broken=tuple(goal.broken(tuned.after)),
         margins=margins(problem, tuned.after),
         deciding=int(np.argmax(tuned.after.quantities @ goal.weights(problem.objective))),
+        second=_second(criterion, problem, tuned.after, alternative.totals),
         tuned=tuned,
     )
+
+
+def _value(problem: Problem, objective: Objective, evaluation: Evaluation, totals: Mapping[str, float]) -> float:
+    """Return an objective of runs, price and mass."""
+    # Where price and mass decide alone, the problem's own objective must add nothing to them.
+    share = objective_of_runs(objective)
+    return float((0.0 if share is None else Goal(problem, share).value(evaluation)) + constant(objective, totals))
+
+
+def _second(
+    criterion: Criterion, problem: Problem, evaluation: Evaluation, totals: Mapping[str, float]
+) -> float | None:
+    return None if criterion.then is None else _value(problem, criterion.then.objective, evaluation, totals)
+
+
+def best_first(criterion: Criterion, made: Sequence[Alternative], ceiling: float) -> list[int]:
+    """Return the places of combinations in their order: feasible ones first, those within the ceiling by the second
+    objective; those that are not feasible stay in theirs."""
+    feasible = [k for k, it in enumerate(made) if it.feasible]
+    values = np.array([made[k].value for k in feasible])
+    seconds = values if criterion.then is None else np.array([made[k].second for k in feasible], float)
+    return [feasible[k] for k in order(values, seconds, ceiling)] + [k for k, it in enumerate(made) if not it.feasible]
+
+
+def ceiling(criterion: Criterion, made: Iterable[Alternative]) -> float:
+    """Return up to which objective the second one orders combinations, of which the best of ``made`` decides; infinite
+    without a second one, and where none is feasible."""
+    then = criterion.then
+    return min(
+        (math.inf if then is None else _ceiling(criterion, then, it) for it in made if it.feasible), default=math.inf
+    )
+
+
+def _ceiling(criterion: Criterion, then: SecondObjective, it: Alternative) -> float:
+    """Return how high the objective of a combination as good as this one may be."""
+    goal = None if it.tuned is None else it.tuned.goal
+    if goal is None or goal.ceiling is None:
+        return then.ceiling(it.value)
+    # Its own tuning has raised the objective, within the tolerance of the least that it had reached.
+    return goal.ceiling.value + then.ceiling(float(criterion.constant(it.totals)))

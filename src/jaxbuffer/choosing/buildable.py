@@ -57,8 +57,8 @@ def buildable(
 
     **Returns:** a `Choice` that says what rounding costs; a part is a value there.
 
-    **Raises:** `InputError` for what is no number of the design or no rounding, a number that scenarios list or that
-    has no allowed value beside it, and a second objective.
+    **Raises:** `InputError` for what is no number of the design or no rounding, and a number that scenarios list or
+    that has no allowed value beside it.
 
     **Example:**
 

@@ -1,18 +1,18 @@
 """A CSV file of parts, each cell with the place that a message names."""
 
-import csv
-import io
 import math
+import re
 import tomllib
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from ..errors import InputError, shown
 from ..files import user_path
+from ..labelled.csv_table import CsvTable, read_table
 from ..labelled.record import parts as name_and_unit
 
 NAMES = ("name", "part")  # headings of the column of names
-DELIMITERS = ",;\t"
+NUMBER = re.compile(r"[-+]?[\d.,]*\d[\d.,]*")  # what looks like one, with any marks
 
 
 class CatalogueCell(NamedTuple):
@@ -34,51 +34,38 @@ class CatalogueCell(NamedTuple):
 def read_csv(path: Path) -> list[tuple[str, dict[str, CatalogueCell]]]:
     """Return each part's name and cells by heading, of a file with commas, semicolons or tabs.
 
-    A unit in a heading, "k_A [kN/m]", is that of the column's plain numbers. Lines that begin with # are left out.
+    A unit in a heading, "k_A [kN/m]", is that of the column's plain numbers. Between semicolons or tabs numbers may
+    have a decimal comma, all of them; lines that begin with # are left out: as of measured tests.
 
     **Raises:** `InputError` with the line for a file that is no such table, and for a part that is named twice.
     """
     path = user_path(path)
-    try:
-        # Spreadsheets put a byte-order mark before UTF-8, which would otherwise become part of the first heading.
-        text = path.read_text(encoding="utf-8-sig")
-    except OSError as error:
-        raise InputError(f"{path}: {(error.strerror or str(error)).lower()}") from None
-    except UnicodeDecodeError:
-        raise InputError(f"{path} is no text in UTF-8; save it as CSV, UTF-8") from None
-    first = next((line for line in text.splitlines() if line.strip() and not line.startswith("#")), "")
-    # The headings alone tell the delimiter, because the points of a curve, in the rows, have commas of their own.
-    delimiter = max(DELIMITERS, key=first.count)
-    # Lines that are left out stay as empty ones, so that the numbers of the others are the file's.
-    lines = ["" if line.startswith("#") else line for line in text.splitlines()]
-    reader = csv.reader(io.StringIO("\n".join(lines)), delimiter=delimiter, skipinitialspace=True)
-    rows = [(reader.line_num, [cell.strip() for cell in row]) for row in reader if any(cell.strip() for cell in row)]
-    if len(rows) < 2:
+    table = read_table(path, NAMES)
+    if not table.rows:
         raise InputError(f"{path} has no part; write a line of headings, such as name, k_A [N/m], and a line a part")
-    (line, header), *body = rows
-    names = _headings(path, line, header)
+    names = _headings(table)
     parts: dict[str, tuple[int, dict[str, CatalogueCell]]] = {}
-    for line, row in body:
-        if len(row) != len(header):
-            raise InputError(f"{path}, line {line}: {len(row)} cells, where the headings are {len(header)}")
-        name, cells = _row(f"{path}, line {line}", names, row)
+    for line, row in zip(table.lines, table.rows, strict=True):
+        plain = [it if known in NAMES else table.with_point(it) for (known, _), it in zip(names, row, strict=True)]
+        name, cells = _row(f"{path}, line {line}", names, plain)
         if name in parts:
             raise InputError(f"{path}, line {line}: {name} stands in line {parts[name][0]} already; keep one")
         parts[name] = line, cells
     return [(name, cells) for name, (_, cells) in parts.items()]
 
 
-def _headings(path: Path, line: int, header: list[str]) -> list[tuple[str, str]]:
+def _headings(table: CsvTable) -> list[tuple[str, str]]:
     """Return name and unit of each column."""
-    split = [name_and_unit(text) for text in header]
+    split, where = [name_and_unit(text) for text in table.headings], f"{table.file}, line {table.header}"
     names = [name for name, _ in split]
     for name in names:
         if not name:
-            raise InputError(f"{path}, line {line}: column {names.index('') + 1} has no heading")
+            raise InputError(f"{where}: column {names.index('') + 1} has no heading")
         if names.count(name) > 1:
-            raise InputError(f"{path}, line {line}: {name} is the heading of two columns; keep one")
+            raise InputError(f"{where}: {name} is the heading of two columns; keep one")
     if not any(name in NAMES for name in names):
-        raise InputError(f"{path}, line {line}: no column is called name; found {', '.join(header)}")
+        hint = table.in_comment(NAMES) or f"; found {', '.join(table.headings)}"
+        raise InputError(f"{where}: no column is called name{hint}")
     return split
 
 
@@ -102,6 +89,8 @@ def _typed(where: str, text: str, symbol: str) -> Any:
     except ValueError:
         number = None
     if number is None:
+        if NUMBER.fullmatch(text):
+            raise InputError(f"{where} = {shown(text)} is no number: a file has one decimal mark, none of thousands")
         if symbol and text[0].isdigit() and not text.startswith("["):
             raise InputError(f"{where} = {shown(text)}: the heading has the unit {symbol} already; write one of them")
         return {"true": True, "false": False}.get(text, text)

@@ -1,6 +1,7 @@
 """The result of a choice: the best combinations with their margins, and its tables."""
 
 import dataclasses
+import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
@@ -54,6 +55,7 @@ class Alternative:
     - ``feasible``: whether it keeps all limits; ``broken``: a line for each that it breaks.
     - ``margins``: from each limit, the tightest first.
     - ``deciding``: the place of the load case with the largest objective.
+    - ``second``: the second objective, price and mass included; None without one.
     """
 
     names: tuple[str, ...]
@@ -67,6 +69,7 @@ class Alternative:
     margins: tuple[LimitMargin, ...]
     deciding: int
     tuned: Tuned | None = None
+    second: float | None = None
 
 
 @dataclasses.dataclass(frozen=True)
@@ -83,6 +86,8 @@ class Choice(Saved):
     - ``misfit``: why one of the combinations does not go together, "" where all do.
     - ``tight``: rtol of the numbers [-]; ``reordered``: whether the ranking at the problem's tolerance was another one.
     - ``identity``: a hash of all that makes it the choice it is.
+    - ``least``: with a second objective, the combination with the least first one, which may not be among the ranked;
+      ``ceiling``: up to which value of the first objective the second one orders.
 
     **Example:**
 
@@ -103,6 +108,8 @@ class Choice(Saved):
     tight: float = 1e-9
     reordered: bool = False
     identity: str = ""
+    least: Alternative | None = None
+    ceiling: float = math.inf
 
     @property
     def problem(self) -> Problem:
@@ -140,7 +147,14 @@ class Choice(Saved):
         named = self.in_words(self.best)
         if not self.feasible:
             return f"no combination keeps all limits, of {count}; nearest to them was {named}"
-        return f"the best of {count}: {named}, with {with_unit(*self.criterion.shown(self.best.value), 5)}"
+        return f"the best of {count}: {named}, with {self.objectives_in_words(self.best)}"
+
+    def objectives_in_words(self, alternative: Alternative) -> str:
+        """Return the objective of a combination, and the second one: "285.2 N, then 12.4 mm"."""
+        criterion, shown = self.criterion, with_unit(*self.criterion.shown(alternative.value), 5)
+        if criterion.then is None or alternative.second is None:
+            return shown
+        return f"{shown}, then {with_unit(*criterion.then.objective.shown(alternative.second, criterion.catalogue), 5)}"
 
     def in_words(self, alternative: Alternative) -> str:
         """Return the parts of a combination: "spring S1, damper D3"."""
@@ -149,7 +163,7 @@ class Choice(Saved):
 
     def label(self, case: int) -> str:
         """Return what people call a load case."""
-        return self.problem.cases[case].label(self.problem.cases)
+        return self.problem.label(case)
 
     def holding(self, alternative: Alternative) -> int:
         """Return in how many corners of the tolerances a combination keeps every limit and ends as it must."""
@@ -213,7 +227,7 @@ def lines(choice: Choice) -> list[str]:
         made += [SEARCHED] if which else []
     if choice.optimum is not None:
         made.append(choice.optimum.line(choice.criterion, best.value if best is not None and best.feasible else None))
-    made += _rounding(choice)
+    made += _second(choice) + _rounding(choice)
     if best is None:
         return made
     order = "the ranking changed with it" if choice.reordered else "the ranking stayed the same"
@@ -222,6 +236,18 @@ def lines(choice: Choice) -> list[str]:
         f" {percent_text(choice.accuracy)} at most, {order}"
     )
     return made + beyond(choice)
+
+
+def _second(choice: Choice) -> list[str]:
+    """Return by what combinations are ordered that are about as good as the best, in a line."""
+    then, least = choice.criterion.then, choice.least
+    if then is None or least is None:
+        return []
+    ceiling, second = with_unit(*choice.criterion.shown(choice.ceiling), 5), choice.criterion.in_words(then.objective)
+    text = f"then {second}: it orders all within {percent_text(then.tolerance)} of the least objective, up to {ceiling}"
+    if any(it.tuned is not None for it in choice.ranked):
+        return [text]
+    return [f"{text}; {choice.in_words(least)} has the least, {choice.objectives_in_words(least)}"]
 
 
 def beyond(choice: Choice) -> list[str]:
@@ -252,10 +278,12 @@ def _rounding(choice: Choice) -> list[str]:
 def _ranking(choice: Choice) -> Table:
     """Return the best combinations: parts, objective, what decides it, and the tightest limit."""
     symbol, factor = choice.criterion.objective.in_figures(choice.criterion.catalogue)
-    known = choice.criterion.catalogue
+    known, then = choice.criterion.catalogue, choice.criterion.then
+    then_symbol, then_factor = ("", 1.0) if then is None else then.objective.in_figures(known)
+    of_second = {} if then is None else {"then": then_symbol}
     totals = {name: known[name].in_figures[0] for name in (choice.best.totals if choice.best else ())}
     title = "Ranking" if choice.feasible else "Nearest to the limits, none within them"
-    numbers = (*headings({"objective": symbol}), "above", *headings(totals))
+    numbers = (*headings({"objective": symbol}), "above", *headings(of_second), *headings(totals))
     made = table(title, ("", *(it.role for it in choice.catalogues)), numbers)
     for heading in ("largest at", "tightest"):
         made.add_column(heading)
@@ -269,6 +297,7 @@ def _ranking(choice: Choice) -> Table:
             *it.names,
             f"{factor * it.value:.6g}",
             "" if change is None else percent_text(change, ".2g"),
+            *(f"{then_factor * it.second:.6g}" for _ in of_second if it.second is not None),
             *(f"{choice.criterion.catalogue[name].in_figures[1] * it.totals[name]:.5g}" for name in totals),
             choice.label(it.deciding),
             "" if tightest is None else tightest.limit.name,
@@ -323,15 +352,16 @@ def ranking_rows(choice: Choice) -> tuple[list[str], list[list[Any]]]:
     totals = choice.best.totals if choice.best else {}
     units = {"rank": "", **{it.role: "" for it in choice.catalogues}, "feasible": ""}
     units |= {"objective": criterion.objective.unit(criterion.catalogue)}
-    units |= {name: criterion.catalogue[name].unit for name in totals} | {"largest at": ""}
+    of_second = {} if criterion.then is None else {"then": criterion.then.objective.unit(criterion.catalogue)}
+    units |= of_second | {name: criterion.catalogue[name].unit for name in totals} | {"largest at": ""}
     limits = [margin.limit for margin in choice.best.margins] if choice.best else []
     for limit in limits:
         units |= {f"worst {limit.name} ({limit.symbol})": problem.catalogue[limit.name].unit}
         units |= {f"left of {limit.name} ({limit.symbol})": "-", f"{limit.name} ({limit.symbol}) at": ""}
     rows = []
     for place, it in enumerate(choice.ranked, 1):
-        row: list[Any] = [place, *it.names, it.feasible, it.value, *(it.totals[name] for name in totals)]
-        row.append(choice.label(it.deciding))
+        row: list[Any] = [place, *it.names, it.feasible, it.value, *(it.second for _ in of_second)]
+        row += [*(it.totals[name] for name in totals), choice.label(it.deciding)]
         for limit in limits:
             # Each combination has its tightest margin first, while the columns are in the order of the best one's.
             margin = next(one for one in it.margins if one.limit == limit)

@@ -17,12 +17,12 @@ from ..programs.structure import user_code
 from ..progress import counted
 from ..tuning.corner_search import with_corners, worse_corners
 from ..tuning.evaluation import Evaluator
-from ..tuning.objective import Objective
+from ..tuning.objective import Objective, SecondObjective
 from ..tuning.problem import Problem
 from ..tuning.store import Record
 from ..tuning.tune import tune
 from ..version import version
-from .alternatives import alternatives, with_variables
+from .alternatives import alternatives, best_first, ceiling, with_variables
 from .bound import continuous_optimum
 from .catalogue import PartsCatalogue, read_catalogues
 from .choice import Choice
@@ -41,6 +41,7 @@ def choose(
     parts: Mapping[str, Any],
     *,
     objective: Objective | None = None,
+    then: SecondObjective | None = None,
     at_most: Mapping[str, Any] | None = None,
     ranking: int = 5,
     optimum: bool = True,
@@ -67,6 +68,8 @@ def choose(
       path of a CSV file. A field may be named by its last word where that is clear. ``price`` and ``mass`` are the
       part's own; their sums over the parts can be objective and limit.
     - ``objective``: in place of the problem's; it may use price and mass: ``jb.Objective({"price": 1.0})``.
+    - ``then``: in place of the problem's; it orders the combinations whose objective is within its tolerance of the
+      least, ahead of all others, and may use price and mass too.
     - ``at_most``: upper limits on price and mass, {"mass": "0.5 kg"}.
     - ``ranking``: how many of the best are told.
     - ``optimum``: whether to tune the numbers that parts set within their catalogue's range, for comparison.
@@ -83,7 +86,7 @@ def choose(
     **Returns:** a `Choice`, its numbers at tight tolerance; the same whether it was interrupted or not.
 
     **Raises:** `InputError` for what is wrong with a catalogue, a part that sets a variable or a number that scenarios
-    list, a second objective, and on resuming another choice.
+    list, and on resuming another choice.
 
     **Example:**
 
@@ -96,7 +99,7 @@ def choose(
     >>> choice.best.names, f"{choice.best.value:.1f} N"
     (('soft', 'light'), '316.2 N')
     """
-    criterion, combinations = selection(problem, parts, objective, at_most)
+    criterion, combinations = selection(problem, parts, objective, at_most, then)
     check_whole("ranking", ranking, 1)
     check_whole("tuned", tuned, 0)
     check_flag("optimum", optimum)
@@ -118,6 +121,7 @@ def selection(
     parts: Mapping[str, Any] | Sequence[PartsCatalogue],
     objective: Objective | None = None,
     at_most: Mapping[str, Any] | None = None,
+    then: SecondObjective | None = None,
 ) -> tuple[Criterion, Combinations]:
     """Return what is chosen by and from, checked. Arguments and errors are those of `choose`."""
     check_type("problem", problem, Problem, EXAMPLE)
@@ -129,7 +133,7 @@ def selection(
                 raise InputError(f"parts.{catalogue.role} sets {path}, which is among the variables too; keep one")
     check_obeyed(problem, {path: f"parts.{it.role}" for it in combinations.catalogues for path in it.paths})
     shown = dataclasses.replace(problem, units={**combinations.units, **problem.units})
-    return Criterion.of(shown, objective, at_most, combinations), combinations
+    return Criterion.of(shown, objective, at_most, combinations, then), combinations
 
 
 def ranked(
@@ -159,13 +163,21 @@ def ranked(
 
 
 def _worse_corners(choice: Choice, means: Means) -> tuple[tuple[float, ...], ...]:
-    """Return corners in which the best combination is worse than in all that it was run in, if these are not all."""
+    """Return corners in which the best combination is worse than in all that it was run in, if these are not all.
+
+    With a second objective the one with the least first objective counts as well, because it makes the ceiling.
+    """
     # Further corners only add limits, so that none of them makes an infeasible choice feasible.
     if not choice.problem.needs_search or not choice.feasible:
         return ()
-    problem = dataclasses.replace(choice.problem, design=choice.design)
-    with Evaluator(problem, means.workers, True, means.executor, means.solver) as evaluator:
-        return worse_corners(problem, evaluator, problem.start())
+    designs, rows = [choice.design], dict[tuple[float, ...], None]()
+    if choice.least is not None and choice.best is not None and choice.least.names != choice.best.names:
+        designs.append(choice.least.design)
+    for design in designs:
+        problem = dataclasses.replace(choice.problem, design=design)
+        with Evaluator(problem, means.workers, True, means.executor, means.solver) as evaluator:
+            rows |= dict.fromkeys(worse_corners(problem, evaluator, problem.start()))
+    return tuple(rows)
 
 
 def _enumerated(
@@ -190,16 +202,19 @@ def _enumerated(
             ranking=ranking,
             first=first,
             progress=means.progress,
+            second=criterion.second(combinations),
         )
         enumeration.run()
         best = [int(k) for k in enumeration.best()]
+        least = [] if criterion.then is None else [int(k) for k in enumeration.least()[:1]]
         chosen = best or [int(k) for k in enumeration.nearest() if k not in runs.misfits]
         # A combination that is asked for may not go together either, and then it has no runs to be judged by.
-        told = [k for k in dict.fromkeys([*chosen, *first]) if k not in runs.misfits]
+        told = [k for k in dict.fromkeys([*chosen, *least, *first]) if k not in runs.misfits]
         made = alternatives(criterion, runs, told, tight)
     # Those nearest to the limits stay in their order: how far they are beyond comes before the objective. One on its
-    # limit may keep it at the smaller tolerance alone.
-    order = sorted(chosen, key=lambda k: (not made[k].feasible, made[k].value if best or made[k].feasible else 0.0))
+    # limit may keep it at the smaller tolerance alone, and the ceiling is that of the smaller tolerance too.
+    highest = ceiling(criterion, [made[k] for k in (*chosen, *least)])
+    order = [chosen[place] for place in best_first(criterion, [made[k] for k in chosen], highest)]
     return Choice(
         criterion=criterion,
         catalogues=combinations.catalogues,
@@ -210,6 +225,8 @@ def _enumerated(
         tight=tight,
         reordered=order != chosen,
         identity=short_hash(identity),
+        least=made[least[0]] if least else None,
+        ceiling=highest,
     )
 
 
@@ -230,8 +247,10 @@ def with_tuned(choice: Choice, count: int, means: Means) -> Choice:
         problem = dataclasses.replace(choice.problem, design=it.design, objective=objective)
         result = tune(problem, **means.tuning(f"{TUNED}-{place + 1}"))
         made[place] = with_variables(choice.criterion, it, result)
-    order = sorted(made, key=lambda it: (not it.feasible, it.value))
-    return dataclasses.replace(choice, ranked=tuple(order))
+    # The one with the least objective makes the ceiling also where it is not ranked.
+    highest = ceiling(choice.criterion, [*made, *([] if choice.least is None else [choice.least])])
+    order = best_first(choice.criterion, made, highest)
+    return dataclasses.replace(choice, ranked=tuple(made[k] for k in order), ceiling=highest)
 
 
 def _identity(
@@ -245,7 +264,7 @@ def _identity(
         "version": version(),
         "study": problem.fingerprint(),
         "parts": hashlib.sha256(repr(parts).encode()).hexdigest()[:16],
-        "objective and limits": repr((criterion.objective, criterion.limits)),
+        "objective and limits": repr((criterion.objective, criterion.limits, criterion.then)),
         "ranking": str(ranking),
         "solver": name_of(used),
         "code": code,

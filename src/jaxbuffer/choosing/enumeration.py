@@ -1,7 +1,9 @@
 """Exact enumeration of combinations that leaves out every run which cannot change the ranking of the best.
 
 A combination is dropped as soon as one load case shows it infeasible, or beaten: the objective from the cases run so
-far, with nothing for the others, is above that of as many complete feasible combinations as are ranked.
+far, with nothing for the others, is above that of as many complete feasible combinations as are ranked. With a second
+objective it is above the ceiling as well, which is the best objective and the tolerance beside it: all below that are
+run at every load case, and the second objective orders them.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -13,6 +15,7 @@ from jaxtyping import Bool, Float, Int
 from ..tuning.evaluation import gather
 from ..tuning.goal import Goal
 from ..tuning.objective import Objective
+from .order import Second, order, within
 from .runs import Runs
 
 PILOTS = 8  # combinations that are run at every load case at first: they say which cases are the hardest
@@ -20,10 +23,12 @@ BATCH = 64  # combinations of a round at least
 
 
 class Judged(NamedTuple):
-    """What the runs of combinations at load cases say: the objective's ``value`` of each, and by how much it is above
-    its limits (``excess``, 0 where it keeps them), NaN where it was not run; ``failed``: which runs have no numbers."""
+    """What the runs of combinations at load cases say: the objective's ``value`` of each, the ``second`` one's, and by
+    how much it is above its limits (``excess``, 0 where it keeps them), NaN where it was not run; ``failed``: which
+    runs have no numbers."""
 
     value: Float[np.ndarray, "combinations cases"]
+    second: Float[np.ndarray, "combinations cases"]
     excess: Float[np.ndarray, "combinations cases"]
     failed: Bool[np.ndarray, "combinations cases"]
 
@@ -63,7 +68,7 @@ class Enumeration:
     **Arguments:** ``runs``; ``objective``: of the problem's quantities, None where ``constant`` decides alone;
     ``constant``: what price and mass add to it (combinations,); ``allowed``: which keep the limits on these;
     ``ranking``: how many of the best are told apart; ``first``: combinations that are run at every case in any event;
-    ``progress``: called with the runs done or spared so far and all there are.
+    ``progress``: called with the runs done or spared so far and all there are; ``second``: a second objective, or None.
     """
 
     def __init__(
@@ -75,13 +80,23 @@ class Enumeration:
         ranking: int,
         first: Sequence[int] = (),
         progress: Callable[[int, int], None] | None = None,
+        second: Second | None = None,
     ) -> None:
         problem = runs.problem
-        self.runs, self.objective, self.constant, self.ranking = runs, objective, constant, ranking
+        self.second = second
+        if second is not None and second.objective is not None:
+            self.second = second._replace(objective=second.objective.of(problem.main_quantity))
         self.goal, self.allowed = Goal(problem, objective or problem.objective), allowed
+        self.runs, self.constant, self.ranking = runs, constant, ranking
+        self.objective = None if objective is None else self.goal.objective
         self.cases = len(problem.cases)
         shape = len(allowed), self.cases
-        self.judged = Judged(np.full(shape, np.nan), np.full(shape, np.nan), np.zeros(shape, bool))
+        self.judged = Judged(
+            value=np.full(shape, np.nan),
+            second=np.full(shape, np.nan),
+            excess=np.full(shape, np.nan),
+            failed=np.zeros(shape, bool),
+        )
         self.lower = self.constant + self._least(self.judged.value)
         self.open, self.first, self.progress = allowed.copy(), list(first), progress
         self.order = np.arange(self.cases)
@@ -101,8 +116,14 @@ class Enumeration:
     def best(self) -> Int[np.ndarray, " ranked"]:
         """Return the best feasible combinations, the best one first; of equal ones in the order of the catalogues."""
         complete = np.flatnonzero(self.feasible)
-        order = np.argsort(self.values[complete], kind="stable")
-        return np.asarray(complete[order][: self.ranking])
+        values = self.values[complete]
+        seconds = values if self.second is None else self.seconds[complete]
+        return np.asarray(complete[order(values, seconds, self.ceiling)][: self.ranking])
+
+    def least(self) -> Int[np.ndarray, " ranked"]:
+        """Return the feasible combinations with the least objective, whatever the second one says, the least first."""
+        complete = np.flatnonzero(self.feasible)
+        return np.asarray(complete[np.argsort(self.values[complete], kind="stable")][: self.ranking])
 
     def nearest(self) -> Int[np.ndarray, " ranked"]:
         """Return combinations that were seen least far above their limits, where they were run."""
@@ -119,6 +140,14 @@ class Enumeration:
     def values(self) -> Float[np.ndarray, " combinations"]:
         """Return the objective of each combination that was run at every load case; NaN of others."""
         value = self.constant + (0.0 if self.objective is None else self._aggregated(self.judged.value))
+        return np.where(np.all(self.judged.known, axis=1), value, np.nan)
+
+    @property
+    def seconds(self) -> Float[np.ndarray, " combinations"]:
+        """Return the second objective of each combination that was run at every load case; NaN of others."""
+        assert self.second is not None
+        of_runs, constant = self.second.objective, self.second.constant
+        value = constant + (0.0 if of_runs is None else self._aggregated(self.judged.second, of_runs))
         return np.where(np.all(self.judged.known, axis=1), value, np.nan)
 
     def tally(self, verdicts: Mapping[int, bool]) -> RunTally:
@@ -148,10 +177,18 @@ class Enumeration:
         )
 
     @property
-    def threshold(self) -> float:
-        """Return the objective above which a combination is not ranked."""
-        best = self.values[self.best()]
-        return float(best[-1]) if len(best) == self.ranking else np.inf
+    def ceiling(self) -> float:
+        """Return the objective up to which the second one decides; without any feasible combination there is none."""
+        least = self.values[self.least()]
+        return np.inf if self.second is None or not len(least) else self.second.ceiling(float(least[0]))
+
+    def beaten(self, values: Float[np.ndarray, "..."]) -> Bool[np.ndarray, "..."]:
+        """Return which values of the objective are too high for the ranking."""
+        least = self.values[self.least()]
+        if len(least) < self.ranking:
+            return np.zeros(values.shape, bool)
+        above = values > least[-1]
+        return above if self.second is None else above & ~within(values, self.ceiling)
 
     @property
     def _farthest(self) -> Float[np.ndarray, " combinations"]:
@@ -188,12 +225,14 @@ class Enumeration:
             places = tuple(np.array(wanted).T)
             self.judged.excess[places] = self.goal.excess_by_case(evaluation)
             self.judged.value[places] = evaluation.quantities @ self.goal.weights(self.goal.objective)
+            if self.second is not None and self.second.objective is not None:
+                self.judged.second[places] = evaluation.quantities @ self.goal.weights(self.second.objective)
             self.judged.failed[places] = ~evaluation.solved
         least = 0.0 if self.objective is None else self._least(self.judged.value)
         self.lower = self.constant + least
         broken, complete = self._farthest > 0.0, np.all(self.judged.known, axis=1)
         # One that may still equal the last one ranked stays open: among equals the order of the catalogues decides.
-        self.open &= ~broken & ~complete & (self.lower <= self.threshold)
+        self.open &= ~broken & ~complete & ~self.beaten(self.lower)
         self._report(0)
 
     def _report(self, done: int) -> None:
@@ -217,9 +256,11 @@ class Enumeration:
         # None of these quantities can be negative, so a case that was not run counts as 0 at least.
         return self._aggregated(np.nan_to_num(values, nan=0.0))
 
-    def _aggregated(self, values: Float[np.ndarray, "combinations cases"]) -> Float[np.ndarray, " combinations"]:
-        """Return the objective of each combination from its values at all load cases."""
-        objective = self.goal.objective
+    def _aggregated(
+        self, values: Float[np.ndarray, "combinations cases"], objective: Objective | None = None
+    ) -> Float[np.ndarray, " combinations"]:
+        """Return an ``objective``, by default the first one, of each combination from its values at all load cases."""
+        objective = objective or self.goal.objective
         # The weights depend on the order of the values alone.
         weights = objective.case_weights(-np.arange(float(self.cases)))
         # A weight of zero times the infinity that stands for a missing run would be NaN.
@@ -230,7 +271,7 @@ class Enumeration:
         """Return the load cases in an order in which each drops most of the pilots that those before have left."""
         ran = np.all(self.judged.known, axis=1)
         value, excess = self.judged.value[ran], self.judged.excess[ran]
-        beaten = value + self.constant[ran, None] > self.threshold
+        beaten = self.beaten(value + self.constant[ran, None])
         if self.objective is None or self.objective.over != "worst":
             # In a mean, be it of the worst share, no single case shows that a combination is beaten.
             beaten[:] = False

@@ -62,9 +62,10 @@ WITH_QUANTITIES = (
 Quantities (each as --of QUANTITY; whole run, then the first impact's closed form, then any impact;
 those of the capture mechanism, 'jaxbuffer fields KIND' has any mechanism's):
   peak_force [N], peak_vehicle_force [N], peak_hinge_force [N], stroke [m], hinge_angle [rad], bending [m],
+  extension [m]        how far the buffer's rod goes out beyond its free position
   end_time [s], peak_time [s], peak_buffer_force [N], contact_time [s],
-  stroke_time [s], hinge_angle_time [s], peak_hinge_force_time [s], peak_buffer_force_time [s],
-  peak_latch_force_time [s]  without derivatives
+  stroke_time [s], extension_time [s], hinge_angle_time [s], peak_hinge_force_time [s],
+  peak_buffer_force_time [s], peak_latch_force_time [s]  without derivatives
   relative_energy [-]  energy of relative motion at the end over that at the start; in joules:
   energy_left [J]; over that of both vehicles at 0.1 m/s: reference_energy_left [-]
   latch_energy [J], latch_energy_share [-]  put in by the closing of the latches, and over that at the start

@@ -84,7 +84,7 @@ class BallPair(eqx.Module):
 
     radius: Scalar
     shape: Shape
-    side: Values
+    side: Values | Scalar
     law: ContactLaw
     friction: RegularisedCoulomb
 

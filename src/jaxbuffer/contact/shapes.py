@@ -6,6 +6,7 @@ import equinox as eqx
 import jax.numpy as jnp
 
 from .._types import Scalar, Values
+from ..plane.unit_vector import check_unit
 
 
 class Foot(NamedTuple):
@@ -50,6 +51,10 @@ class Segment(Shape):
     direction_x: Values | Scalar
     direction_y: Values | Scalar
     length: Scalar
+
+    def __check_init__(self) -> None:
+        """Raise `InputError` for a direction that is no unit vector: places along the segment would be wrong."""
+        check_unit("Segment: direction", self.direction_x, self.direction_y)
 
     def foot(self, x: Values | Scalar, y: Values | Scalar, side: Values | Scalar) -> Foot:
         """Return the foot on each segment.

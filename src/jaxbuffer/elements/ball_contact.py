@@ -1,6 +1,7 @@
 """A ball or a pin on one body of a system, against the segments of a shape, or a hole, on another (M29 to M36)."""
 
 import dataclasses
+from collections.abc import Callable
 from typing import NamedTuple
 
 import equinox as eqx
@@ -25,6 +26,7 @@ HYSTERESIS, FRICTION = "hysteresis", "friction"  # where contacts lose energy
 DEEPEST = 0.99  # of a ball's radius
 
 Segments = Float[Array, " segments"]
+FirstContact = Callable[[Segments, Scalar], tuple[Segments, Segments]]
 
 
 class BallState(NamedTuple):
@@ -73,8 +75,9 @@ class BallContact(Element):
       [m]; None: at the foot. That conserves no angular momentum; it is there for comparison.
     - ``memory_time``: [s]; if given, no event sets the memory: it follows the approach speed while the contact is open
       (M61).
-    - ``first_memory``: of each segment at t = 0 [m/s]; None: the approach speed there, of an open contact no less than
-      the typical speed.
+    - ``first_contact``: which segments are closed at t = 0, unless the mechanism says it, and their memory there [m/s],
+      from their approach speeds and the least memory [m/s]; None: they are open, and the memory is the approach speed,
+      of an open segment no less than the typical speed.
     - ``typical_speed``: that the mechanism's velocities are of the order of [m/s]; None: the mechanism says it.
     """
 
@@ -88,7 +91,7 @@ class BallContact(Element):
     onset_length: Scalar | None = None
     fixed_foot: Scalar | None = None
     memory_time: Scalar | None = None
-    first_memory: Segments | None = None
+    first_contact: FirstContact | None = eqx.field(static=True, default=None)
     typical_speed: Scalar | None = None
     name: str = eqx.field(static=True, default="contact")
 
@@ -134,11 +137,19 @@ class BallContact(Element):
         # A ball that spins freely begins with the spin of its body.
         return jnp.append(kin.point(self.body, self.point).spin, memory) if self.spins else memory
 
-    def after_start(self, at: BallState, own: Own, closed: Closed) -> Own:
-        # An open contact's memory only says how fast the first impact may be.
-        floor = jnp.where(closed > 0.5, self.slowest_touchdown, self._speed)
-        memory = jnp.maximum(at.approach.approach_speed, floor) if self.first_memory is None else self.first_memory
-        return self._with_memory(own, memory)
+    def closed_at_start(self, at: BallState) -> list[Scalar]:
+        if self.first_contact is None:
+            return [jnp.zeros(self.segments)]
+        return [self.first_contact(at.approach.approach_speed, self.slowest_touchdown)[0]]
+
+    def after_start(self, at: BallState, own: Own, closed: Closed) -> tuple[BallState, Own]:
+        speeds = at.approach.approach_speed
+        if self.first_contact is None:
+            # An open contact's memory only says how fast the first impact may be.
+            memory = jnp.maximum(speeds, jnp.where(closed > 0.5, self.slowest_touchdown, self._speed))
+        else:
+            memory = self.first_contact(speeds, self.slowest_touchdown)[1]
+        return at._replace(memory=memory), self._with_memory(own, memory)
 
     def _with_memory(self, own: Own, memory: Segments) -> Own:
         return jnp.concatenate([own[:1], memory]) if self.spins else memory
@@ -333,7 +344,7 @@ class BallContact(Element):
 
     def closing_directions(self, system: System, at: BallState) -> Array:
         # A ball's own spin does not change how fast its contact closes: its row is zero, and left out.
-        return self.directions(system, at)[0][: system.coordinates]
+        return self.directions(system, at)[0][: system.velocities]
 
     def stiff_force(self, at: BallState, closed: Closed) -> Scalar:
         return jnp.sum(self.contact_forces(at, closed).normal)

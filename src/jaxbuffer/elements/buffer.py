@@ -121,7 +121,7 @@ class Buffer(Element):
 
     - ``force``: the axial force, an `AxialSpringDamper` or a `BufferForce`.
     - ``longest_stroke``: at which the run ends, "bottomed" [m]; None: the way has no end.
-    - ``name``: of its force, with ``_force`` added; ``stroke``: of its stroke.
+    - ``name``: of its force, with ``_force`` added; ``stroke``: of its stroke, and of its `extension`.
     - ``stored_in``, ``lost_in``, ``rubbed_in``: names of the energies that it stores and loses in damper and friction.
     """
 
@@ -139,6 +139,11 @@ class Buffer(Element):
         curve = self.force.spring_curve if isinstance(self.force, BufferForce) else None
         # A measured curve begins at (0, 0), its first point: the secant from there to the next one is about its slope.
         return self.force.stiffness if curve is None else curve.values[1] / curve.places[1]
+
+    @property
+    def extension(self) -> str:
+        """Return the name of its extension, -s: "extension" beside "stroke", "left_extension" beside "left_stroke"."""
+        return "extension" if self.stroke == "stroke" else f"{self.stroke.removesuffix('_stroke')}_extension"
 
     @property
     def rubs(self) -> bool:
@@ -176,13 +181,19 @@ class Buffer(Element):
 
     @property
     def observed(self) -> tuple[str, ...]:
-        return (f"{self.name}_force", self.stroke)
+        return (f"{self.name}_force", self.stroke, self.extension)
 
     def observables(self, at: BufferState, closed: Closed) -> dict[str, Scalar]:
-        return {f"{self.name}_force": jnp.abs(self.force.tension(at.kin)), self.stroke: at.stroke}
+        force = jnp.abs(self.force.tension(at.kin))
+        return {f"{self.name}_force": force, self.stroke: at.stroke, self.extension: -at.stroke}
+
+    @property
+    def lower_bounds(self) -> dict[str, float]:
+        return {self.extension: 0.0}  # of a rod that never goes out beyond its free position
 
     def roundoff(self) -> dict[str, Scalar]:
-        return {f"{self.name}_force": ROUNDED_LENGTH * self.stiffness_at_rest, self.stroke: ROUNDED_LENGTH}
+        lengths = dict.fromkeys((self.stroke, self.extension), ROUNDED_LENGTH)
+        return {f"{self.name}_force": ROUNDED_LENGTH * self.stiffness_at_rest, **lengths}
 
     def recorded(self, at: BufferState, closed: Closed) -> dict[str, Scalar]:
         return {f"{self.name}_force": self.force.tension(at.kin)}  # with its sign: negative where it is pushed in
@@ -214,6 +225,7 @@ class BufferReport(Report[Buffer]):
         return [
             (f"peak {self.words} force", f"{largest(run, force):.6g} N{reached(run, force)}"),
             (buffer.stroke.replace("_", " "), f"{_mm(largest(run, buffer.stroke))}{of}{reached(run, buffer.stroke)}"),
+            *((buffer.extension.replace("_", " "), text) for text in (extension_text(run, buffer.extension),) if text),
         ]
 
     def panels(self, run: Any) -> list[Panel]:
@@ -230,8 +242,15 @@ class BufferReport(Report[Buffer]):
         return (EnergyShare(friction, f"lost in the {friction}", (buffer.rubbed_in,)),) if buffer.rubs else ()
 
 
+def extension_text(run: Any, name: str = "extension") -> str:
+    """Return in words how far a buffer's rod goes out beyond its free position, and when; "" where it never does."""
+    longest = largest(run, name)
+    return f"{_mm(longest)} beyond the free length{reached(run, name)}" if longest > LEAST_SHOWN else ""
+
+
 def _mm(length: Scalar, digits: int = 6) -> str:
     return f"{1e3 * float(length):.{digits}g} mm"
 
 
+LEAST_SHOWN = 1e-9  # m; a shorter extension is rounding
 PIECES = 0.2  # see `Buffer.tolerance_share`

@@ -7,8 +7,17 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._types import Scalar
-from ..multibody import GROUND, DrivenAngle, Kinematics, Load, Point, SpringDirection, TorsionalSpringDamper, turn_at
-from ..multibody.joints import Row
+from ..multibody import (
+    GROUND,
+    DrivenAngle,
+    Kinematics,
+    Load,
+    Point,
+    Row,
+    SpringDirection,
+    TorsionalSpringDamper,
+    turn_at,
+)
 from .element import Closed, Element, Magnitudes, Own
 
 TORQUES = ("drive_torque", "braking_torque")

@@ -63,9 +63,9 @@ class Impacts(eqx.Module):
         """Return the approach speed of each at its last touchdown [m/s]."""
         return jnp.zeros(0)
 
-    def closing_directions(self, system: System, at: Any) -> Float[Array, "coordinates contacts"]:
+    def closing_directions(self, system: System, at: Any) -> Float[Array, "velocities contacts"]:
         """Return columns b with δ̇ = b·q̇, how fast each contact closes."""
-        return jnp.zeros((system.coordinates, 0))
+        return jnp.zeros((system.velocities, 0))
 
     def penetration(self, force: Scalar) -> Scalar:
         """Return the depth [m] at which the contact's spring alone exerts a force [N]."""
@@ -105,9 +105,14 @@ class Element(Impacts, SteppingHints):
         """Return the values of `variables` at t = 0."""
         return jnp.zeros(len(self.variables))
 
-    def after_start(self, at: Any, own: Own, closed: Closed) -> Own:
-        """Return `variables` at t = 0, where it is known which switches are closed then."""
-        return own
+    def closed_at_start(self, at: Any) -> list[Scalar]:
+        """Return which switches are closed at t = 0 unless the mechanism says it, 1 or 0 each, or a row of all: those
+        beyond their place, which no event would close."""
+        return [jnp.where(jnp.asarray(gap) < 0.0, 1.0, 0.0) for gap, _ in self.gaps(at)]
+
+    def after_start(self, at: Any, own: Own, closed: Closed) -> tuple[Any, Own]:
+        """Return ``at`` and `variables` at t = 0, where it is known which switches are closed then."""
+        return at, own
 
     def scales(self, size: Magnitudes) -> list[Scalar]:
         """Return the magnitude below which an error does not matter, for each of `variables`."""

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
 from .._types import Scalar
@@ -226,11 +227,6 @@ class Latch(Element):
         return _size(self.force(at, closed))
 
     @property
-    def invariant_share(self) -> float:
-        """Return less than one: until the bodies are at rest there are hundreds of long steps, whose errors add up."""
-        return 0.4
-
-    @property
     def report(self) -> "LatchReport":
         return LatchReport(self)
 
@@ -248,6 +244,13 @@ class LatchReport(Report[Latch]):
         most = f"{self.words} force at most {largest(run, force):.6g} N{strength}{reached(run, force)}"
         heading = "latched" if latch.name == "latch" else f"{self.words} closed"
         return [(heading, f"at {closed:.6g} s{held}; {most}")]
+
+    def moments(self, run: Any) -> dict[str, float]:
+        latch = self.element
+        # With a closing time they are closed some time after the point has crossed the plane.
+        slow = float(np.asarray(latch.closing_time)) > 0.0
+        closed = run.switch_times.get(f"{latch.name} closed", math.nan) if slow else closed_at(run, latch.name)
+        return {f"{self.words} closed": closed}
 
     def panels(self, run: Any) -> list[Panel]:
         latch = self.element

@@ -1,5 +1,6 @@
 """What a summary, a figure and a page say of an element: a class beside its physics."""
 
+from collections.abc import Mapping
 from typing import Any, Generic, NamedTuple, TypeVar
 
 from .picture import Panel
@@ -38,6 +39,11 @@ class Report(Generic[E]):
     def panels(self, run: Any) -> list[Panel]:
         """Return panels of a figure of a run that has a history."""
         return []
+
+    def moments(self, run: Any) -> Mapping[str, float]:
+        """Return when the element does something that a picture should show [s], by what happens in words; NaN of what
+        does not happen."""
+        return {}
 
     def warnings(self, run: Any) -> list[str]:
         """Return a line for each limit of validity that a run exceeds."""

@@ -58,8 +58,3 @@ class SteppingHints(eqx.Module):
     def tolerance_share(self) -> float:
         """Return the share of a run's tolerance that steps keep to: less where a force is not smooth."""
         return 1.0
-
-    @property
-    def invariant_share(self) -> float:
-        """Return the share of the usual change of energy that a step may make: less where runs are long."""
-        return 1.0

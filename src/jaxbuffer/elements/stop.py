@@ -1,5 +1,6 @@
 """A stop at either end of an axial element's way (M28, M174), also of rubber (M183)."""
 
+import math
 from typing import Any, ClassVar, NamedTuple
 
 import equinox as eqx
@@ -164,6 +165,12 @@ class EndStopReport(Report[EndStop]):
         force = f"{stop.name}_force"
         most = f", at most {largest(run, force):.6g} N{reached(run, force)}" if stop.watched else ""
         return [(self.words, f"from {1e3 * float(stop.place):.6g} mm on{most}")]
+
+    def moments(self, run: Any) -> dict[str, float]:
+        name = f"{self.element.name}_force"
+        if not self.element.watched:
+            return {}
+        return {f"{self.words} pressed most": run.maximum_times.get(name, math.nan)}
 
     def warnings(self, run: Any) -> list[str]:
         stop = self.element

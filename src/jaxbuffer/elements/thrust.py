@@ -1,19 +1,16 @@
 """A thrust that pushes a body along an axis of its own for a while (M178)."""
 
-import math
 from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
 
 from .._types import Scalar
-from ..errors import InputError
 from ..multibody import Kinematics, Load
 from ..plane import Frame, Vector
+from ..plane.unit_vector import check_unit
 from .element import Closed, Element, Magnitudes, Own, Switch
 from .report import Report
-
-UNIT = 1e-6  # how far the length of an axis may be from 1, as of digits that were typed
 
 
 class ThrustState(NamedTuple):
@@ -41,10 +38,7 @@ class Thrust(Element):
 
     def __check_init__(self) -> None:
         """Raise `InputError` for an axis that is no unit vector: the force would be another than ``size``."""
-        length = math.hypot(*self.axis)
-        if not abs(length - 1.0) <= UNIT:
-            message = f"{self.name}: axis {self.axis} is no unit vector; its length is {length:g}: divide both by that"
-            raise InputError(message)
+        check_unit(f"{self.name}: axis", *self.axis)
 
     @property
     def variables(self) -> tuple[str, ...]:

@@ -86,7 +86,7 @@ class Indices:
 
 def sobol_indices(
     sample: Sample,
-    quantities: Sequence[str] = ("peak_force",),
+    quantities: Sequence[str] | None = None,
     *,
     confidence: float = 0.95,
     resamples: int = 999,
@@ -101,7 +101,7 @@ def sobol_indices(
     **Arguments:**
 
     - ``sample``: its numbers count as independent, each evenly spread over its range on its scale.
-    - ``quantities``: names of quantities that samples have.
+    - ``quantities``: names of quantities that samples have (default: the mechanism's main one).
     - ``confidence`` [-] of the intervals, by ``resamples`` of the rows (percentile bootstrap), drawn with ``seed``.
 
     **Returns:** `Indices`. An interval tells of the sample's size, not of what a response surface misses.
@@ -119,7 +119,8 @@ def sobol_indices(
     """
     check_number("confidence", confidence, "", low=0.0, high=1.0, low_open=True, high_open=True)
     check_whole("resamples", resamples, 99)
-    names, axes = check_names("quantities", quantities, "peak_force"), sample.grid.axes
+    main, axes = sample.main_quantity, sample.grid.axes
+    names = check_names("quantities", (main,) if quantities is None else quantities, main)
     for name in names:
         sample.check_varies(name, "indices")
     how = (confidence, resamples, seed)

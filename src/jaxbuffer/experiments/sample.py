@@ -13,12 +13,14 @@ from rich.table import Table
 from .._types import DataFrame, Dataset, Scalar
 from ..errors import InputError, check_flag, suggest
 from ..fields import Part
+from ..files import user_path
 from ..hybrid import Solver
 from ..labelled.arrays import frame
 from ..run.request import DEFAULT_TOLERANCE
 from ..run.trust import scales
 from ..sweeps.columns import RunTable
 from ..sweeps.result import Sweep, SweepInterrupted
+from ..sweeps.store import check_vacant
 from ..sweeps.summary import summary
 from ..sweeps.sweep import sweep
 from ..sweeps.table import sweep_rows
@@ -27,6 +29,8 @@ from .points import METHODS, Points, points
 from .ranges import ranges as checked_ranges
 
 ROUNDING = 1e-7  # relative: a tenth of a run's default tolerance, below which differences are no effect
+
+RESULT = ("sample.json", "sample.csv", "sample.txt", "sample.nc")  # files of a finished sample
 
 
 @dataclasses.dataclass(frozen=True)
@@ -124,6 +128,7 @@ def sample(
     workers: int | None = None,
     progress: Callable[[int, int], None] | bool | None = None,
     folder: str | Path | None = None,
+    force: bool = False,
     resume: bool = False,
     save: bool = True,
 ) -> Sample:
@@ -139,8 +144,8 @@ def sample(
       indices off without a response surface.
     - ``seed``: the same one, the same points.
     - ``duration`` [s], ``solver``, ``rtol`` [-]: as for `simulate`.
-    - ``trust``, ``executor``, ``workers``, ``progress``, ``folder``, ``resume``, ``save``: as for `sweep`; the verdicts
-      are ``verdicts``.
+    - ``trust``, ``executor``, ``workers``, ``progress``, ``folder``, ``force``, ``resume``, ``save``: as for `sweep`;
+      the verdicts are ``verdicts``.
 
     **Returns:** a `Sample`; runs that fail say so in their outcome and leave the others alone.
 
@@ -156,7 +161,10 @@ def sample(
     ('log', 'linear')
     """
     spread = points(checked_ranges(ranges, design, scenario), count, method, seed)
-    options: dict[str, Any] = {"solver": solver, "rtol": rtol, "trust": trust, "folder": folder, "resume": resume}
+    options: dict[str, Any] = {"solver": solver, "rtol": rtol, "trust": trust, "folder": folder}
+    options |= {"force": force, "resume": resume}
+    if save and folder is not None and not resume:
+        check_vacant(user_path(folder), RESULT, force)
     check_flag("save", save)
     options |= {"executor": executor, "workers": workers, "progress": progress}
     drawn = sample_at(spread, design, scenario, duration, **options)

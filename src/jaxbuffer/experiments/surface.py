@@ -153,14 +153,15 @@ class Surface:
 
 
 def response_surface(
-    sample: Sample, quantity: str = "peak_force", kind: str = "automatic", *, folds: int = FOLDS, seed: int = 0
+    sample: Sample, quantity: str | None = None, kind: str = "automatic", *, folds: int = FOLDS, seed: int = 0
 ) -> Surface:
     """Fit a quantity of a sample, and measure what the fit misses at runs it has not seen.
 
     **Arguments:**
 
     - ``sample``: runs that failed, or ended otherwise than they should, are left out and counted.
-    - ``quantity``: one that samples have; its logarithm is fitted where all its values are positive.
+    - ``quantity``: one that samples have (default: the mechanism's main one); its logarithm is fitted where
+      all its values are positive.
     - ``kind``: "quadratic" (a polynomial of order 2 in the ranges' shares), "gaussian_process" (Matérn covariance of
       order 5/2, a length a range, and noise), or "automatic": the one that misses less.
     - ``folds``: parts of the runs, each predicted by a fit to the others; shuffled with ``seed``.
@@ -183,6 +184,7 @@ def response_surface(
 
     check_choice("kind", kind, KINDS)
     check_whole("folds", folds, 2)
+    quantity = sample.main_quantity if quantity is None else quantity
     values, good = sample.quantity(quantity), sample.succeeded
     good = good & np.isfinite(values)
     places, known, count = sample.grid.shares[good], values[good], len(sample.grid.axes)

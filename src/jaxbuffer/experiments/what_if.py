@@ -11,6 +11,7 @@ from jaxtyping import Bool, Float
 
 from ..errors import check_type, check_whole
 from ..fields import as_displayed, get, unit_at
+from ..mechanisms.quantity import END_TIME
 from ..tuning.cases import Case, Distribution
 from ..tuning.evaluation import Evaluation, Evaluator
 from ..tuning.problem import Problem
@@ -23,7 +24,6 @@ LEAST, MOST = 32, 4096
 WIDTHS = (0.2, 0.1, 0.05)  # of each variable's range to either side of the design; the next where one is not good
 GOOD = 0.02  # the largest relative miss with which a model's numbers are shown
 MOST_CASES = 12
-END_TIME = "end_time"
 ROWS = 8  # between two reports of progress
 
 
@@ -315,7 +315,7 @@ def _ends_runs(problem: Problem, name: str) -> bool:
     own = problem.quantities.get(name)
     if own is not None:
         return any(_ends_runs(problem, parameter) for parameter in own.parameters)
-    return name == END_TIME or bool(problem.mechanism.quantities[name].awaits)
+    return name == problem.mechanism.name_of(END_TIME) or bool(problem.mechanism.quantities[name].awaits)
 
 
 def _factors(problem: Problem) -> Mapping[str, Distribution]:

@@ -2,12 +2,15 @@
 
 import dataclasses
 import functools
+import math
 import operator
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Bool
 
 from .._types import Scalar
@@ -172,12 +175,31 @@ class Part(Portable):
 
         A part with a `check_together` of its own overrides this too.
         """
+        ranged = list[tuple[Any, Mapping[str, Any]]]()
         for field in dataclasses.fields(self):
             value = getattr(self, field.name)
             if isinstance(value, Part | Curve):
                 yield from value.in_range()
             elif "unit" in field.metadata and value is not None:
-                yield inside(value, **field.metadata["limits"])
+                ranged.append((value, field.metadata["limits"]))
+        if ranged and all(isinstance(value, jax.core.Tracer) and not value.ndim for value, _ in ranged):
+            # Compiled together: there are a hundred of them.
+            yield jnp.all(_inside_each([value for value, _ in ranged], [limits for _, limits in ranged]))
+            return
+        for value, limits in ranged:
+            yield inside(value, **limits)
+
+
+def _inside_each(values: Sequence[Any], limits: Sequence[Mapping[str, Any]]) -> Any:
+    """Return which traced numbers are `inside` the range of each."""
+    numbers = jnp.stack([jnp.asarray(value, float) for value in values])
+    most = float(np.finfo(numbers.dtype).max)  # no number that is finite is larger
+    least, largest = np.empty(len(values)), np.empty(len(values))
+    for k, it in enumerate(limits):
+        low, high = it.get("low", -math.inf), it.get("high", math.inf)
+        least[k] = max(np.nextafter(low, math.inf) if it.get("low_open") else low, -most)
+        largest[k] = min(np.nextafter(high, -math.inf) if it.get("high_open") else high, most)
+    return (numbers >= least) & (numbers <= largest)
 
 
 def all_of(conditions: Iterable[Bool[Array, ""]]) -> Bool[Array, ""]:

@@ -38,7 +38,7 @@ def recorded_quantities(design: Part, scenario: Part | None = None) -> dict[str,
         system = mechanism.system(design, scenario, 20.0)
         at, closed = system.first_evaluation()
         history = jax.tree.map(lambda x: jnp.asarray(x)[None], history_at(system, jnp.zeros(()), closed, at.state))
-        names = mechanism.view.names(design)
+        names = mechanism.names(design)
         units.update({column_name(it.name): it.unit for it in series(history, names)})
 
     # Traced without numbers: names and units are known before anything is compiled or run.

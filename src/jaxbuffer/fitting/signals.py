@@ -132,7 +132,7 @@ def _block(mechanism: Mechanism, parts: Any, numbers: Array, given: Any, chosen:
         # Neither the duration nor the tolerance matters between steps that are there.
         system = _moved(mechanism, parts, numbers, paths, 1.0, 1e-6, 0).system
         history = history_within(system, start, end, times, closed, before, after)
-        known = {column_name(it.name): it.values for it in series(history, mechanism.view.names(parts[0]))}
+        known = {column_name(it.name): it.values for it in series(history, mechanism.names(parts[0]))}
         return jnp.stack([known[name] for name in names])
 
     states = before[:, 0], after[:, 0]

@@ -5,9 +5,11 @@ from .loop.log import Kind as Kind
 from .loop.log import Log as Log
 from .loop.log import Steps as Steps
 from .loop.loop import Result as Result
+from .loop.loop import Start as Start
 from .loop.loop import run as run
 from .loop.state import Status as Status
 from .options import Options as Options
+from .rungekutta.controller import LEAST_TOLERANCE as LEAST_TOLERANCE
 from .rungekutta.controller import Controller as Controller
 from .rungekutta.controller import StepTolerance as StepTolerance
 from .rungekutta.diffrax_solver import Diffrax as Diffrax

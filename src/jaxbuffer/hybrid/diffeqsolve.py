@@ -18,7 +18,7 @@ from jaxtyping import Array, Bool, Float, Int
 from .diffrax_problem import VectorField, closed, terms
 from .locate_events import Path, locate_events
 from .loop.log import Kind, Log, Steps
-from .loop.loop import Result
+from .loop.loop import Result, Start
 from .loop.state import Status
 from .options import Options
 from .rungekutta.diffrax_solver import Diffrax
@@ -68,8 +68,7 @@ class TangentField(eqx.Module):
     def gaps(self, y: Columns, args: Tangents) -> tuple[Array, Array]:
         """Return the distance of each contact [m], and how fast it closes [m/s]."""
         system, state = self.build(args.primal), y[:, 0]
-        n = system.coordinates
-        gap, rate = jax.jvp(system.gaps, (state,), (jnp.zeros_like(state).at[:n].set(state[n : 2 * n]),))
+        gap, rate = jax.jvp(system.gaps, (state,), (system.moving(state),))
         return gap, -rate
 
     def highest_terminal(self, t: Any, y: Columns, args: Tangents, **_: Any) -> Float[Array, ""]:
@@ -95,9 +94,10 @@ def run_by_diffeqsolve(
     The system must have a smooth contact law: nothing happens to its state at a touchdown.
     """
     duration = jnp.asarray(duration, float)
-    path, solution = _solved(build, tangents, duration, options, allowed)
+    begin, active = tangents.start(lambda primal: build(primal).start())
+    options = options.shared(build(tangents.primal))
+    path, solution = _solved(build, tangents, columns(begin), duration, options, allowed)
     system, alone = build(tangents.primal), path.alone()
-    _, active = system.start()
     log, status = locate_events(system, alone, active, options.max_events, _status(system, alone, solution))
     if allowed is not None:
         status = jnp.where(allowed, status, Status.INPUT)
@@ -113,12 +113,13 @@ def run_by_diffeqsolve(
     rows = lambda at: jnp.swapaxes(at, -1, -2)[..., : 1 + tangents.count, :]  # noqa: E731
     log = dataclasses.replace(log, rows=rows(events), rates=rows(rates))
     steps = _history(system, path, log, events, status, options.keep, rows)
-    return Result(status, log, steps, solution.stats["num_steps"], path.steps + 1)
+    return Result(status, Start(begin[None], active), log, steps, solution.stats["num_steps"], path.steps + 1)
 
 
 def _solved(
     build: Callable[[P], HybridSystem],
     tangents: Tangents[P],
+    start: Columns,
     duration: Float[Array, ""],
     options: Options,
     allowed: Bool[Array, ""] | None,
@@ -127,7 +128,6 @@ def _solved(
     system, solver, tolerance = build(tangents.primal), options.solver, options.tolerance
     assert isinstance(solver, Diffrax)
     field = TangentField(build)
-    start = columns(tangents.start(lambda primal: build(primal).start()[0]))
     controller = OntoTouchdowns(
         rtol=tolerance.rtol,
         atol=tolerance.atol * system.scales()[:, None],

@@ -5,7 +5,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._types import Scalar
-from .system import State
+from .system import HybridSystem, State
 
 ROUNDED = 1e-6  # of a step
 
@@ -52,14 +52,16 @@ def quintic(
 
 
 def state_within(
-    coordinates: int, start: tuple[State, State], end: tuple[State, State], step: Scalar, x: Scalar
+    system: HybridSystem, start: tuple[State, State], end: tuple[State, State], step: Scalar, x: Scalar
 ) -> State:
     """Return the state at the fraction x of a ``step`` [s], from the state and its rate at both ends.
 
-    Of so many ``coordinates`` the second derivatives are known too: they are quintic, the velocities that follow them
-    in the state are the quintics' derivative. All else is cubic.
+    Of the coordinates the second derivatives are known too: they are quintic, the velocities are those with which the
+    quintics move. All else is cubic.
     """
-    (y0, f0), (y1, f1), n = start, end, coordinates
-    rest = cubic(y0[2 * n :], y1[2 * n :], step * f0[2 * n :], step * f1[2 * n :], x)
-    moving = quintic((y0[:n], f0[:n], f0[n : 2 * n]), (y1[:n], f1[:n], f1[n : 2 * n]), step, x)
-    return jnp.concatenate([*moving, rest])
+    (y0, f0), (y1, f1), n = start, end, system.coordinates
+    after = n + system.velocities
+    rest = cubic(y0[after:], y1[after:], step * f0[after:], step * f1[after:], x)
+    first, last = ((y[:n], f[:n], system.position_acceleration(y, f)) for y, f in (start, end))
+    q, rate = quintic(first, last, step, x)
+    return jnp.concatenate([q, system.position_rate(q).velocity(rate), rest])

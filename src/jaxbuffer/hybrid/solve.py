@@ -156,10 +156,11 @@ def _differentiable_jvp(primals: tuple, tangents: tuple) -> tuple[Result, Result
     return _of_state(result), _moved(result, values, moves)
 
 
-def _sizes(values: list[Array]) -> list[Array]:
+def _sizes(values: list[Array]) -> Float[Array, " values"]:
     """Directions are relative (d/d ln p) where there is a value to be relative to: rows of like size share a
     tolerance."""
-    return [jnp.where(value == 0.0, 1.0, jnp.abs(value)) for value in values]
+    all_of = jnp.stack(values)
+    return jnp.where(all_of == 0.0, 1.0, jnp.abs(all_of))
 
 
 def _of_state(result: Result) -> Result:
@@ -169,23 +170,27 @@ def _of_state(result: Result) -> Result:
 
 def _moved(result: Result, values: list[Array], moves: list[Array]) -> Result:
     """Return how the result changes with ``moves`` of the values."""
-    shares = [None if move is None else move / size for move, size in zip(moves, _sizes(values), strict=True)]
+    chosen = [k for k, move in enumerate(moves) if move is not None]
+    sizes = _sizes(values)[np.array(chosen, int)]
+    shares = jnp.stack([jnp.asarray(moves[k], float) for k in chosen]) / sizes
 
     def moved(rows: Array) -> Array:
-        terms = [rows[:, 1 + k, None] * share for k, share in enumerate(shares) if share is not None]
-        return sum(terms, start=jnp.zeros_like(rows[:, :1]))
+        # A product of arrays is one operation for all values, and so is its transpose.
+        return jnp.einsum("k,ski->si", shares, rows[:, 1 + np.array(chosen, int)])[:, None]
 
     none, change = jax.tree.map(lambda _: None, result), _with_rows(result, moved)
     return none._replace(
+        start=none.start._replace(rows=change.start.rows),
         log=dataclasses.replace(none.log, rows=change.log.rows, rates=change.log.rates),
         steps=dataclasses.replace(none.steps, rows=change.steps.rows if result.steps.time.shape[0] else None),
     )
 
 
 def _with_rows(result: Result, of: Callable[[Array], Array]) -> Result:
-    log, steps = result.log, result.steps
+    start, log, steps = result.start, result.log, result.steps
+    start = start._replace(rows=of(start.rows))
     log = dataclasses.replace(log, rows=of(log.rows), rates=of(log.rates))
-    return result._replace(log=log, steps=dataclasses.replace(steps, rows=of(steps.rows)))
+    return result._replace(start=start, log=log, steps=dataclasses.replace(steps, rows=of(steps.rows)))
 
 
 def _stepper(options: Options) -> Callable[..., Result]:

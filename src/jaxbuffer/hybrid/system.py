@@ -8,6 +8,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from .._types import Scalar
+from ..basis import PositionRate
 
 # Times the rate of a follower, for `Linearisation.fastest`: explicit steps are then shorter than the way from a maximum
 # of its acceleration's size to the next minimum, a quarter of its period, and no maximum hides between their ends.
@@ -52,8 +53,9 @@ class Linearisation(eqx.Module):
     """The stiff part of the velocities' equation: ẇ ≈ -X (K B_qᵀ δq + C Bᵀ δw), of low rank.
 
     ``directions`` B: how each of ``rank`` scalar forces acts on the velocities w (its first rows, B_q, on the
-    coordinates' own); ``response`` X: the accelerations a unit of each causes, constraints included; ``stiffness`` K
-    and ``damping`` C: how the forces answer to motion. Only forces that act on coordinates alone may have a stiffness.
+    coordinates' own; where q̇ = N w, of ``position_rate``, they take N⁻¹ δq for δq); ``response`` X: the accelerations a
+    unit of each causes, constraints included; ``stiffness`` K and ``damping`` C: how the forces answer to motion. Only
+    forces that act on coordinates alone may have a stiffness.
     ``decay`` [1/s]: rates at which what follows the velocities in the state decays by itself, None for zeros;
     ``followers``: oscillators there.
     """
@@ -65,6 +67,7 @@ class Linearisation(eqx.Module):
     coordinates: int = eqx.field(static=True)
     decay: Float[Array, " rest"] | None = None
     followers: PassiveOscillators | None = None
+    position_rate: PositionRate = PositionRate()
 
     @staticmethod
     def none(velocities: int, coordinates: int) -> "Linearisation":
@@ -83,7 +86,7 @@ class Linearisation(eqx.Module):
         The sums over the forces are traces of X C Bᵀ and X K B_qᵀ: no smaller than their largest eigenvalue, and near
         it where one force is stiffest. Of one mode neither root of λ² + d λ + k exceeds max(d, √k).
         """
-        n, moved = self.coordinates, self.directions * self.response
+        n, moved = self.coordinates - self.position_rate.surplus, self.directions * self.response
         damping = jnp.sum(jnp.diagonal(self.damping) * jnp.sum(moved, axis=0))
         stiffness = jnp.sum(jnp.diagonal(self.stiffness) * jnp.sum(moved[:n], axis=0))
         fastest = jnp.maximum(damping, jnp.sqrt(jnp.maximum(stiffness, 0.0)))
@@ -112,8 +115,28 @@ class HybridSystem(eqx.Module):
 
     @property
     def coordinates(self) -> int:
-        """Return how many coordinates the state begins with; as many velocities, their rates, follow."""
+        """Return how many coordinates the state begins with; `velocities` follow."""
         raise NotImplementedError
+
+    @property
+    def velocities(self) -> int:
+        """Return how many velocities follow the coordinates: as many, where they are the coordinates' rates."""
+        return self.coordinates
+
+    def position_rate(self, q: Float[Array, " coordinates"]) -> PositionRate:
+        """Return how the coordinates change with the velocities, q̇ = N(q) v: in the plane q̇ is v itself."""
+        return PositionRate()
+
+    def moving(self, state: State) -> State:
+        """Return the rate of the coordinates within a state, zero for all that follows them."""
+        n, m = self.coordinates, self.velocities
+        return jnp.zeros_like(state).at[:n].set(self.position_rate(state[:n]).of(state[n : n + m]))
+
+    def position_acceleration(self, state: State, rate: State) -> Float[Array, " coordinates"]:
+        """Return q̈ from a state and its rate."""
+        n, m = self.coordinates, self.velocities
+        of = lambda q, v: self.position_rate(q).of(v)  # noqa: E731
+        return jax.jvp(of, (state[:n], state[n : n + m]), (rate[:n], rate[n : n + m]))[1]
 
     @property
     def jumps(self) -> bool:
@@ -213,13 +236,20 @@ class HybridSystem(eqx.Module):
     def watched(self, state: State, rate: State, active: Active) -> EventValues:
         """Return `gaps` and what follows it, together; a mechanism may look at the state once for all of them. Nothing
         needs to know how the invariant changes: it may be held fixed."""
-        n = self.coordinates
         # Gaps depend on the coordinates alone, so the velocities are all of the motion that counts.
-        motion = jnp.zeros_like(state).at[:n].set(state[n : 2 * n])
-        gap, gap_rate = jax.jvp(self.gaps, (state,), (motion,))
+        gap, gap_rate = jax.jvp(self.gaps, (state,), (self.moving(state),))
         # The push-forward that gives the rates of all else stops here: the invariant's own rate is of no use.
         invariant = self.invariant(jax.lax.stop_gradient(state), active)
         return EventValues(gap, gap_rate, self.terminals(state), self.observables(state, rate, active), invariant)
+
+    def event_time(self, state: State, rtol: Scalar) -> Scalar:
+        """Return how closely steps of a run from a state end on events [s], at a relative tolerance.
+
+        A force that begins τ late with the 3/2 power of time gives an impact of duration T the fraction (τ/T)^{5/2}
+        less impulse, which is held to a hundredth of the tolerance; one that begins with a jump τ/T.
+        """
+        duration = 15.0 * self.impact_step(state)
+        return duration * (rtol if self.jumps else (0.01 * rtol) ** 0.4)
 
     def impact_step(self, state: State) -> Float[Array, ""]:
         """Return a first step after a touchdown [s]: a fifteenth of the impact's duration."""

@@ -16,8 +16,9 @@ from ..elements.stiff_terms import inverse_masses
 from ..errors import InputError
 from ..hybrid import Linearisation
 from ..multibody import Kinematics, System
+from ..multibody.scalars import with_scalars
 from ..plane import Vector
-from .checks import check_magnitudes, check_names
+from .assembly_checks import check_constraints, check_magnitudes, check_names, known
 from .energies import added, momentum, stored_energies, supplied_energies
 from .energy import Energy
 from .equations import Forces, forces_of, rate_of_state
@@ -42,11 +43,11 @@ class Assembled(ContactSystem):
     **Arguments:** ``system``: bodies, joints and force elements; the elements' driving joints are added to its own;
     ``q``, ``v``: positions and velocities at t = 0, on the constraints; ``elements``: parts between the bodies, see
     `jaxbuffer.elements`; ``closed``: which contacts that have impacts, and then which of the elements' other switches,
-    are closed at t = 0 (default: those that are beyond their place, of contacts that have impacts none); ``ends``:
-    quantities whose crossing of zero upwards ends the run (so do elements); ``end_names``: of each, the name of the
-    outcome that it stands for, among the mechanism's outcomes ("ended" unless given); ``rest_threshold``: if given, the
-    run ends as "held" where all that closes once has closed and the energy of relative motion is below this share of
-    that at t = 0 (M177); ``size``: magnitudes that matter of the coordinates and of the velocities, one or one each;
+    are closed at t = 0 (default: what each element says, see `Element.closed_at_start`); ``ends``: quantities whose
+    crossing of zero upwards ends the run (so do elements); ``end_names``: of each, the name of the outcome that it
+    stands for, among the mechanism's outcomes ("ended" unless given); ``rest_threshold``: if given, the run ends as
+    "held" where all that closes once has closed and the energy of relative motion is below this share of that at t = 0
+    (M177); ``size``: magnitudes that matter of the coordinates and of the velocities, one or one each;
     ``speed`` [m/s]: that velocities are of the order of (default: the second of ``size``); ``shown``: further
     observables; ``recorded``: what a history shows besides; ``parts``: whatever these need to know; ``energy_size``
     [J]: magnitude of the energy; if given, steps must also keep the energy balance; ``momentum_size`` [kg m/s]: that of
@@ -79,8 +80,10 @@ class Assembled(ContactSystem):
     impulsive_reactions: bool = eqx.field(static=True, default=True)
 
     def __post_init__(self) -> None:
-        """Tell the elements the speed of the mechanism, and add their driving joints to those of the system."""
-        self.elements = tuple(element.in_mechanism(self.typical_speed) for element in self.elements)
+        """Make numbers of the elements' arrays of one entry, tell them the speed of the mechanism, and add their
+        driving joints to those of the system."""
+        elements = with_scalars(self.elements)
+        self.elements = tuple(element.in_mechanism(self.typical_speed) for element in elements)
         mine = tuple(joint for element in self.elements if (joint := element.driving_joint) is not None)
         there = sum(joint.driven for joint in self.system.joints)
         if mine and not there:
@@ -106,8 +109,9 @@ class Assembled(ContactSystem):
             )
         if sum(isinstance(element, Oscillators) for element in self.elements) > 1:
             raise InputError("there are several Oscillators: put all of them into one, which implicit steps then know")
-        numbers = (self.system, self.q, self.v, self.elements, self.size, self.parts)
-        check_magnitudes(self, {"rest_threshold": self.rest_threshold}, numbers, dimensions=np.ndim(self.q))
+        if known((self.system, self.q, self.v, self.elements, self.size, self.parts), dimensions=np.ndim(self.q)):
+            check_constraints(self.system, self.q, self.v)
+            check_magnitudes(self, {"rest_threshold": self.rest_threshold})
 
     # --- the state's layout -------------------------------------------------------------------------------------------
 
@@ -241,10 +245,6 @@ class Assembled(ContactSystem):
     def tolerance_share(self) -> float:
         return min((element.tolerance_share for element in self.elements), default=1.0)
 
-    @property
-    def invariant_change(self) -> float:
-        return super().invariant_change * min((element.invariant_share for element in self.elements), default=1.0)
-
     # --- one instant --------------------------------------------------------------------------------------------------
 
     def kinematics(self, state: State) -> Kinematics:
@@ -255,8 +255,19 @@ class Assembled(ContactSystem):
         return self.system.kinematics(state[places["q"]], state[places["v"]], time)
 
     def evaluate(self, state: State) -> EvaluatedState:
-        kin, layout = self.kinematics(state), self.layout
-        elements = (element.evaluate(kin, layout.own(state, k)) for k, element in enumerate(self.elements))
+        return self._evaluated(state, self.kinematics(state))
+
+    def evaluate_contacts(self, state: State) -> EvaluatedState:
+        # An element without switches opens and closes nothing.
+        return self._evaluated(state, self.kinematics(state), switching=True)
+
+    def _evaluated(self, state: State, kin: Kinematics, switching: bool = False) -> EvaluatedState:
+        """Return an evaluated state; ``switching``: whether elements without switches are left out."""
+        layout = self.layout
+        elements = (
+            None if switching and not element.switches else element.evaluate(kin, layout.own(state, k))
+            for k, element in enumerate(self.elements)
+        )
         return EvaluatedState(state, kin, tuple(elements))
 
     def start(self) -> tuple[State, Closed]:
@@ -266,11 +277,13 @@ class Assembled(ContactSystem):
     def first_evaluation(self) -> tuple[EvaluatedState, Closed]:
         kin = self.system.kinematics(self.q, self.v)
         own = [element.start(kin) for element in self.elements]
-        at = self.evaluate(self._start_state(own))
+        at = self._evaluated(self._start_state(own), kin)
         closed = self._start_closed(at)
         parts = zip(self.elements, at.elements, own, self.layout.of_elements(closed), strict=True)
-        own = [element.after_start(it, mine, active) for element, it, mine, active in parts]
-        at = self.evaluate(self._start_state(own))
+        # A state is evaluated once: an element that changes its numbers says what that changes of it.
+        after = [element.after_start(it, mine, active) for element, it, mine, active in parts]
+        state = self._start_state([mine for _, mine in after])
+        at = at._replace(state=state, elements=tuple(it for it, _ in after))
         if self.rest_threshold is not None:
             # A run ends as held below a share of the first energy (M177), which therefore stands in the state.
             energy = self.relative_energy(at, closed)
@@ -282,14 +295,13 @@ class Assembled(ContactSystem):
         return self.layout.state(q=self.q, v=self.v, lost=nothing, first_energy=0.0, own=own, time=0.0)
 
     def _start_closed(self, at: EvaluatedState) -> Closed:
-        """Return which contacts and switches are closed at t = 0: those that are said to be. Of the others the contacts
-        that have impacts are open, and a switch is closed where the start is beyond its place: no event would close
-        it."""
+        """Return which contacts and switches are closed at t = 0: those that are said to be, and of the others what
+        their elements say."""
         given = jnp.asarray(self.closed, float)
         if given.shape[0] == self.contact_count:
             return given
-        beyond = jnp.where(self.gaps_at(at)[0][self.impact_contacts :] < 0.0, 1.0, 0.0)
-        default = jnp.concatenate([jnp.zeros(self.impact_contacts), beyond])
+        parts = zip(self.elements, at.elements, strict=True)
+        default = self.layout.of_switches([element.closed_at_start(it) for element, it in parts])
         return jnp.concatenate([given, default[given.shape[0] :]])
 
     def contact_forces(self, at: EvaluatedState, active: Closed) -> tuple[ContactForces, ...]:
@@ -297,13 +309,17 @@ class Assembled(ContactSystem):
         closed = self.layout.of_elements(active)
         return tuple(self.elements[k].contact_forces(at.elements[k], closed[k]) for k in self.layout.impacting)
 
-    def forces(self, at: EvaluatedState, active: Closed) -> Forces:
-        """Return what acts at an instant."""
-        return forces_of(self.system, self.layout, at, active)
+    def forces(self, at: EvaluatedState, active: Closed, directions: Array | None = None) -> Forces:
+        """Return what acts at an instant. ``directions``: of the masses, a column each."""
+        return forces_of(self.system, self.layout, at, active, directions)
 
-    def derivative(self, time: Scalar, state: State, active: Closed) -> State:
-        at = self.evaluate(state)
+    def rate_at(self, at: EvaluatedState, active: Closed) -> State:
         return self._rate(at, active, self.forces(at, active))
+
+    def rate_and_masses(self, at: EvaluatedState, active: Closed, directions: Array) -> tuple[State, Array]:
+        acting = self.forces(at, active, directions)
+        assert acting.masses is not None
+        return self._rate(at, active, acting), acting.masses
 
     def _rate(self, at: EvaluatedState, active: Closed, acting: Forces) -> State:
         """Return the rate of the state."""
@@ -312,14 +328,15 @@ class Assembled(ContactSystem):
     def gaps_at(self, at: EvaluatedState) -> tuple[Closed, Closed]:
         """Return the gap of each contact and each switch [m], and how fast it closes [m/s]; of what is over after some
         time the time left [s], and how fast that passes."""
-        of = [element.gaps(it) for element, it in zip(self.elements, at.elements, strict=True)]
+        parts = zip(self.elements, at.elements, strict=True)
+        of = [element.gaps(it) if element.switches else [] for element, it in parts]
         gaps = self.layout.of_switches([[gap for gap, _ in pairs] for pairs in of])
         return gaps, self.layout.of_switches([[speed for _, speed in pairs] for pairs in of])
 
     def touchdown(self, state: State, acceleration: Float[Array, ""], contact: Int[Array, ""]) -> State:
-        changed = [k for k, element in enumerate(self.elements) if element.resets]
+        changed = [k for k, element in enumerate(self.elements) if element.switches and element.resets]
         if changed:
-            at, before = self.evaluate(state), state
+            at, before = self.evaluate_contacts(state), state
             # At the crossing itself, a first-order step away from the located state.
             late, speed = self.until_contact_at(at, contact)
             speed = speed + acceleration * late
@@ -417,8 +434,8 @@ class Assembled(ContactSystem):
         parts = zip(self.elements, at.elements, self.layout.of_elements(active), strict=True)
         return sum((element.stiff_force(*part) for element, *part in parts), start=jnp.zeros(()))
 
-    def momentum(self, state: State) -> tuple[Float[Array, " 2"], Float[Array, ""]]:
-        return momentum(self.system, self.layout, self.kinematics(state), state)
+    def momentum_at(self, at: EvaluatedState) -> tuple[Float[Array, " 2"], Float[Array, ""]]:
+        return momentum(self.system, self.layout, at)
 
     def constraint_errors(self, kin: Kinematics) -> Float[Array, " rows"]:
         return self.system.errors(kin)

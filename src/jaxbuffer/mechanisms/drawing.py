@@ -211,9 +211,8 @@ def stations(first: int) -> tuple[int, ...]:
     return tuple(range(first, first + STATIONS))
 
 
-def plain_drawing(design: Part | None, bodies: tuple[str, ...] = ()) -> Drawing:
-    """Return a cross, 1 cm wide, at the origin of every body that is named."""
-    arm = 5e-3  # m
+def plain_drawing(design: Part | None, bodies: tuple[str, ...] = (), arm: float = 5e-3) -> Drawing:
+    """Return a cross, each ``arm`` [m] long, at the origin of every body that is named."""
     crosses = []
     for number, name in enumerate(bodies):
         for part, corners in ((name, [[-arm, 0.0], [arm, 0.0]]), ("", [[0.0, -arm], [0.0, arm]])):

@@ -6,7 +6,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._types import Scalar, stacked
-from ..multibody import Kinematics, System
+from ..multibody import System
 from .layout import Closed, EvaluatedState, Layout, State
 
 
@@ -32,15 +32,13 @@ def supplied_energies(layout: Layout, state: State) -> dict[str, Scalar]:
     return supplied
 
 
-def momentum(
-    system: System, layout: Layout, kin: Kinematics, state: State
-) -> tuple[Float[Array, " 2"], Float[Array, ""]]:
+def momentum(system: System, layout: Layout, at: EvaluatedState) -> tuple[Float[Array, " 2"], Float[Array, ""]]:
     """Return linear [kg m/s] and angular momentum about the origin [kg m²/s], without what came from outside."""
-    linear, angular = system.linear_momentum(kin), system.angular_momentum(kin)
-    for inertia, spin in layout.spinning(state):
+    linear, angular = system.linear_momentum(at.kin), system.angular_momentum(at.kin)
+    for inertia, spin in layout.spinning(at.state):
         angular = angular + inertia * spin
     for k, element in enumerate(layout.elements):
-        impulse = element.impulse(layout.own(state, k))
+        impulse = element.impulse(layout.own(at.state, k))
         if impulse is not None:  # what came from outside is no error
             linear, angular = linear - stacked([impulse[0].x, impulse[0].y]), angular - impulse[1]
     return linear, angular

@@ -2,6 +2,8 @@
 
 from typing import Any, NamedTuple
 
+from jaxtyping import Array
+
 from .._types import Scalar
 from ..multibody import Kinematics, Motion, System
 from .energies import added
@@ -9,20 +11,27 @@ from .layout import Closed, EvaluatedState, Layout, State
 
 
 class Forces(NamedTuple):
-    """What acts at one instant: the ``elements`` with their forces, and accelerations and multipliers of the bodies."""
+    """What acts at one instant: the ``elements`` with their forces, accelerations and multipliers of the bodies, and,
+    where it is asked for, the mass that a force along each of some directions meets [kg]."""
 
     elements: tuple[Any, ...]
     motion: Motion
+    masses: Array | None = None
 
 
-def forces_of(system: System, layout: Layout, at: EvaluatedState, active: Closed) -> Forces:
-    """Return what acts in an evaluated state. ``active``: closed contacts and switches."""
+def forces_of(
+    system: System, layout: Layout, at: EvaluatedState, active: Closed, directions: Array | None = None
+) -> Forces:
+    """Return what acts in an evaluated state. ``active``: closed contacts and switches; ``directions``: of the masses,
+    a column each."""
     closed = layout.of_elements(active)
     each = zip(layout.elements, at.elements, closed, strict=True)
     forces = tuple(element.with_forces(it, mine) for element, it, mine in each)
     acting = zip(layout.elements, forces, closed, strict=True)
     loads = [load for element, it, mine in acting for load in element.loads(it, mine)]
-    return Forces(forces, system.motion(at.kin, tuple(loads)))
+    if directions is None:
+        return Forces(forces, system.motion(at.kin, tuple(loads)))
+    return Forces(forces, *system.motion_and_masses(at.kin, tuple(loads), directions))
 
 
 def rate_of_state(

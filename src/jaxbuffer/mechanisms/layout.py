@@ -4,16 +4,15 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import jax.numpy as jnp
-import numpy as np
 from jaxtyping import Array, Float
 
 from .._types import Scalar, stacked
 from ..elements import Element, Switch
 from ..multibody import Coordinates, Kinematics
+from ..multibody.coordinates import Numbers
 
 State = Float[Array, " state"]
 Closed = Float[Array, " contacts"]
-Numbers = Array | np.ndarray
 Values = Array | Sequence[Scalar]
 
 

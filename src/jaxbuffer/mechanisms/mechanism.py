@@ -1,7 +1,8 @@
 """A mechanism: its physics, requests for runs of it, and who steps them. What is told of it is its `View`."""
 
 import dataclasses
-from collections.abc import Callable, Collection, Iterable, Mapping
+import itertools
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple, Protocol
 
 import jax
@@ -9,21 +10,24 @@ import numpy as np
 from jaxtyping import Array, Bool
 
 from .._types import Scalar
-from ..errors import InputError, inside
-from ..fields import NON_NEGATIVE, POSITIVE, Part, all_of, get
-from ..hybrid import Options
+from ..errors import InputError, check_known, inside
+from ..fields import NON_NEGATIVE, POSITIVE, Part, all_of, get, paths
+from ..hybrid import LEAST_TOLERANCE, Options
 from .outcome import RunOutcome, Simulated
-from .quantity import END_TIME, PEAK_FORCE, Catalogue
+from .quantity import Catalogue, Quantity, of_impact
+from .reading import Reader
 from .system import ContactSystem
-from .view import View
+from .view import Names, View
 
-TOLERANCES = {"low": 1e-13, "high": 1e-2}
+TOLERANCES = {"low": LEAST_TOLERANCE, "high": 1e-2}
 LIMITS: dict[str, dict[str, Any]] = {
     "duration": POSITIVE,
     "rtol": TOLERANCES,
     "atol": TOLERANCES,
     "stabilisation": NON_NEGATIVE,
 }
+DERIVED, MAPPED = 2, 4  # how many quantities are differentiated, and drawn of a sweep, where nothing is said
+PARAMETERS = 6  # how many numbers they are differentiated by then
 Parameters = tuple[Any, Any, Scalar]  # design, scenario, Baumgarte's gain [1/s]
 Tolerances = tuple[Scalar, Scalar]  # rtol and atol [-]
 
@@ -32,18 +36,19 @@ Tolerances = tuple[Scalar, Scalar]  # rtol and atol [-]
 class Defaults:
     """What is used where a call or a study does not say.
 
-    ``duration`` [s]; ``parameters`` to differentiate by and ``differentiated`` quantities; ``grid`` of a sweep, as TOML
-    writes it, and ``mapped``: the quantities drawn of one; ``variables`` of a tuning with their bounds, as TOML writes
-    them, and ``limits`` it keeps to; ``success``: how runs should end, in a word, None for the first of the
-    mechanism's successes; ``with_part``: those that are others for a design that has a number at a path;
-    ``example``: values that an example study has beside the design's defaults, with ``example_limits`` of its own.
+    ``duration`` [s]; ``parameters`` to differentiate by and ``differentiated`` quantities, () for the first ones;
+    ``grid`` of a sweep, as TOML writes it, and ``mapped``: the quantities drawn of one, the main one first, () for the
+    first ones that sweeps have; ``variables`` of a tuning with their bounds, as TOML writes them, and ``limits`` it
+    keeps to; ``success``: how runs should end, in a word, None for the first of the mechanism's successes;
+    ``with_part``: those that are others for a design that has a number at a path; ``example``: values that an example
+    study has beside the design's defaults, with ``example_limits`` of its own.
     """
 
     duration: float = 1.0
     parameters: tuple[str, ...] = ()
-    differentiated: tuple[str, ...] = ("peak_force", "end_time")
+    differentiated: tuple[str, ...] = ()
     grid: Mapping[str, Any] = dataclasses.field(default_factory=dict)
-    mapped: tuple[str, ...] = ("peak_force", "penetration", "end_time", "contact_time")
+    mapped: tuple[str, ...] = ()
     variables: Mapping[str, Any] = dataclasses.field(default_factory=dict)
     limits: Mapping[str, float] = dataclasses.field(default_factory=dict)
     success: str | None = None
@@ -57,11 +62,15 @@ class LowerBound:
     """What limits a tuned peak force from below: the first impact, which the tuned parts do not soften.
 
     ``first_impact``: its closed form from design and scenario, with ``elastic_peak`` [N], ``effective_energy`` [J] and
-    ``duration`` [s]; ``compliant_parts``: paths of the parts that are taken away to find it.
+    ``duration`` [s]; ``compliant_parts``: paths of the parts that are taken away to find it; ``elasticities``: of the
+    elastic peak by the design's numbers, by path, from design and scenario; ``quantities``: further largest values
+    that the first impact alone reaches, however soft the compliant parts are.
     """
 
     first_impact: Callable[[Any, Any], Any]
     compliant_parts: tuple[str, ...]
+    elasticities: Callable[[Any, Any], Mapping[str, float]] = lambda design, scenario: {}
+    quantities: tuple[str, ...] = ()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -209,6 +218,7 @@ class Mechanism:
     - ``outcomes``: how runs end; ``successes``: the outcomes of which a tuned design must have one, () for any;
     - ``check_fit``: raises `InputError` where design and scenario do not fit; ``valid``: the same of traced numbers;
     - ``run``: makes the `Run` of what was `Solved`, None for a plain one;
+    - ``reader``: what that reads off single instants of a run, None for nothing;
     - ``smooth``: from design and scenario to a design that needs no events, for `diffrax.diffeqsolve`;
     - ``defaults`` of calls and studies; ``tuning``: what tuning needs besides; ``view``: what is told and drawn.
     """
@@ -224,6 +234,7 @@ class Mechanism:
     check_fit: Callable[[Any, Any], None] = lambda design, scenario: None
     valid: Callable[[Any, Any], Bool[Array, ""]] = plain_valid
     run: Callable[[Any, Any], Any] | None = None
+    reader: Reader | None = None
     smooth: Callable[[Any, Any], Any] = no_smooth_law
     # No compiled program depends on these: see `programs.identity.Description`.
     defaults: Defaults = dataclasses.field(default=Defaults(), compare=False)
@@ -231,11 +242,16 @@ class Mechanism:
     view: View = dataclasses.field(default=View(), compare=False)
 
     def __post_init__(self) -> None:
-        """Add what is read of every run, where the mechanism does not list it: no sweep, objective or limit uses it."""
-        every = {"peak_force": PEAK_FORCE, "end_time": END_TIME}
-        hidden = {name: it._replace(swept=False, tuned=False) for name, it in every.items()}
-        missing = {name: it for name, it in hidden.items() if name not in self.quantities}
-        object.__setattr__(self, "quantities", {**self.quantities, **missing})
+        """Complete the defaults by the first of the mechanism's own quantities. **Raises:** `InputError` for defaults
+        that name others."""
+        smooth = tuple(name for name, quantity in self.quantities.items() if quantity.differentiable)
+        differentiated = self.defaults.differentiated or smooth[:DERIVED]
+        mapped = self.defaults.mapped or self.swept[:MAPPED]
+        where = f"mechanism {self.name}, Defaults"
+        check_known((it for it in differentiated if of_impact(it) is None), self.quantities, f"{where}.differentiated")
+        check_known(mapped, self.swept, f"{where}.mapped")
+        defaults = dataclasses.replace(self.defaults, differentiated=differentiated, mapped=mapped)
+        object.__setattr__(self, "defaults", defaults)
 
     @property
     def success(self) -> str | None:
@@ -288,8 +304,12 @@ class Mechanism:
         return self.defaults_for(design, varied).duration
 
     def parameters(self, design: Part) -> tuple[str, ...]:
-        """Return the paths to differentiate by where nothing is said: those at which a design has a number."""
-        return tuple(path for path in self.defaults.parameters if get(design, path) is not None)
+        """Return the paths to differentiate by where nothing is said: those at which a design has a number; of a
+        mechanism that names none the first ones of the design."""
+        if self.defaults.parameters:
+            return tuple(path for path in self.defaults.parameters if get(design, path) is not None)
+        numbers = (path for path in paths(design) if isinstance(get(design, path), float))
+        return tuple(itertools.islice(numbers, PARAMETERS))
 
     def variables(self, design: Part) -> dict[str, Any]:
         """Return the variables of a tuning where nothing is said, with their bounds: those that a design has."""
@@ -298,6 +318,24 @@ class Mechanism:
     def always(self, design: Part) -> dict[str, float]:
         """Return the limits that every tuned design keeps: those on parts that this one has."""
         return {name: limit for name, limit in self.tuning.always.items() if self.has(name, design)}
+
+    def names(self, design: Part) -> Names:
+        """Return what the parts of a design are called; where nothing is said of what else a history has, those of the
+        mechanism's quantities that it has under their names."""
+        names = self.view.names(design)
+        own = {name: quantity.unit for name, quantity in self.quantities.items()}
+        return names if names.others else dataclasses.replace(names, others=own)
+
+    def main_quantity(self, names: Sequence[str], design: Part | None = None) -> str:
+        """Return which of some ``names`` stands for a run where nothing is said: the first that is drawn of a sweep, or
+        else the first of them; "" of no names."""
+        return next((name for name in (*self.defaults_for(design).mapped, *names) if name in names), "")
+
+    def name_of(self, common: Quantity) -> str | None:
+        """Return the name under which the mechanism has a quantity that many have, such as `PEAK_FORCE`; None where it
+        has not."""
+        # Its description and its uses may be the mechanism's own: what it reads off a run makes it what it is.
+        return next((name for name, it in self.quantities.items() if it.of is common.of), None)
 
     @property
     def swept(self) -> tuple[str, ...]:

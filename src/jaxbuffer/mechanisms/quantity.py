@@ -51,7 +51,7 @@ class Quantity(NamedTuple):
 
 Catalogue = Mapping[str, Quantity]
 
-# what every mechanism with impacts has
+# what a mechanism with impacts may have, under any name: `Mechanism.name_of` finds them
 PEAK_FORCE = Quantity(
     "N", lambda run: run.peak_force, "largest contact force", "peak contact force", swept=True, tuned=True
 )
@@ -70,11 +70,13 @@ END_TIME = Quantity("s", lambda run: run.end_time, "end of the run", "end time",
 CONTACT_TIME = Quantity("s", lambda run: run.contact_time, "time in contact", "contact time", swept=True)
 DISSIPATED = Quantity("J", lambda run: run.energy.dissipated, "energy lost altogether", "energy lost")
 
-IMPACT_UNITS = {"peak_force": "N", "approach_speed": "m/s", "time": "s", "release_time": "s"}
+IMPACT_PEAK = "peak_force"  # the field of an impact that is its largest force
+IMPACT_UNITS = {IMPACT_PEAK: "N", "approach_speed": "m/s", "time": "s", "release_time": "s"}
 LOAD_UNITS = {"effective_energy": "J", "compression_end": "s"}
 OF_IMPACT = IMPACT_UNITS | LOAD_UNITS
 """What can be asked of each impact, as in "impact.3.peak_force"; impacts count from 1. Every run has the first ones;
 the others are computed where they are asked for (`Loads`)."""
+EXAMPLE = f"impact.1.{IMPACT_PEAK}"
 
 
 class OfImpact(NamedTuple):
@@ -94,7 +96,7 @@ def of_impact(name: str) -> OfImpact | None:
     number, _, field = name.removeprefix("impact.").partition(".")
     # Digits of other scripts are decimal, too.
     if not (number.isdecimal() and number.isascii() and int(number) >= 1):
-        raise InputError(f"{name}: {number!r} is not an impact's number; they count from 1, as in impact.1.peak_force")
+        raise InputError(f"{name}: {number!r} is not an impact's number; they count from 1, as in {EXAMPLE}")
     if field not in OF_IMPACT:
         raise InputError(f"{name} is unknown; an impact has {', '.join(OF_IMPACT)}{suggest(field, OF_IMPACT)}")
     return OfImpact(int(number) - 1, field)
@@ -127,10 +129,8 @@ def check_differentiable(catalogue: Catalogue, names: Sequence[str]) -> tuple[st
 
 def check_quantities(catalogue: Catalogue, names: Sequence[str]) -> tuple[str, ...]:
     """Return the names, once it is sure that all exist. **Raises:** `InputError` with the nearest name otherwise."""
-    names = check_names("quantities", names, "peak_force")
+    names = check_names("quantities", names, next(iter(catalogue), EXAMPLE))
     for name in names:
         if name not in catalogue and of_impact(name) is None:
-            raise InputError(
-                f"quantity {name} is unknown{suggest(name, [*catalogue, 'impact.1.peak_force'], _meaning(catalogue))}"
-            )
+            raise InputError(f"quantity {name} is unknown{suggest(name, [*catalogue, EXAMPLE], _meaning(catalogue))}")
     return names

@@ -22,7 +22,7 @@ def rigid_energy(system: System, kin: Kinematics, spins: Sequence[tuple[Scalar, 
     """
     linear = system.linear_momentum(kin)
     angular = system.angular_momentum(kin) + sum(inertia * spin for inertia, spin in spins)
-    turning = system.kinematics(kin.q, _turning(system, kin))
+    turning = kin.moving(_turning(system, kin))
     arm = system.linear_momentum(turning)  # M times (-Y, X), of the centre of mass
     # About the origin.
     inertia = system.angular_momentum(turning) + sum(inertia for inertia, _ in spins)

@@ -18,6 +18,7 @@ from ..labelled.arrays import frame
 from ..labelled.saved import Saved
 from ..programs.cache import Static, stored
 from ..tables import summary_html
+from ..value_text import range_text
 from .cautions import cautions
 from .energy import Balance, Energy
 from .history import History
@@ -27,6 +28,7 @@ from .mechanism import Mechanism
 from .outcome import RunOutcome
 from .plain_summary import plain_summary
 from .quantity import LOAD_UNITS, OfImpact, check_quantities, of_impact
+from .reading import Reading
 from .registry import mechanism_of
 from .run_arrays import history_columns, run_dataset
 
@@ -316,14 +318,20 @@ class Run(Portable, Saved):
         return "\n".join([first, *notes, *rest, *(f"  {line}" for line in self.diagnosis)])
 
     def _batch_text(self) -> str:
-        """Return how many runs ended how, and the range of the largest contact force."""
-        outcomes, (codes, forces) = self.mechanism.outcomes, map(np.asarray, (self.code, self.peak_force))
+        """Return how many runs ended how, and the range of the main quantity."""
+        outcomes, codes = self.mechanism.outcomes, np.asarray(self.code)
         ends = ", ".join(
             f"{count} {outcomes(code).name}" for code, count in sorted(Counter(codes.ravel().tolist()).items())
         )
         text = f"{type(self).__name__}: a batch of {codes.size} runs: {ends}"
-        known = forces[np.isfinite(forces)]
-        return f"{text}; peak force {known.min():.6g} to {known.max():.6g} N" if known.size else text
+        if not (name := self.mechanism.main_quantity(self.mechanism.swept)):
+            return text
+        quantity = self.mechanism.quantities[name]
+        values = np.asarray(quantity.of(self))
+        known, (symbol, factor) = values[np.isfinite(values)], quantity.in_figures
+        if not known.size:
+            return text
+        return f"{text}; {name.replace('_', ' ')} {range_text(factor * known.min(), factor * known.max(), symbol)}"
 
     def _repr_html_(self) -> str:
         return summary_html(repr(self))
@@ -351,7 +359,8 @@ class DesignOf(Part, Generic[R]):
 class Solved(NamedTuple):
     """What the time stepping found of a run, and what was read off: for `Mechanism.run`.
 
-    ``parameters``: design, scenario and Baumgarte's gain [1/s]; ``duration`` [s]; ``start``: the first evaluated state;
+    ``parameters``: design, scenario and Baumgarte's gain [1/s]; ``duration`` [s]; ``start``, ``end``, ``event``: what
+    is read off at start and end of the run, and at the event of the mechanism's `Reader` (the end without one);
     ``result`` of the time stepping; ``log``: its events with derivatives as they move; ``code`` of the outcome;
     ``known``: 1, or NaN for a failed run, a factor so that derivatives are NaN too; ``common``: the fields of every
     `Run`, by name.
@@ -359,7 +368,9 @@ class Solved(NamedTuple):
 
     parameters: tuple[Any, Any, Scalar]
     duration: Scalar
-    start: Any
+    start: Reading
+    end: Reading
+    event: Reading
     result: Result
     log: Log
     code: Int[Array, ""]

@@ -73,13 +73,13 @@ def history_columns(run: Any) -> dict[str, np.ndarray]:
     if run.history is None:
         raise InputError("the run has no history; jb.simulate(…, history=True) keeps one")
     history: Any = jax.tree.map(np.asarray, run.history)
-    columns = series(history, run.mechanism.view.names(run.design))
+    columns = series(history, run.mechanism.names(run.design))
     return {heading("time", "s"): history.time} | {heading(it.name, it.unit): it.values for it in columns}
 
 
 def run_dataset(run: Any) -> Dataset:
     """Return a run that is solved as a dataset, as `Run.to_xarray` says."""
-    mechanism, names = run.mechanism, run.mechanism.view.names(run.design)
+    mechanism, names = run.mechanism, run.mechanism.names(run.design)
     variables = {**_numbers(run, names), **_impacts(run, names)}
     energies = tuple(run.energy.names)
     energy = jax.tree.map(np.asarray, run.energy)

@@ -62,6 +62,19 @@ class ContactSystem(HybridSystem):
         """Return a state evaluated once: it has ``state`` and ``kin``, the bodies' `Kinematics`."""
         raise NotImplementedError
 
+    def rate_at(self, at: Any, active: Active) -> State:
+        """Return the `derivative` of an evaluated state."""
+        raise NotImplementedError
+
+    def rate_and_masses(self, at: Any, active: Active, directions: Array) -> tuple[State, Array]:
+        """Return `rate_at`, and the mass that a force along each of the ``directions``, a column each, meets through
+        the joints [kg]."""
+        raise NotImplementedError
+
+    def evaluate_contacts(self, state: State) -> Any:
+        """Return a state evaluated for its gaps, its contacts' forces and its constraints alone."""
+        return self.evaluate(state)
+
     def gaps_at(self, at: Any) -> tuple[Active, Active]:
         """Return the distance of each contact [m], and how fast it closes [m/s]."""
         raise NotImplementedError
@@ -69,6 +82,10 @@ class ContactSystem(HybridSystem):
     def inverse_masses_at(self, at: Any) -> Float[Array, "contacts contacts"]:
         """Return A M_c⁻¹ Aᵀ along the normals of the contacts that have impacts [1/kg] (M200)."""
         raise NotImplementedError
+
+    def normal_force(self, state: State, active: Active) -> Float[Array, " contacts"]:
+        """Return `normal_force_at` a state."""
+        return self.normal_force_at(self.evaluate_contacts(state), active)
 
     def normal_force_at(self, at: Any, active: Active) -> Float[Array, " contacts"]:
         """Return F_n [N] of the contacts that have impacts."""
@@ -119,7 +136,7 @@ class ContactSystem(HybridSystem):
         """Return the momentum [kg m/s] that changes are compared with; None where the ground takes part."""
         return None
 
-    def momentum(self, state: State) -> tuple[Float[Array, " 2"], Float[Array, ""]]:
+    def momentum_at(self, at: Any) -> tuple[Float[Array, " 2"], Float[Array, ""]]:
         """Return linear [kg m/s] and angular momentum about the origin [kg m²/s]."""
         raise NotImplementedError
 
@@ -142,8 +159,15 @@ class ContactSystem(HybridSystem):
         """Return δ̇⁻, the approach speed at the last touchdown, of each contact that has impacts [m/s]."""
         raise NotImplementedError
 
+    def derivative(self, time: Scalar, state: State, active: Active) -> State:
+        return self.rate_at(self.evaluate(state), active)
+
+    def momentum(self, state: State) -> tuple[Float[Array, " 2"], Float[Array, ""]]:
+        """Return `momentum_at` a state."""
+        return self.momentum_at(self.evaluate(state))
+
     def gaps(self, state: State) -> Active:
-        return self.gaps_at(self.evaluate(state))[0]
+        return self.gaps_at(self.evaluate_contacts(state))[0]
 
     def touching(self, active: Active) -> Bool[Array, ""]:
         return jnp.any(active[: self.impact_contacts] > 0.5)
@@ -166,7 +190,7 @@ class ContactSystem(HybridSystem):
 
     def time_to_contact(self, state: State, contact: Int[Array, ""]) -> Float[Array, ""]:
         """Return gap / δ̇ of one contact [s]."""
-        return self.until_contact_at(self.evaluate(state), contact)[0]
+        return self.until_contact_at(self.evaluate_contacts(state), contact)[0]
 
     def until_contact_at(self, at: Any, contact: Int[Array, ""]) -> tuple[Array, Array]:
         """Return gap / δ̇ [s] and δ̇ [m/s] of one contact."""

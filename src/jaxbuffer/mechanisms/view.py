@@ -9,9 +9,10 @@ import jax
 import numpy as np
 
 from ..fields import Part, paths, unit
+from ..labelled.record import heading
 from ..value_text import degrees_text, with_unit
 from .drawing import Drawing, plain_drawing
-from .picture import Meshed, Panel
+from .picture import Meshed, Panel, PanelCurve
 from .validity import ValidityLimit
 
 
@@ -68,6 +69,21 @@ def _shown(scenario: Part, name: str) -> str:
     return with_unit(float(value), symbol, 4) if symbol else str(value)
 
 
+def plain_panels(run: Any) -> list[Panel]:
+    """Return what the elements of a run with a history show; where they show nothing, the mechanism's quantities that
+    the history has."""
+    if panels := [panel for it in run.elements for panel in it.report.panels(run)]:
+        return panels
+    others = run.history.others
+    for name, quantity in run.mechanism.quantities.items():
+        if name in others:
+            symbol, factor = quantity.in_figures
+            title = quantity.title or name.replace("_", " ")
+            curve = PanelCurve("", factor * np.asarray(others[name]))
+            panels.append(Panel(title.capitalize(), heading(title, symbol), (curve,), whole=True, to_end=True))
+    return panels
+
+
 @dataclasses.dataclass(frozen=True)
 class View:
     """What is told and drawn of a mechanism; all of it has a plain default.
@@ -86,12 +102,13 @@ class View:
       rules out, such as a tip that misses the cone;
     - ``limitations``: what the model leaves out, a line each, and where it is told; ``limitations_without``: what it
       leaves out of a design without a part, the part's path and a line each; ``warnings``: a line for each limit
-      that a run exceeds, by default those of its elements; ``validity``: the same limits for many runs, from design,
-      peak forces [N] and penetrations [m];
+      that a run exceeds, by default those of its elements; ``validity``: the same limits for many runs, from a
+      design and what is known of their quantities, an array by name;
     - ``chaotic``: whether small differences grow until later impacts cannot be known, so that the command line tells
       how many of them are (`jb.horizon`);
-    - ``panels``: what to draw of a run, by default what its elements show; ``meshes``: its elements at some times of a
-      run, or at a few telling ones; ``drawing``: what a design looks like, from it and its bodies' names.
+    - ``panels``: what to draw of a run, by default what its elements show, or else its quantities; ``meshes``: its
+      elements at some times of a run, or at a few telling ones; ``drawing``: what a design looks like, from it and its
+      bodies' names.
     """
 
     title: str = "Run"
@@ -111,9 +128,9 @@ class View:
     limitations: tuple[str, ...] = ()
     limitations_without: tuple[tuple[str, str], ...] = ()
     warnings: Callable[[Any], list[str]] = lambda run: [line for it in run.elements for line in it.report.warnings(run)]
-    validity: Callable[..., list[ValidityLimit]] = lambda design, peak_force, penetration=None: []
+    validity: Callable[[Any, Mapping[str, Any]], list[ValidityLimit]] = lambda design, quantities: []
     chaotic: bool = False
-    panels: Callable[[Any], list[Panel]] = lambda run: [panel for it in run.elements for panel in it.report.panels(run)]
+    panels: Callable[[Any], list[Panel]] = plain_panels
     meshes: Callable[..., list[Meshed]] = lambda run, times=None: []
     drawing: Callable[[Any, tuple[str, ...]], Drawing] = plain_drawing
 

@@ -1,7 +1,9 @@
-"""Planar bodies, rigid and flexible: joints, force elements, the augmented index-1 system. Knows no contact."""
+"""Bodies in the plane and in space: joints, force elements, the augmented index-1 system. Knows no contact."""
 
 from .body import Body as Body
 from .coordinates import Coordinates as Coordinates
+from .cross import CrossSpringDamper as CrossSpringDamper
+from .cross import CrossState as CrossState
 from .flexible_body import FlexibleBody as FlexibleBody
 from .forces import AppliedForce as AppliedForce
 from .forces import AppliedTorque as AppliedTorque
@@ -21,13 +23,17 @@ from .joints import Joint as Joint
 from .joints import PointOnLine as PointOnLine
 from .joints import Prismatic as Prismatic
 from .joints import Revolute as Revolute
-from .joints import Row as Row
+from .joints import Spherical as Spherical
+from .joints import Universal as Universal
 from .joints import Weld as Weld
 from .kinematics import GROUND as GROUND
 from .kinematics import Block as Block
 from .kinematics import Kinematics as Kinematics
 from .kinematics import MaterialPoint as MaterialPoint
 from .kinematics import Point as Point
+from .primitives import CoincidentPoints as CoincidentPoints
+from .primitives import PerpendicularVectors as PerpendicularVectors
+from .primitives import Row as Row
 from .system import ConstraintRows as ConstraintRows
 from .system import Motion as Motion
 from .system import System as System

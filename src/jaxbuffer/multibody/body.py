@@ -1,8 +1,9 @@
-"""A rigid body in the plane."""
+"""A rigid body."""
 
 import equinox as eqx
 
 from .._types import Scalar
+from ..space.basis import Inertia
 from .flexible.modes import Marker
 
 
@@ -10,11 +11,11 @@ class Body(eqx.Module):
     """A rigid body.
 
     - ``mass``: [kg].
-    - ``inertia``: about its centre of mass [kg m²].
+    - ``inertia``: about its centre of mass; in space (x, y, z), about its axes, which are principal ones [kg m²].
     """
 
     mass: Scalar
-    inertia: Scalar
+    inertia: Scalar | Inertia
 
     @property
     def centre_of_mass(self) -> tuple[Scalar, Scalar] | Marker:

@@ -17,6 +17,7 @@ class FlexibleBody(Body):
     - ``modes``: its mode shapes' integrals, stiffness and damping.
     """
 
+    inertia: Scalar
     modes: ComponentModes
 
     def __init__(self, modes: ComponentModes):

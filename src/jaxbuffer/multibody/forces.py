@@ -6,9 +6,11 @@ from typing import NamedTuple
 import equinox as eqx
 import jax.numpy as jnp
 
+from .. import space
 from .._types import Scalar
-from ..plane import Vector
-from .kinematics import Block, Kinematics, MaterialPoint, Point
+from ..basis import components, is_zero, squared, times
+from ..plane.unit_vector import check_unit
+from .kinematics import Block, Kinematics, MaterialPoint, Point, Turn, Vector
 
 PASSING = 1e-6  # m
 
@@ -18,34 +20,37 @@ class Load(NamedTuple):
 
     - ``body``: its index, or ``GROUND``.
     - ``force``: through the origin of its frame, in inertial axes [N].
-    - ``moment``: about that [N m].
+    - ``moment``: about that [N m]; in space a vector.
     - ``modal``: on each modal coordinate [N]; empty for a rigid body.
     """
 
     body: int
     force: Vector
-    moment: Scalar
+    moment: Scalar | space.Vector
     modal: tuple[Scalar, ...] = ()
 
 
-def load_at(point: MaterialPoint, force: Vector, moment: Scalar = 0.0) -> Load:
+def load_at(point: MaterialPoint, force: Vector, moment: Turn = 0.0) -> Load:
     """Return the load of a force and a moment that act at a material point (M19).
 
-    **Arguments:** ``point``; ``force``: in inertial axes [N]; ``moment``: [N m].
+    **Arguments:** ``point``; ``force``: in inertial axes [N]; ``moment``: [N m], in space a vector.
     """
+    lever = point.arm.cross(force)
     pairs = zip(point.shapes, point.rotations, strict=True)
     modal = tuple(shape.dot(force) + rotation * moment for shape, rotation in pairs)
-    return Load(point.body, force, point.arm.cross(force) + moment, modal)
+    return Load(point.body, force, lever if is_zero(moment) else lever + moment, modal)
 
 
-def turn_at(point: MaterialPoint, moment: Scalar) -> Load:
-    """Return the load of a moment alone that acts at a material point (M19). ``moment``: [N m]."""
-    return Load(point.body, Vector(0.0, 0.0), moment, tuple(rotation * moment for rotation in point.rotations))
+def turn_at(point: MaterialPoint, moment: Scalar | space.Vector) -> Load:
+    """Return the load of a moment alone that acts at a material point (M19). ``moment``: [N m], in space a vector."""
+    modal = tuple(times(rotation, components(moment)[-1]) for rotation in point.rotations)
+    # Without a third component the vector of space is zero as well.
+    return Load(point.body, type(point.arm)(0.0, 0.0), moment, modal)
 
 
 class SpringDirection(NamedTuple):
-    """How a spring-damper acts: the rate of its length is the sum over bodies of ``blocks`` (u, v, θ, modal
-    coordinates) times the body's velocity; ``stiffness`` and ``damping`` per unit of that length."""
+    """How a spring-damper acts: the rate of its length is the sum over bodies of ``blocks`` (see `Block`) times the
+    body's velocity; ``stiffness`` and ``damping`` per unit of that length."""
 
     blocks: Mapping[int, Block]
     stiffness: Scalar
@@ -112,7 +117,12 @@ class AxialSpringDamper(ForceElement):
     damping: Scalar
     free_length: Scalar
     published_damping: bool = eqx.field(static=True, default=False)
-    guide: tuple[float, float] | None = eqx.field(static=True, default=None)
+    guide: tuple[float, ...] | None = eqx.field(static=True, default=None)
+
+    def __check_init__(self) -> None:
+        """Raise `InputError` for a guide that is no unit vector: the length along it would be another."""
+        if self.guide is not None:
+            check_unit("guide", *self.guide)
 
     def state(self, kin: Kinematics) -> AxialState:
         """Return length, rate and direction at one instant (M22, M25)."""
@@ -122,11 +132,11 @@ class AxialSpringDamper(ForceElement):
             length = jnp.sqrt(separation.dot(separation))
             along = separation * (1.0 / length)
         else:
-            axis = i.turn(Vector(*self.guide))
+            axis = i.turn(kin.basis.vector(*self.guide))
             signed = separation.dot(axis)
             passing = signed < PASSING  # the ends' line has no direction where they meet: the guide's serves
             # Chosen before the root is taken: a root of zero has no derivative, even in a branch that is not taken.
-            line = Vector(*(jnp.where(passing, g, d) for g, d in zip(axis, separation, strict=True)))
+            line = kin.basis.vector(*(jnp.where(passing, g, d) for g, d in zip(axis, separation, strict=True)))
             size = jnp.sqrt(line.dot(line))
             length, along = jnp.where(passing, signed, size), line * (1.0 / size)
         return AxialState(length, rate.dot(along), along, i, j, rate)
@@ -161,10 +171,12 @@ class AxialSpringDamper(ForceElement):
 class TorsionalSpringDamper(ForceElement):
     """Torque -k (θ_j - θ_i - angle) - c (θ̇_j - θ̇_i) on the second body, opposite on the first (M26).
 
+    In space the rotation vector of the second body against the first, and their spins, take the place of angles (M215).
+
     - ``first``, ``second``: bodies i and j (indices, or ``GROUND``).
     - ``stiffness``: k [N m/rad].
     - ``damping``: c [N m s/rad].
-    - ``angle``: θ_j - θ_i at rest [rad].
+    - ``angle``: θ_j - θ_i at rest [rad], in the plane; in space the bodies' axes are parallel at rest.
     - ``first_point``, ``second_point``: where a flexible body is held, a marker.
     """
 
@@ -179,50 +191,57 @@ class TorsionalSpringDamper(ForceElement):
     def _ends(self, kin: Kinematics) -> tuple[MaterialPoint, MaterialPoint]:
         return kin.point(self.first, self.first_point), kin.point(self.second, self.second_point)
 
+    def _twist(self, kin: Kinematics, i: MaterialPoint, j: MaterialPoint) -> Turn:
+        """Return the rotation of the second body against the first, less that at rest [rad]."""
+        turn: Turn = kin.basis.relative_rotation(i.frame, j.frame)
+        return turn - self.angle if kin.basis.dimensions == 2 else turn
+
     def springs(self, kin: Kinematics) -> tuple[SpringDirection, ...]:
         i, j = self._ends(kin)
-        blocks = {self.first: tuple(-entry for entry in i.turning()), self.second: j.turning()}
-        return (SpringDirection(blocks, self.stiffness, self.damping),)
+        along = (
+            {self.first: tuple(-entry for entry in i.turning(turn)), self.second: j.turning(turn)}
+            for turn in kin.basis.unit_turns
+        )
+        return tuple(SpringDirection(blocks, self.stiffness, self.damping) for blocks in along)
 
-    def torque(self, kin: Kinematics) -> Scalar:
-        """Return the torque on ``second`` [N m]."""
+    def torque(self, kin: Kinematics) -> Turn:
+        """Return the torque on ``second`` [N m], in space a vector."""
         i, j = self._ends(kin)
-        return -self.stiffness * (j.angle - i.angle - self.angle) - self.damping * (j.spin - i.spin)
+        return self._twist(kin, i, j) * -self.stiffness - (j.spin - i.spin) * self.damping
 
     def loads(self, kin: Kinematics) -> tuple[Load, ...]:
         torque = self.torque(kin)
         return tuple(turn_at(end, moment) for end, moment in zip(self._ends(kin), (-torque, torque), strict=True))
 
     def energy(self, kin: Kinematics) -> Scalar:
-        i, j = self._ends(kin)
-        return 0.5 * self.stiffness * (j.angle - i.angle - self.angle) ** 2
+        return 0.5 * self.stiffness * squared(self._twist(kin, *self._ends(kin)))
 
     def dissipation(self, kin: Kinematics) -> Scalar:
         i, j = self._ends(kin)
-        return self.damping * (j.spin - i.spin) ** 2
+        return self.damping * squared(j.spin - i.spin)
 
 
 class AppliedForce(ForceElement):
     """A constant force at a point of a body (M27). A rigid body's weight is one at the centre of mass.
 
     - ``body``: its index.
-    - ``force``: (x, y) in inertial axes [N].
+    - ``force``: (x, y), in space (x, y, z), in inertial axes [N].
     - ``point``: where it acts.
     """
 
     body: int = eqx.field(static=True)
-    force: tuple[Scalar, Scalar]
+    force: tuple[Scalar, ...]
     point: Point = (0.0, 0.0)
 
     def loads(self, kin: Kinematics) -> tuple[Load, ...]:
-        return (load_at(kin.point(self.body, self.point), Vector(*self.force)),)
+        return (load_at(kin.point(self.body, self.point), kin.basis.vector(*self.force)),)
 
     def energy(self, kin: Kinematics) -> Scalar:
-        return -Vector(*self.force).dot(kin.point(self.body, self.point).place)
+        return -kin.basis.vector(*self.force).dot(kin.point(self.body, self.point).place)
 
 
 class AppliedTorque(ForceElement):
-    """A constant torque on a body (M27).
+    """A constant torque on a body, in the plane (M27).
 
     - ``body``: its index.
     - ``torque``: [N m].

@@ -7,15 +7,15 @@ from .system import System
 
 
 def assemble(
-    system: System, q: Float[Array, " coordinates"], v: Float[Array, " coordinates"], iterations: int = 8
-) -> tuple[Float[Array, " coordinates"], Float[Array, " coordinates"]]:
+    system: System, q: Float[Array, " coordinates"], v: Float[Array, " velocities"], iterations: int = 8
+) -> tuple[Float[Array, " coordinates"], Float[Array, " velocities"]]:
     """Project positions and velocities onto the constraints, with the least movement in the norm of the masses (M20).
 
     **Arguments:**
 
     - ``system``: bodies and joints.
     - ``q``: (coordinates,) a guess [m, m, rad, …].
-    - ``v``: (coordinates,) a guess [m/s, m/s, rad/s, …].
+    - ``v``: (velocities,) a guess [m/s, m/s, rad/s, …].
     - ``iterations``: Newton steps on the positions.
 
     **Returns:** consistent ``(q, v)``. A guess too far from any assembly shows as a Φ that stays large: look at
@@ -24,11 +24,11 @@ def assemble(
     if not system.joints:
         return q, v
     # Without a force, `solve` gives the x with the least xᵀ M x among those with the Φ_q x wanted.
-    none = jnp.zeros_like(q)
+    none = jnp.zeros_like(v)
     # A fixed number of steps, through which derivatives pass in both modes.
     for _ in range(iterations):
         kin = system.kinematics(q, v)
-        q = q + system.solve(kin, none, -system.errors(kin))
+        q = q + system.position_rate(q).of(system.solve(kin, none, -system.errors(kin)))
     # Velocities last, since the rows that they are projected onto depend on the positions.
     kin = system.kinematics(q, v)
     constraints = system.constraints(kin)

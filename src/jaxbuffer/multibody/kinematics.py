@@ -1,123 +1,172 @@
 """Where every body and its material points are and how they move.
 
-Coordinates are stored body by body, ``q = (u_1, v_1, θ_1, u_2, …)`` [m, m, rad], then the modal coordinates of flexible
-bodies, body by body [m]; velocities in the same order (M4). A body is an index into that order; ``GROUND`` is the
-inertial frame.
+Coordinates are stored body by body, in the plane ``q = (u_1, v_1, θ_1, u_2, …)`` [m, m, rad] (M4), in space each body's
+centre of mass and quaternion (M209); then the modal coordinates of flexible bodies, body by body [m]; velocities in the
+same order. A body is an index into that order; ``GROUND`` is the inertial frame.
 """
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from .. import plane, space
 from .._types import Scalar
-from ..plane import Frame, Vector, cos_sin
+from ..basis import AnyBasis, components, less, times
+from ..errors import InputError
+from ..plane import PLANE, cos_sin
 from .coordinates import Coordinates
 from .flexible.modes import Marker
 
+if TYPE_CHECKING:  # what is said of the plane's holds of space's, which have the same operations
+    from ..plane import Frame, Vector
+
+    Turn = Scalar
+else:
+    Frame, Vector = plane.Frame | space.Frame, plane.Vector | space.Vector
+    Turn = Scalar | space.Vector
+
 GROUND: int = -1
 
-Point = tuple[Scalar, Scalar] | Marker
-"""A point of a body: its place (x, y) in the body's axes [m], or a marker of a flexible body."""
+Point = tuple[Scalar, ...] | Marker
+"""A point of a body: its place (x, y), in space (x, y, z), in the body's axes [m], or a marker of a flexible body."""
 
 Block = tuple[Scalar, ...]
-"""How a speed goes with one body's velocities: (u, v, θ), then its modal coordinates, if it is flexible."""
+"""How a speed goes with one body's velocities: (u, v, θ), in space (ẋ, ẏ, ż, ω), then its modal coordinates, if it is
+flexible."""
 
 
 class MaterialPoint(NamedTuple):
-    """A material point of a body, in inertial axes.
+    """A material point of a body, in inertial axes. Vectors and turns are those of the plane or of space.
 
     - ``body``: its index, or ``GROUND``.
-    - ``place``: [m].
+    - ``frame``: that of the material there, which turns with it; its axes are the body's while that is undeformed.
     - ``arm``: from the origin of the body's frame [m].
-    - ``velocity``: [m/s].
     - ``quadratic``: its acceleration while all coordinates' accelerations are zero [m/s²].
-    - ``angle``: of the material there [rad], with its ``cos`` and ``sin`` [-].
-    - ``spin``: of the material there [rad/s].
     - ``shapes``: displacement per unit of each modal coordinate [-]; none of a rigid body.
     - ``rotations``: rotation per unit of each modal coordinate [rad/m].
     """
 
     body: int
-    place: Vector
+    frame: Frame
     arm: Vector
-    velocity: Vector
     quadratic: Vector
-    angle: Scalar
-    cos: Scalar
-    sin: Scalar
-    spin: Scalar
     shapes: tuple[Vector, ...] = ()
     rotations: tuple[Scalar, ...] = ()
 
-    def along(self, direction: Vector) -> Block:
-        """Return how the point's speed along a ``direction`` goes with the body's velocities."""
-        return (
-            direction.x,
-            direction.y,
-            self.arm.cross(direction),
-            *(direction.dot(shape) for shape in self.shapes),
-        )
+    @property
+    def place(self) -> Vector:
+        """Return where it is [m]."""
+        return self.frame.origin
 
-    def turning(self) -> Block:
-        """Return how the material's spin goes with the body's velocities."""
-        return (0.0, 0.0, 1.0, *self.rotations)
+    @property
+    def velocity(self) -> Vector:
+        """Return its velocity [m/s]."""
+        return self.frame.velocity
+
+    @property
+    def angle(self) -> Scalar:
+        """Return the angle of the material there [rad], in the plane."""
+        if not isinstance(self.frame, plane.Frame):
+            raise InputError(
+                "this part takes a body's angle, which is of the plane; in space use TorsionalSpringDamper,"
+                " CrossSpringDamper, or a joint with an axis"
+            )
+        return self.frame.angle
+
+    @property
+    def cos(self) -> Scalar:
+        """Return the cosine of the angle."""
+        return self.frame.cos
+
+    @property
+    def sin(self) -> Scalar:
+        """Return the sine of the angle."""
+        return self.frame.sin
+
+    @property
+    def spin(self) -> Turn:
+        """Return the spin of the material there [rad/s]."""
+        return self.frame.spin
 
     def turn(self, local: Vector) -> Vector:
         """Turn a direction fixed to the material there into inertial axes. ``local``: in axes that are the body's while
         it is undeformed."""
-        return Vector(self.cos * local.x - self.sin * local.y, self.sin * local.x + self.cos * local.y)
+        return self.frame.turn(local)
+
+    def along(self, direction: Vector) -> Block:
+        """Return how the point's speed along a ``direction`` goes with the body's velocities."""
+        turn = components(self.arm.cross(direction))
+        return (*direction, *turn, *(direction.dot(shape) for shape in self.shapes))
+
+    def turning(self, turn: Scalar | space.Vector = 1.0) -> Block:
+        """Return how the material's spin times a ``turn`` goes with the body's velocities; in the plane of the spin
+        itself, unless one is given."""
+        about = components(turn)
+        return (*[0.0] * len(self.arm), *about, *(times(rotation, about[-1]) for rotation in self.rotations))
+
+
+def block_difference(a: Block, b: Block) -> Block:
+    """Return a block less another one of the same body."""
+    return tuple(less(x, y) for x, y in zip(a, b, strict=True))
 
 
 class Kinematics(eqx.Module):
     """Frames of all bodies at one instant, each made once; a frame that is not asked for is not compiled.
 
     - ``q``: (coordinates,) positions [m, m, rad, …, m].
-    - ``v``: (coordinates,) velocities [m/s, m/s, rad/s, …, m/s].
+    - ``v``: (velocities,) [m/s, m/s, rad/s, …, m/s].
     - ``time``: for drives [s].
     - ``frames``: one for each body.
     - ``modes``: number of modes of each body; empty: all bodies are rigid.
+    - ``basis``: `plane.PLANE` or `space.SPACE`.
     """
 
     q: Float[Array, " coordinates"]
-    v: Float[Array, " coordinates"]
+    v: Float[Array, " velocities"]
     time: Scalar
     frames: tuple[Frame, ...]
     modes: tuple[int, ...] = eqx.field(static=True)
+    basis: AnyBasis
 
     def __init__(
         self,
         q: Float[Array, " coordinates"],
-        v: Float[Array, " coordinates"],
+        # As many fewer as each body has velocities fewer than positions.
+        v: Float[Array, "{q.shape[0]-(basis.positions-basis.velocities)*(q.shape[0]//basis.positions)}"],
         time: Scalar = 0.0,
         modes: tuple[int, ...] = (),
+        basis: AnyBasis = PLANE,
     ):
-        self.q, self.v, self.time, self.modes = q, v, time, modes
-        end = 3 * len(modes) if modes else q.shape[0]
-        # All angles in one call: as array operations they cost a few nanoseconds together (see `cos_sin`).
-        cos, sin = cos_sin(q[2:end:3])
-        self.frames = tuple(
-            Frame(Vector(q[k], q[k + 1]), q[k + 2], cos[body], sin[body], Vector(v[k], v[k + 1]), v[k + 2])
-            for body, k in enumerate(range(0, end, 3))
+        self.q, self.v, self.time, self.modes, self.basis = q, v, time, modes, basis
+        self.frames = basis.frames(q, v, len(modes) if modes else q.shape[0] // basis.positions)
+
+    def moving(self, v: Float[Array, " coordinates"]) -> "Kinematics":
+        """Return the same positions with other velocities."""
+        frames = tuple(
+            frame._replace(velocity=Coordinates.translation(v, body), spin=Coordinates.angle(v, body))
+            for body, frame in enumerate(self.frames)
         )
+        return eqx.tree_at(lambda kin: (kin.v, kin.frames), self, (v, frames))
 
     @property
     def order(self) -> Coordinates:
-        """Return the order of the coordinates."""
-        return Coordinates(len(self.frames), self.modes)
+        """Return the order of the positions."""
+        return Coordinates(len(self.frames), self.modes, self.basis.positions)
+
+    @property
+    def velocity_order(self) -> Coordinates:
+        """Return the order of the velocities."""
+        return Coordinates(len(self.frames), self.modes, self.basis.velocities)
 
     def frame(self, body: int) -> Frame:
         """Return the frame of one body. ``body``: its index, or ``GROUND``."""
-        if body == GROUND:
-            zero, one = jnp.zeros(()), jnp.ones(())
-            return Frame(Vector(zero, zero), zero, one, zero, Vector(zero, zero), zero)
-        return self.frames[body]
+        return self.basis.ground() if body == GROUND else self.frames[body]
 
     def modal(self, body: int) -> tuple[Float[Array, " modes"], Float[Array, " modes"]]:
         """Return the (modes,) modal coordinates of a flexible body [m], and their rates [m/s]. ``body``: its index."""
-        mine = self.order.modal(body)
-        return self.q[mine], self.v[mine]
+        return self.q[self.order.modal(body)], self.v[self.velocity_order.modal(body)]
 
     def point(self, body: int, point: Point) -> MaterialPoint:
         """Return a material point of a body. ``body``: its index, or ``GROUND``; ``point``: which one."""
@@ -126,10 +175,9 @@ class Kinematics(eqx.Module):
             # A place says nothing of how the material there deforms.
             if body != GROUND and self.modes and self.modes[body]:
                 raise ValueError(f"body {body} is flexible: give a marker instead of {point}, such as Marker.on_frame")
-            arm = frame.turn(Vector(*point))
-            pull = arm * (-frame.spin * frame.spin)
-            place, velocity = frame.origin + arm, frame.velocity_at(arm)
-            return MaterialPoint(body, place, arm, velocity, pull, frame.angle, frame.cos, frame.sin, frame.spin)
+            arm = frame.turn(self.basis.vector(*point))
+            material = frame._replace(origin=frame.origin + arm, velocity=frame.velocity_at(arm))
+            return MaterialPoint(body, material, arm, frame.centripetal(arm))
         return self._marker(body, frame, point)
 
     def _marker(self, body: int, frame: Frame, marker: Marker) -> MaterialPoint:
@@ -140,17 +188,20 @@ class Kinematics(eqx.Module):
         # The frame's cosine and sine are known already: only the deformation's angle is evaluated, and added to it.
         cos, sin = cos_sin(jnp.reshape(turned, (1,)))
         shapes = zip(marker.displacement_x, marker.displacement_y, strict=True)
-        return MaterialPoint(
-            body=body,
-            place=frame.origin + arm,
-            arm=arm,
-            velocity=frame.velocity_at(arm) + moving,
-            # Centripetal and Coriolis acceleration.
-            quadratic=arm * (-frame.spin * frame.spin) + moving.perp() * (2.0 * frame.spin),
+        material = plane.Frame(
+            origin=frame.origin + arm,
             angle=frame.angle + turned,
             cos=frame.cos * cos[0] - frame.sin * sin[0],
             sin=frame.sin * cos[0] + frame.cos * sin[0],
+            velocity=frame.velocity_at(arm) + moving,
             spin=frame.spin + marker.turn(rate),
-            shapes=tuple(frame.turn(Vector(x, y)) for x, y in shapes),
+        )
+        return MaterialPoint(
+            body=body,
+            frame=material,
+            arm=arm,
+            # Centripetal and Coriolis acceleration.
+            quadratic=frame.centripetal(arm) + moving.perp() * (2.0 * frame.spin),
+            shapes=tuple(frame.turn(plane.Vector(x, y)) for x, y in shapes),
             rotations=tuple(marker.rotation),
         )

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import equinox as eqx
 import numpy as np
 from jaxtyping import Float
 
@@ -15,7 +16,7 @@ from ..files import user_path, write
 from ..mechanisms.run import Run
 from ..run.instants import at_times
 from .field_files import coloured
-from .motion import Scene, caption, clock, closer, scene, whole
+from .motion import Scene, caption, clock, closer, contact_names, scene, whole
 from .pulses import fine_times, last_contact, pulses
 from .style import blank, curve, drawing, require_matplotlib
 
@@ -201,7 +202,7 @@ class Stage:
             self.detail.clear()
             closer(self.detail, self.at, k)
         # Without the time, which the clock above tells with more digits.
-        self.force.set_title(caption(self.at, k).split(", ", 1)[1])
+        self.force.set_title(", ".join(caption(self.at, k).split(", ")[1:]))
         self.cursor.set_xdata([self.at.times[k], self.at.times[k]])
 
 
@@ -213,9 +214,10 @@ def speed_in_words(slower: float) -> str:
 
 def _curves(axes: Axes, run: Run) -> Any:
     """Draw the contact forces over time and return the cursor."""
-    time = fine_times(run)
+    names, time = contact_names(run), fine_times(run)
+    if not names:
+        return _own_curves(axes, run, time)
     force = np.asarray(at_times(run, time).contact_force)
-    names = run.mechanism.view.names(run.design).contacts
     for k, name in enumerate(names):
         label = run.mechanism.view.contact_in_words(name)
         axes.plot(time, force[:, k], **curve(k), linewidth=0.9, label=label)
@@ -226,6 +228,20 @@ def _curves(axes: Axes, run: Run) -> Any:
     axes.set_xlim(time[0] - room, time[-1] + room)
     # A run without a contact has no force to scale by.
     axes.set_ylim(0.0, 1.25 * max(float(force.max(initial=0.0)), 1e-12))
+    return _with_cursor(axes, "force [N]")
+
+
+def _own_curves(axes: Axes, run: Run, time: Float[np.ndarray, " n"]) -> Any:
+    """Draw the mechanism's first panel in place of contact forces, and return the cursor."""
+    fine = eqx.tree_at(lambda it: it.history, run, at_times(run, time))
+    panel = next((it for it in run.mechanism.view.panels(fine) if not (it.path or it.stacked)), None)
+    for k, drawn in enumerate(() if panel is None else panel.curves):
+        axes.plot(time, np.asarray(drawn.values), **curve(k), linewidth=0.9)
+    axes.set_xlim(time[0], time[-1])
+    return _with_cursor(axes, "" if panel is None else panel.axis)
+
+
+def _with_cursor(axes: Axes, name: str) -> Any:
     axes.set_xlabel("time [s]")
-    axes.set_ylabel("force [N]")
+    axes.set_ylabel(name)
     return axes.axvline(0.0, color="black", linestyle=":", linewidth=1.2)

@@ -4,7 +4,6 @@ import numpy as np
 
 from .._types import Axes, Figure
 from ..choosing.choice import Alternative, Choice
-from ..value_text import with_unit
 from .layout import legend_below, with_line_breaks
 from .style import BLUE, COLOURS, GREY, MARKS, ORANGE, RED, label, panels, styled
 
@@ -35,13 +34,15 @@ def _objective(axes: Axes, choice: Choice, drawn: tuple[Alternative, ...]) -> No
     colours = [BLUE if it.feasible else GREY for it in drawn]
     axes.barh(rows, values, 0.6, color=colours)
     for row, it in zip(rows, drawn, strict=True):
-        text = with_unit(*choice.criterion.shown(it.value), 5) + ("" if it.feasible else ", beyond limits")
+        text = choice.objectives_in_words(it) + ("" if it.feasible else ", beyond limits")
         axes.annotate(text, (0.0, row), (4, 0), textcoords="offset points", va="center", fontsize=SMALL, color="white")
     lines = [("continuous optimum", choice.optimum.value if choice.optimum is not None else np.nan)]
     lines += [("continuous design", choice.continuous.value if choice.continuous is not None else np.nan)]
     for name, value in lines:
         if np.isfinite(value):
             axes.axvline(factor * value, color=ORANGE, linestyle="--", label=name)
+    if np.isfinite(choice.ceiling):
+        axes.axvline(factor * choice.ceiling, color=GREY, linestyle=":", label="up to here the second objective orders")
     names = [with_line_breaks(choice.in_words(it), WIDE, SMALL) for it in drawn]
     axes.set_yticks(rows, names, fontsize=SMALL)
     axes.set_ylim(len(rows) - 0.5, -0.5)

@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 
 from ..choosing.choice import Alternative, Choice, beyond, lines, ranking_rows, reported, set_by
-from ..fields import Part
 from ..labelled.record import heading, json_number, part_record
 from ..study.tuned_toml import tuned_toml
+from ..tuning.evaluation import main_values
 from ..version import version
 from . import style
 from .choice_figure import choice_figure
@@ -40,6 +40,7 @@ def choice_record(choice: Choice) -> dict[str, Any]:
         "feasible": choice.feasible,
         "objective": str(criterion),
         "objective_unit": criterion.objective.unit(criterion.catalogue),
+        **_then_record(choice),
         **limits_record(problem.limits, problem.quantities),
         "limits_on_sums": {heading(it.name, criterion.catalogue[it.name].unit): it.bound for it in criterion.limits},
         "tally": choice.tally._asdict() | {"spared": choice.tally.spared},
@@ -70,6 +71,19 @@ def choice_record(choice: Choice) -> dict[str, Any]:
     }
 
 
+def _then_record(choice: Choice) -> dict[str, Any]:
+    """Return the second objective; nothing without one."""
+    then, catalogue = choice.criterion.then, choice.criterion.catalogue
+    if then is None:
+        return {}
+    return {
+        "then": choice.criterion.in_words(then.objective),
+        "then_unit": then.objective.unit(catalogue),
+        heading("then_tolerance", "-"): then.tolerance,
+        "ceiling": json_number(choice.ceiling),
+    }
+
+
 def _plain(value: Any) -> Any:
     """Return a part's value as JSON has it; a curve as its points."""
     return value.points() if hasattr(value, "points") else value
@@ -82,6 +96,7 @@ def _alternative(choice: Choice, it: Alternative) -> dict[str, Any]:
         "feasible": it.feasible,
         "broken": list(it.broken),
         "objective": json_number(it.value),
+        **({} if it.second is None else {"then": json_number(it.second)}),
         **{heading(name, known[name].unit): value for name, value in it.totals.items()},
         "set_by": set_by(choice, it),
         "corners": None
@@ -110,10 +125,10 @@ def _alternative(choice: Choice, it: Alternative) -> dict[str, Any]:
 
 def _design(choice: Choice) -> str:
     """Return the best combination as a study, with the parts' names in its first lines."""
-    told, scenarios = [choice.message], list[Part]()
+    told, worst = [choice.message], None
     if choice.best is not None:
         told += [f"{path}: {name}" for path, name in set_by(choice, choice.best).items()]
-        # `simulate` takes the first scenario of a study, which should be the one with the largest force.
-        worst_first = np.argsort(-choice.best.evaluation.peak_force, kind="stable")
-        scenarios = [choice.problem.scenarios_met[k] for k in worst_first]
-    return tuned_toml(choice.design, choice.problem, "\n".join(told), scenarios)
+        # `simulate` takes the one where the main quantity is largest.
+        number = choice.problem.number(int(np.argmax(main_values(choice.problem, choice.best.evaluation))))
+        worst = choice.problem.drawn[number - 1].scenario
+    return tuned_toml(choice.design, choice.problem, "\n".join(told), worst)

@@ -48,15 +48,18 @@ def run_figure(run: Run) -> Figure:
     # Asked again, so that their curves go through the instants between the steps too.
     others = mechanism.view.panels(run)
     touched = float(run.peak_force) > 0.0  # else there is no peak to look at
-    rows = math.ceil((1 + touched + len(others)) / COLUMNS)
+    # Without a contact there is no force to draw, unless nothing else is.
+    forced = np.shape(_history(run).contact_force)[1] > 0 or not others
+    rows = math.ceil((forced + touched + len(others)) / COLUMNS)
     figure, grid = panels(9.0, 3.0 * rows, rows, COLUMNS)
-    force, *rest = grid.flat
+    rest = [*grid.flat]
+    force = rest.pop(0) if forced else None
     zoom = rest.pop(0) if touched else None
     count = int(run.impact_count)
-    impacts = "1 impact" if count == 1 else f"{count} impacts"
+    impacts = ("1 impact, " if count == 1 else f"{count} impacts, ") if forced else ""
     start, until = first_contact(run), last_contact(run)
     title = (
-        f"{run.outcome.name} after {time_text(float(run.end_time))}, {impacts}, {mechanism.view.approach(run.scenario)}"
+        f"{run.outcome.name} after {time_text(float(run.end_time))}, {impacts}{mechanism.view.approach(run.scenario)}"
     )
     cut = []
     if start > 0.0:
@@ -66,7 +69,8 @@ def run_figure(run: Run) -> Figure:
         cut.append(f"end at {time_text(until)}: nothing touches from there to {time_text(end)}")
     figure.suptitle(f"{title}\n{'some ' if to_end else ''}time axes {' and '.join(cut)}" if cut else title)
     window = Window(start, until, *seconds(until))
-    _forces(force, zoom, run, window)
+    if force is not None:
+        _forces(force, zoom, run, window)
     for axes, panel in zip(rest, others, strict=False):
         # Some panels tell of the time before or after the contacts, too; the others end with these.
         shown = window if not panel.to_end else Window(start, end, *seconds(end))

@@ -79,4 +79,4 @@ def _design(fitted: Fitted, units: Mapping[str, str]) -> str:
     lines = [f"Fitted to {tests}: {fitted.verdict}. {fitted.interval_name}s:"]
     lines += [f"  {path}: {it.low:.6g} to {it.high:.6g} {it.unit}" for path, it in fitted.parameters.items()]
     # Fitted numbers have no typed text of their own: what they were typed with says only in which unit.
-    return design_toml(fitted.design, (fitted.scenario,), "\n".join(lines), units, "[scenario]")
+    return design_toml(fitted.design, (), "\n".join(lines), units, first=fitted.scenario)

@@ -21,6 +21,8 @@ from .style import BLUE, GREY, RED, blank, styled
 from .words import force_text
 
 PANELS = 4  # of the chosen times, the start and the end among them
+MOMENTS = 2  # more of them at most, at which an end stop is pressed most or a latch closes
+SAME = 1e-3  # of the run: what elements do within it of a largest force has the same picture
 APART = 0.05  # of the run: impacts nearer to each other are shown as one
 MARGIN = 1.08  # of what is seen, over what is drawn
 MM = 1e-3  # m
@@ -33,7 +35,8 @@ BENT = ((BLUE, ":"), (INK, "-."), (RED, (0, (6, 1, 1, 1, 1, 1))))  # colour and 
 class Scene(NamedTuple):
     """A run's drawing at some ``times`` [s]: ``frames`` of its bodies, ``instants`` with the forces there, ``views`` of
     the whole (lower left and upper right corner [m]); ``peak``: the run's largest force [N]; ``magnified``: parts that
-    bend too little to be seen, and how many times larger their bending is drawn beside them [-]."""
+    bend too little to be seen, and how many times larger their bending is drawn beside them [-]; ``moments``: as of
+    `moments`."""
 
     run: Run
     drawing: Drawing
@@ -43,6 +46,7 @@ class Scene(NamedTuple):
     views: Float[np.ndarray, "times 2 2"]
     peak: float
     magnified: list[tuple[Band, float]]
+    moments: dict[str, float]
 
 
 def scene(run: Run, times: Sequence[float] | np.ndarray) -> Scene:
@@ -58,7 +62,7 @@ def scene(run: Run, times: Sequence[float] | np.ndarray) -> Scene:
     larger = magnifications(run, drawing, float(views[0, 1, 0] - views[0, 0, 0]))
     # Seen again, because bending that is drawn larger needs more room; how much larger depends on the first width.
     views = _views(drawing, frames, larger)
-    return Scene(run, drawing, np.asarray(instants.time), frames, instants, views, peak, larger)
+    return Scene(run, drawing, np.asarray(instants.time), frames, instants, views, peak, larger, moments(run))
 
 
 def magnifications(run: Run, drawing: Drawing, wide: float) -> list[tuple[Band, float]]:
@@ -143,8 +147,7 @@ def motion_figure(run: Run, times: Sequence[float] | None = None) -> Figure:
 
 def caption(at: Scene, k: int) -> str:
     """Return time and contact force of a panel: "0.4881 s, 253 N on the upper flank"."""
-    normal, kind = np.asarray(at.instants.contact_force)[k], at.run.mechanism.view.contact
-    names = at.run.mechanism.view.names(at.run.design).of_contacts(len(normal))
+    normal, kind, names = np.asarray(at.instants.contact_force)[k], at.run.mechanism.view.contact, contact_names(at.run)
     acting = [
         _acting(force, at.peak) + (f" on the {name} {kind}" if len(names) > 1 else "")
         for name, force in zip(names, normal, strict=True)
@@ -152,7 +155,15 @@ def caption(at: Scene, k: int) -> str:
     ]
     end = float(np.asarray(at.run.history.time)[-1])  # type: ignore[union-attr]
     # Where there is nothing to touch, that nothing touches says nothing.
-    return ", ".join([clock(at.times[k], end), *([" and ".join(acting) or "no contact"] if len(normal) else [])])
+    touching = [" and ".join(acting) or "no contact"] if len(normal) else []
+    events = [words for words, time in at.moments.items() if abs(time - at.times[k]) <= SAME * end]
+    return ", ".join([clock(at.times[k], end), *touching, *events])
+
+
+def contact_names(run: Run) -> list[str]:
+    """Return what the contacts of a run with a history are called; nothing of a mechanism without any."""
+    count = np.shape(run.history.contact_force)[1]  # type: ignore[union-attr]
+    return [*run.mechanism.view.names(run.design).of_contacts(count)]
 
 
 def _acting(force: float, peak: float) -> str:
@@ -212,8 +223,9 @@ def _half(at: Scene, k: int) -> float:
 
 
 def telling_times(run: Run, count: int = PANELS) -> Float[np.ndarray, " times"]:
-    """Return the start, the instants of the largest forces, and the end [s]; where there are few, evenly spaced ones
-    too."""
+    """Return the start, the instants of the largest forces and of what elements do, and the end [s]; where there are
+    few, those of the closest approach and of the largest values of the mechanism's quantities, and evenly spaced
+    ones."""
     if run.history is None:
         return np.zeros(1)
     end, busy = float(np.asarray(run.history.time)[-1]), last_contact(run)
@@ -222,12 +234,39 @@ def telling_times(run: Run, count: int = PANELS) -> Float[np.ndarray, " times"]:
         # Two places stay free, for the start and the end.
         if len(peaks) < count - 2 and all(abs(pulse.peak - other) > APART * busy for other in peaks):
             peaks.append(pulse.peak)
-    chosen = list(peaks)
-    # Start and end come first: evenly spaced times only fill up what is left.
-    for time in [0.0, end, *np.linspace(0.0, busy, count + 1)]:
-        if len(chosen) < count and all(abs(time - other) > APART * busy for other in chosen):
+
+    def apart(time: float, others: Sequence[float], least: float = APART) -> bool:
+        return all(abs(time - other) > least * busy for other in others)
+
+    # What elements do is shown besides the largest forces, also soon before or after one of these.
+    events: list[float] = []
+    for time in moments(run).values():
+        if len(events) < MOMENTS and time <= end and apart(time, [*peaks, *events], SAME):
+            events.append(time)
+    chosen = [*peaks, *events]
+    # Start and end come first: extremes and evenly spaced times only fill up what is left.
+    for time in [0.0, end, *_extremes(run), *np.linspace(0.0, busy, count + 1)]:
+        if len(chosen) < count + len(events) and apart(time, chosen):
             chosen.append(float(time))
     return np.sort(chosen)
+
+
+def moments(run: Run) -> dict[str, float]:
+    """Return when the elements of a run do something that a picture should show [s], by what happens in words."""
+    each = (it.report.moments(run) for it in run.elements)
+    return {words: time for found in each for words, time in found.items() if math.isfinite(time)}
+
+
+def _extremes(run: Run) -> list[float]:
+    """Return when balls are nearest to what they may touch, if nothing touches, and when the mechanism's own quantities
+    are largest [s]."""
+    history: Any = run.history
+    gap = np.asarray(history.gap)
+    nearest = []
+    if gap.shape[1] and not np.any(np.asarray(history.contact_force) > 0.0):
+        nearest = [float(np.asarray(history.time)[np.argmin(np.min(gap, axis=1))])]
+    own = [time for name, time in run.maximum_times.items() if name in run.mechanism.quantities]
+    return [*nearest, *(time for time in own if math.isfinite(time))]
 
 
 def _arrows(at: Scene, longest: float) -> tuple[float, float]:

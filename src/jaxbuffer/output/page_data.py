@@ -11,7 +11,7 @@ from ..mechanisms.drawing import Band, RodShape, Spot, Spring
 from ..mechanisms.run import Run
 from ..run.instants import at_times
 from .animation import frames_of, speed_in_words
-from .motion import Scene, scene
+from .motion import Scene, contact_names, scene
 from .pulses import TIMES, force_over_time, last_contact
 from .sketch import INK, fills, is_filled, outline
 
@@ -25,7 +25,9 @@ def force_record(runs: Mapping[str, Run], scenario: str) -> dict[str, Any]:
 
     Of one run alone also ``more``: what its mechanism draws to the end of it, long after the last contact.
     """
-    curves = [{"name": name, **_curve(run)} for name, run in runs.items()]
+    # Without a contact there is no force to draw.
+    touching = {name: run for name, run in runs.items() if contact_names(run)}
+    curves = [{"name": name, **_curve(run)} for name, run in touching.items()]
     more = [chart for name, run in runs.items() for chart in _to_end(name, run)] if len(runs) == 1 else []
     return {"scenario": scenario, "curves": curves, "more": more}
 
@@ -76,7 +78,7 @@ def motion_record(run: Run) -> dict[str, Any]:
         "forces": [_forces(at, k) for k in range(len(at.times))],
         # The page's script divides by it, also where nothing touches.
         "largest": max(at.peak, 1e-12),
-        "contacts": [*run.mechanism.view.names(run.design).contacts],
+        "contacts": contact_names(run),
         "bounds": _rounded([corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)]),
         "shapes": _shapes(at.drawing.shapes, at.frames.shape[1]),
         "detail": None

@@ -71,11 +71,11 @@ def run_record(run: Run, constraints: Constraints | None = None, trust: Trust | 
 
 def _impacts(run: Run) -> list[dict[str, Any]]:
     """Return a record for each impact."""
-    contacts, contact = run.mechanism.view.names(run.design).contacts, run.mechanism.view.contact
+    names, contact = run.mechanism.view.names(run.design), run.mechanism.view.contact
     energies = Labelled(("impact",), np.asarray(run.loads("effective_energy")), LOAD_UNITS["effective_energy"])
     touched = np.asarray(run.impacts.contact)
     return [
-        {"number": k + 1, contact: contacts[int(touched[k])], **row}
+        {"number": k + 1, contact: names.contact(int(touched[k])), **row}
         for k, row in enumerate(rows(run.impacts.labelled() | {"effective_energy": energies}))
     ]
 

@@ -4,6 +4,8 @@ from ..labelled.netcdf import SUFFIX, content
 from ..mechanisms.run import Run
 from ..run.trust import Trust
 from ..sensitivities.result import Sensitivity, sensitivity_rows
+from ..tables import text
+from ..tuning.limit_rows import run_limit_table
 from ..tuning.objective import Constraints
 from . import matlab, records, style
 from .field_files import field_files
@@ -29,7 +31,7 @@ def run_files(
         "force.json": lambda: compact_json(force_record({name: run}, label)),
         "history.csv": lambda: csv_text(*records.run_history(run)),
         "motion.json": lambda: compact_json(motion_record(run)),
-        f"{name}.txt": lambda: f"{run!r}\n",
+        f"{name}.txt": lambda: f"{run_text(run, constraints)}\n",
         **style.both(name, lambda: run_figure(run)),
         **style.both("motion", lambda: motion_figure(run)),
         f"{name}{SUFFIX}": lambda: content(run.to_xarray()),
@@ -39,6 +41,12 @@ def run_files(
     # All others draw or list values over time.
     without_history = (f"{name}.json", f"{name}.txt", f"{name}{SUFFIX}", f"{name}{matlab.SUFFIX}")
     return files if run.history is not None else {file: files[file] for file in without_history}
+
+
+def run_text(run: Run, constraints: Constraints | None = None) -> str:
+    """Return a run's summary, and below it the table of its study's limits. ``constraints``: of the study."""
+    limits = None if constraints is None else run_limit_table(run, constraints)
+    return repr(run) if limits is None else f"{run!r}\n\n{text(limits)}"
 
 
 def sensitivity_files(result: Sensitivity, made: Made = None) -> Contents:

@@ -38,7 +38,7 @@ def sweep_figure(swept: Sweep) -> Figure:
     """Draw what a sweep found.
 
     Over one number it draws lines, one for each combination of choices; over two, heat maps of some quantities; over
-    more, or choices besides, the peak contact force in slices.
+    more, or choices besides, the main quantity in slices.
     """
     axes = swept.grid.axes
     moving = [k for k, axis in enumerate(axes) if len(axis) > 1]
@@ -176,7 +176,9 @@ def _slices(swept: Sweep, moving: list[int]) -> Figure:
     columns = min(COLUMNS, len(places))
     rows = math.ceil(len(places) / columns)
     figure, grid = panels(2.0 + 3.0 * columns, 3.4 * rows + 0.8, rows, columns)
-    values = swept.shaped("peak_force")
+    main = _mapped(swept)[0]
+    title_of_all, axis_label, factor = _drawn(swept, main)
+    values = factor * swept.shaped(main)
     finite = values[np.isfinite(values)]
     # All slices have the same colours, so that one bar serves them.
     limits = {"vmin": finite.min(), "vmax": finite.max()} if finite.size else {}
@@ -191,10 +193,10 @@ def _slices(swept: Sweep, moving: list[int]) -> Figure:
         title = between.join(_axis_value(axis, axis.values[index]) for axis, index in fixed)
         label(axes, title, _name(swept.grid.axes[across]), _name(swept.grid.axes[up]), legend=False)
     _remove(grid, len(places))
-    figure.colorbar(image, ax=every_panel[: len(places)], label=_drawn(swept, "peak_force")[1])
+    figure.colorbar(image, ax=every_panel[: len(places)], label=axis_label)
     _legend(figure, swept)
     some = f"; {len(places)} of {len(every)} slices" if len(places) < len(every) else ""
-    figure.suptitle(f"{_drawn(swept, 'peak_force')[0]}. {_title(swept)}{some}")
+    figure.suptitle(f"{title_of_all}. {_title(swept)}{some}")
     return figure
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from .._types import Axes, Figure
 from ..fields import get
 from ..mechanisms.run import Run
+from ..tuning.evaluation import main_values
 from ..tuning.front import Front
 from ..tuning.tuned import Tuned
 from ..value_text import before_and_after, range_text, relative_change, unit_text, with_unit
@@ -17,9 +18,9 @@ from .style import BLUE, COLOURS, GREY, ORANGE, RED, blank, label, panels, style
 from .words import force_text, in_thousands, seconds, shown
 
 POINTS = (("before", ORANGE, "o"), ("after", BLUE, "D"))
-ROW, MOST = 0.2, 40  # inch a scenario, and how many of them are drawn, those with the largest forces
+ROW, MOST = 0.2, 40  # inch a scenario, and how many of them are drawn, those where the main quantity is largest
 SMALL, LINE, WIDE = 7, 0.12, 170.0  # points of a row's text; inch a line of it; points that it is wide
-NAMED, LONGEST = 12, 36  # of more scenarios one with a longer name, in characters: then all have numbers alone
+NAMED, LONGEST = 12, 40  # of more scenarios one with a longer name, in characters: then all have numbers alone
 WIDEST = 200.0  # per cent of a limit that are drawn; what is beyond stands at the edge as an arrow
 PANELS = 4  # pairs of objectives that are drawn
 NEAR = 0.06  # of an axis: points less apart have their numbers in one text
@@ -27,7 +28,7 @@ NEAR = 0.06  # of an axis: points less apart have their numbers in one text
 
 @styled
 def tune_figure(tuned: Tuned, worst: Sequence[Run] = ()) -> Figure:
-    """Draw the peak force in every scenario before and after, variables in their bounds, what is limited, and the
+    """Draw the main quantity in every scenario before and after, variables in their bounds, what is limited, and the
     search.
 
     **Arguments:** ``tuned``; ``worst``: runs with histories of `worst_case`, with the design before and after, whose
@@ -70,26 +71,28 @@ def _objective_text(problem: Any, objective: Any) -> str:
 
 
 def worst_case(tuned: Tuned) -> int:
-    """Return which scenario has the largest contact force with the tuned design."""
-    return int(np.argmax(tuned.after.peak_force))
+    """Return in which scenario the main quantity is largest with the tuned design."""
+    return int(np.argmax(main_values(tuned.problem, tuned.after)))
 
 
 def _cases(axes: Axes, tuned: Tuned) -> None:
-    """Draw a row for each scenario, or for those with the largest peaks: its peak force before and after."""
+    """Draw a row for each scenario, or for those where it is largest: its main quantity before and after."""
     problem, lower_bound = tuned.problem, tuned.lower_bound
     count = len(problem.cases)
-    # Those with the largest peaks, in the order of the problem.
-    drawn = np.sort(np.argsort(-tuned.after.peak_force, kind="stable")[:MOST])
+    main, points = problem.main_quantity, (tuned.before, tuned.after)
+    title, unit, factor = shown(problem.catalogue[main])
+    # In the order of the problem.
+    drawn = np.sort(np.argsort(-main_values(problem, tuned.after), kind="stable")[:MOST])
     row = np.arange(len(drawn))
-    peaks = [point.peak_force[drawn] for point in (tuned.before, tuned.after)]
-    axes.hlines(row, peaks[0], peaks[1], color=GREY, linewidth=1.0, zorder=1)
-    for (name, colour, marker), point, forces in zip(POINTS, (tuned.before, tuned.after), peaks, strict=True):
+    values = [factor * main_values(problem, point)[drawn] for point in points]
+    axes.hlines(row, values[0], values[1], color=GREY, linewidth=1.0, zorder=1)
+    for (name, colour, marker), point, each in zip(POINTS, points, values, strict=True):
         met = point.succeeded[drawn]
-        axes.plot(forces[met], row[met], marker, color=colour, markersize=5, label=name)
+        axes.plot(each[met], row[met], marker, color=colour, markersize=5, label=name)
         if not np.all(met):
             missed = f"{name}, not {problem.success or 'solved'}"
-            axes.plot(forces[~met], row[~met], "x", color=colour, markersize=7, label=missed)
-    if lower_bound is not None:
+            axes.plot(each[~met], row[~met], "x", color=colour, markersize=7, label=missed)
+    if lower_bound is not None and main == problem.peak_quantity:
         axes.plot(
             lower_bound.simulated[drawn],
             row,
@@ -98,20 +101,21 @@ def _cases(axes: Axes, tuned: Tuned) -> None:
             markersize=9,
             label="lower bound: first impact, no buffer",
         )
-    limit = problem.limits.at_most.get("peak_force")
+    limit = problem.limits.at_most.get(main)
     if limit is not None:
-        axes.axvline(limit, color=RED, label=f"limit, {limit:.4g} N")
-    names = [problem.cases[k].label(problem.cases) for k in drawn]
+        axes.axvline(factor * limit, color=RED, label=f"limit, {with_unit(factor * limit, unit, 4)}")
+    names = [f"{problem.number_text(k)}: {problem.cases[k].label(problem.cases)}" for k in drawn]
     # Scenarios of a sample differ in many numbers. A few have room for all of that, with line breaks.
     numbered = len(names) > NAMED and max(map(len, names)) > LONGEST
-    texts = [with_line_breaks(f"{k + 1}: {name}", WIDE, SMALL) for k, name in zip(drawn, names, strict=True)]
-    axes.set_yticks(row, [str(k + 1) for k in drawn] if numbered else texts, fontsize=SMALL)
+    texts = [with_line_breaks(name, WIDE, SMALL) for name in names]
+    axes.set_yticks(row, [problem.number_text(k) for k in drawn] if numbered else texts, fontsize=SMALL)
     # The axis goes down, so that the first scenario stands at the top.
     axes.set_ylim(len(row) - 0.4, -0.6)
-    axes.set_xlim(left=0.0)
+    if not problem.catalogue[main].signed:
+        axes.set_xlim(left=0.0)
     some = f", the {MOST} of {count} scenarios where it is largest" if count > MOST else ""
-    which = "number of the scenario in tuned.json [-]" if numbered else ""
-    label(axes, f"Peak contact force{some}", "peak force [N]", which, legend=False)
+    which = "number of the scenario [-]" if numbered else ""
+    label(axes, f"{title[:1].upper()}{title[1:]}{some}", f"{title} [{unit}]", which, legend=False)
 
 
 def _force(axes: Axes, tuned: Tuned, worst: Sequence[Run]) -> None:
@@ -124,9 +128,8 @@ def _force(axes: Axes, tuned: Tuned, worst: Sequence[Run]) -> None:
         most = force_text(float(run.peak_force))
         axes.plot(time, force, color=colour, linewidth=0.9, label=f"{name}, at most {most}")
     problem = tuned.problem
-    number = worst_case(tuned)
-    named = problem.cases[number].label(problem.cases)
-    named = f"number {number + 1}: {named}"
+    worst_place = worst_case(tuned)
+    named = f"number {problem.number_text(worst_place)}: {problem.cases[worst_place].label(problem.cases)}"
     which = "sample with the largest force" if problem.samples else "worst scenario"
     label(axes, f"Force in the {which}, {named}", f"time [{unit}]", "contact force [N]", beside=True)
 

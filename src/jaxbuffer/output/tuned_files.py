@@ -12,6 +12,7 @@ from ..tuning.tuned import Tuned, tuning_history
 from . import style, tuned_records
 from .formats import Contents, Made, Writers, compact_json, csv_text
 from .matlab import design_mat
+from .motion import contact_names
 from .page_data import force_record
 from .provenance import record_text
 from .tune_figure import front_figure, tune_figure, worst_case
@@ -35,6 +36,9 @@ def tuned_files(tuned: Tuned, made: Made = None, report: Callable[[str], None] =
             ]
         except (InputError, RuntimeError) as error:
             return left_out(str(error))
+        # Without a contact there is no force to draw.
+        if not contact_names(runs[0]):
+            return []
         failed = [run.outcome.name for run in runs if run.outcome.failed]
         return left_out(failed[0]) if failed else runs
 
@@ -49,7 +53,7 @@ def tuned_files(tuned: Tuned, made: Made = None, report: Callable[[str], None] =
         "tuned.json": lambda: record_text(tuned_records.tuned_record(tuned), made),
         "history.csv": lambda: csv_text(*tuning_history(tuned)),
         "force.json": lambda: compact_json(
-            force_record(dict(zip(("before", "after"), worst_runs(), strict=False)), case.label(problem.cases))
+            force_record(dict(zip(("before", "after"), worst_runs(), strict=False)), problem.label(worst_case(tuned)))
         ),
         "tune.txt": lambda: f"{tuned!r}\n",
         **style.both("tune", lambda: tune_figure(tuned, worst_runs())),
@@ -69,6 +73,4 @@ def front_files(front: Front, made: Made = None) -> Contents:
 
 def tuned_design(tuned: Tuned) -> str:
     """Return the tuned design as a study."""
-    return tuned_toml(
-        tuned.design, tuned.problem, tuned_records.tuned_comment(tuned), tuned.worst_first, tuned.settings
-    )
+    return tuned_toml(tuned.design, tuned.problem, tuned_records.tuned_comment(tuned), tuned.worst, tuned.settings)

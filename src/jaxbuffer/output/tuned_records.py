@@ -10,7 +10,7 @@ from jaxtyping import Float
 from ..fields import get, unit
 from ..labelled.record import heading, headings, json_number, part_record
 from ..tuning.cases import Case
-from ..tuning.evaluation import Evaluation
+from ..tuning.evaluation import Evaluation, main_values
 from ..tuning.front import Front, point_status
 from ..tuning.message import headline
 from ..tuning.problem import Problem
@@ -79,8 +79,15 @@ def _scenarios(tuned: Tuned) -> list[dict[str, Any]]:
     before_and_after = (_cases(tuned, point) for point in (tuned.before, tuned.after))
     each = zip(tuned.problem.cases, _lower_bounds(tuned), *before_and_after, strict=True)
     return [
-        {**part_record(case.scenario), **built_record(case), **lower_bound, "before": before, "after": after}
-        for case, lower_bound, before, after in each
+        {
+            "number": tuned.problem.number_text(k),
+            **part_record(case.scenario),
+            **built_record(case),
+            **lower_bound,
+            "before": before,
+            "after": after,
+        }
+        for k, (case, lower_bound, before, after) in enumerate(each)
     ]
 
 
@@ -179,7 +186,7 @@ def case_records(
         {
             "outcome": problem.mechanism.outcomes(int(code)).name,
             "impacts": int(impacts),
-            heading("first_peak", "N"): json_number(first),
+            **({} if problem.peak_quantity is None else {heading("first_peak", "N"): json_number(first)}),
             **dict(zip(headings(units), map(json_number, row), strict=True)),
             **({} if margin is None else {heading(margin, problem.catalogue[margin].unit): json_number(room)}),
         }
@@ -200,9 +207,10 @@ def tuned_comment(tuned: Tuned) -> str:
         f"Simulated up to {problem.duration:g} s at rtol {problem.rtol:g}; {', '.join(limits) or 'no limits'}.",
         f"{problem.format(problem.objective)}, before and after: {before}, {after}.",
     ]
-    for k, case in enumerate(problem.cases[:SHOWN]):
-        peaks = f"{tuned.before.peak_force[k]:.6g} N, {tuned.after.peak_force[k]:.6g} N"
-        lines.append(f"  peak at {case.label(problem.cases)}: {peaks}")
+    main, (unit, factor) = problem.main_quantity, problem.catalogue[problem.main_quantity].in_figures
+    for k in range(min(len(problem.cases), SHOWN)):
+        values = (with_unit(factor * float(main_values(problem, it)[k]), unit) for it in (tuned.before, tuned.after))
+        lines.append(f"  {main} at {problem.label(k)}: {', '.join(values)}")
     return "\n".join(lines)
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from ..fields import ends_as_typed, unit
 from ..labelled.record import Record
 from ..mechanisms.mechanism import Mechanism
+from ..mechanisms.quantity import END_TIME, PEAK_FORCE
 from ..output.folder import Results
 from ..value_text import change_text, percent_text, range_text, relative_change, table_text, unit_text, with_unit
 from .choice import choice_abstract, choice_badges
@@ -16,7 +17,7 @@ from .fit import fit_abstract, fit_badges
 from .limit_check import end_count, limit_check
 from .limits import LimitCounts, corners_verdict, fails_in_corners_alone, limit_counts
 from .page import Cell
-from .records import by_quantity, ended, same, scenario_of, title, words
+from .records import by_quantity, ended, main_quantity, same, scenario_of, title, words
 from .sensitivities import MARKS
 
 INFEASIBLE = "no feasible design"
@@ -128,9 +129,10 @@ def _of_run(results: Results, others: Sequence[Results]) -> list[Cell]:
         counts = limit_counts(results, others) if results.tuned is None else None
         end = ended(results.mechanism, record["outcome"])
         phrases, mark = _with_limits(counts, end.mark)
-        peak = [f"peak force {record['peak_force']:.4g} N"] if record.get("peak_force") is not None else []
+        main = _main(results, record)
+        most = [] if main is None else [f"{words(main[0])} {main[1]}"]
         larger = [text] if (text := record.get("larger_force")) else []
-        text = ", ".join([words(record["outcome"]), *phrases, *peak, *larger])
+        text = ", ".join([words(record["outcome"]), *phrases, *most, *larger])
         cells.append(Cell(text, mark))
         # A run of --trust off has no verdict, which is nothing to warn of.
         verdict = (record.get("trust") or {}).get("verdict", "trusted")
@@ -240,10 +242,11 @@ def _run(results: Results, every: Sequence[Results]) -> str:
         return ""
     label = mechanism.view.label(scenario_of(mechanism, record["scenario"]))
     reason = mechanism.outcomes[record["outcome"]].reason
-    after = f" after {record['end_time']:.4g} s" if record.get("end_time") is not None else ""
+    end = record.get(mechanism.name_of(END_TIME) or "")
+    after = "" if end is None else f" after {end:.4g} s"
     text = f"At {label} the {mechanism.view.run_name} ends{after}: {reason}."
-    if record.get("peak_force") is not None:
-        text += f" Its largest contact force is {record['peak_force']:.4g} N{_larger(record)}."
+    if (main := _main(results, record)) is not None:
+        text += f" Its {_largest(mechanism, main[0])} is {main[1]}{_larger(record)}."
     # The paragraph of a folder's tuning tells its limits, so that of its run need not.
     counts = limit_counts(results, every) if results.tuned is None else None
     if counts is None:
@@ -252,6 +255,18 @@ def _run(results: Results, every: Sequence[Results]) -> str:
     faults += [f"It does not end {words(counts.success or '')}, as it must."] if counts.missed else []
     unknown = f"It keeps the limits that are known; {counts.unknown} are not."
     return " ".join([text, *(faults or [unknown if counts.unknown else "It keeps every limit."])])
+
+
+def _main(results: Results, record: Record) -> tuple[str, str] | None:
+    """Return the name and the value of a run's main quantity; None where it is not known."""
+    name = main_quantity(results, record)
+    value = record.get(name)
+    return None if value is None else (name, results.mechanism.quantities[name].in_words(value, 4))
+
+
+def _largest(mechanism: Mechanism, name: str) -> str:
+    """Return what a sentence calls a quantity: the peak is the largest force of all runs that it is about."""
+    return "largest contact force" if name == mechanism.name_of(PEAK_FORCE) else title(mechanism, name)
 
 
 def _larger(record: Record) -> str:
@@ -272,20 +287,23 @@ def _sensitivity(results: Results, every: Sequence[Results]) -> str:
     most, verdict = max(rows, key=lambda row: abs(row["elasticity"])), rows[0]["verdict"]
     change = f"{most['elasticity']:+.2g} % ({'not certified' if verdict is None else verdict})"
     moved = f"{most['parameter']} moves the {title(mechanism, name)} most"
-    return f"Of {len(rows)} numbers {moved}: 1 % more of it changes it by {change}."
+    return f"Of the {len(rows)} numbers differentiated {moved}: 1 % more of it changes it by {change}."
 
 
 def _sweep(results: Results, every: Sequence[Results]) -> str:
-    """Return how the runs ended, how far the largest force goes, and how many runs are safe."""
+    """Return how the runs ended, how far the main quantity goes, and how many runs are safe."""
     if results.sweep is None:
         return ""
     over = " and ".join(swept_fields(results))
     over = f"over {over}" if over else "of runs given one by one"
     counts = outcome_counts(results)
     text = f"{_ended(results.mechanism, counts)} in a sweep {over}{_strictest(results, counts)}."
-    force = np.asarray(results.sweep["peak_force"].values, float) if "peak_force" in results.sweep else np.zeros(0)
-    if np.any(np.isfinite(force)):
-        text += f" The largest contact force is {range_text(np.nanmin(force), np.nanmax(force), 'N', 4)}."
+    if main := main_quantity(results, [*map(str, results.sweep)]):
+        symbol, factor = results.mechanism.quantities[main].in_figures
+        values = factor * np.asarray(results.sweep[main].values, float)
+        if np.any(np.isfinite(values)):
+            ends = range_text(np.nanmin(values), np.nanmax(values), symbol, 4)
+            text += f" The {_largest(results.mechanism, main)} is {ends}."
     envelope = results.records.get("sweep", Record()).get("envelope")
     safe = "" if envelope is None else f" {safe_of(envelope).removesuffix(' runs')} keep every limit."
     return text + safe

@@ -8,11 +8,12 @@ from ..fields import as_typed, unit
 from ..labelled.record import Record, heading, parts
 from ..mechanisms.limit import IMPACTS, Limit
 from ..output.folder import Results
+from ..tuning.limit_rows import CLOSE, state_of
 from ..value_text import percent_text, relative_change, table_text, with_unit
 from .limit_check import LimitCheck, required_success
-from .limits import CLOSE, HEADINGS, limit_rows, verdict
+from .limits import CELLS, HEADINGS, limit_cells
 from .page import Cell, PageSection, Table
-from .records import display, ended, figure, sentence, units_of, words
+from .records import display, ended, figure, main_first, sentence, units_of, words
 
 NONE_KEEPS = "no combination keeps every limit"
 LISTED = 40  # scenarios; a longer table is folded
@@ -116,6 +117,9 @@ def asked_of_choice(results: Results) -> list[list[str]]:
     """Return what a choice is by: its objective, how many parts there are, and limits on their price and mass."""
     record = results.records["choice"]
     rows = [["objective", words(record["objective"]), "as small as possible"]]
+    if "then" in record:
+        tolerance = percent_text(record[heading("then_tolerance", "-")])
+        rows.append(["then", words(record["then"]), f"of those within {tolerance} of the least objective"])
     rows += [["parts", role, f"one of {len(catalogue)}"] for role, catalogue in record["parts"].items()]
     return rows + [
         ["limit", f"{limit.name} of all parts", limit.bound_text(unit)] for limit, unit in _limits_on_sums(record)
@@ -160,16 +164,16 @@ def _objective(results: Results, record: Record, value: float | None) -> str:
     return "–" if value is None else with_unit(factor * value, symbol, 4)
 
 
-def _in_figures(results: Results, record: Record) -> tuple[str, float]:
-    """Return the unit in which people are shown the objective, and how many of those its own unit is."""
-    symbol = record["objective_unit"]
-    known = results.mechanism.quantities.get(record["objective"].partition(",")[0])
+def _in_figures(results: Results, record: Record, name: str = "objective") -> tuple[str, float]:
+    """Return the unit in which people are shown an objective, or ``then``, and how many of those its own unit is."""
+    symbol = record[f"{name}_unit"]
+    known = results.mechanism.quantities.get(record[name].partition(",")[0])
     return known.in_figures if known is not None and known.unit == symbol else (symbol, 1.0)
 
 
 def _limits(record: Record, best: Record, check: LimitCheck) -> Table:
     """Return the best combination against every limit, on price and mass too."""
-    rows, totals = limit_rows(check), {name: it for name, _, it in _sums(best)}
+    rows, totals = limit_cells(check), {name: it for name, _, it in _sums(best)}
     for limit, symbol in _limits_on_sums(record):
         value = totals[limit.name]
         share = limit.margin(value)
@@ -181,7 +185,7 @@ def _limits(record: Record, best: Record, check: LimitCheck) -> Table:
             limit.bound_text(),
             percent_text(share, ".3g"),
         ]
-        rows.append([*text, verdict(limit, value, share)])
+        rows.append([*text, CELLS[state_of(limit, value, share)]])
     over = "largest over all samples, no bound" if "sample" in record else "worst over all scenarios"
     return Table(f"The best combination, {over}, against the limits of its study", HEADINGS, rows)
 
@@ -191,6 +195,8 @@ def _ranking(results: Results, record: Record) -> Table:
     symbol, factor = _in_figures(results, record)
     ranked, roles = record["ranking"], [*record["ranking"][0]["parts"]]
     first, totals = ranked[0], [(name, unit) for name, unit, _ in _sums(ranked[0])]
+    then_symbol, then_factor = _in_figures(results, record, "then") if "then" in record else ("", 1.0)
+    then = [heading("then", then_symbol)] if "then" in record else []
     rows: list[Row] = []
     for place, it in enumerate(ranked, 1):
         # Against a combination that breaks limits, and may be low because of that, a difference says nothing.
@@ -202,7 +208,9 @@ def _ranking(results: Results, record: Record) -> Table:
             *it["parts"].values(),
             table_text(None if it["objective"] is None else factor * it["objective"]),
         ]
-        row += ["–" if change is None else percent_text(change, ".2g"), *(table_text(sums[name]) for name, _ in totals)]
+        row += ["–" if change is None else percent_text(change, ".2g")]
+        row += [table_text(then_factor * it["then"]) for _ in then]
+        row += [table_text(sums[name]) for name, _ in totals]
         row += [it["largest_at"], "–" if tightest is None else words(tightest["quantity"])]
         left = None if tightest is None else tightest["left"]
         row.append(Cell("–" if left is None else percent_text(left, ".3g"), "" if it["feasible"] else "bad"))
@@ -213,18 +221,25 @@ def _ranking(results: Results, record: Record) -> Table:
             change = relative_change(first["objective"], value)
             above = "–" if change is None or not record["feasible"] else percent_text(change, ".2g")
             rows.append(
-                [name, *("–" for _ in roles), table_text(factor * value), above, *("–" for _ in totals), "–", "–", "–"]
+                [
+                    name,
+                    *("–" for _ in roles),
+                    table_text(factor * value),
+                    above,
+                    *("–" for _ in (*then, *totals, 1, 2, 3)),
+                ]
             )
-    headings = ["rank", *roles, heading("objective", symbol), "above the first", *(heading(*it) for it in totals)]
+    headings = ["rank", *roles, heading("objective", symbol), "above the first", *then]
+    headings += [heading(*it) for it in totals]
     caption = "Ranking" if record["feasible"] else "Nearest to the limits, none within them"
     return Table(caption, [*headings, "largest at", "tightest limit", "left of it"], rows)
 
 
 def _scenarios(results: Results, check: LimitCheck | None) -> Table:
-    """Return the objective's quantities and the limited ones of the best combination in each scenario."""
+    """Return the main quantity and the limited ones of the best combination in each scenario."""
     assert check is not None
     mechanism, own = results.mechanism, check.source.get("quantities", {})
-    names = dict.fromkeys(["peak_force", *(it.name for it in check.limits)])
+    names = main_first(results, check.values[0], (it.name for it in check.limits))
     shown = {name: display(mechanism, name, own) for name in names if name in check.values[0] and name != IMPACTS}
     rows: list[Row] = []
     for label, case in zip(check.labels, check.values, strict=True):

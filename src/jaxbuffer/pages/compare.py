@@ -9,6 +9,7 @@ from ..fields import get, paths, unit
 from ..labelled.record import Record
 from ..mechanisms.limit import Limit
 from ..mechanisms.mechanism import Mechanism
+from ..mechanisms.quantity import PEAK_TIME
 from ..output.folder import Results
 from ..value_text import percent_text, relative_change, table_text
 from .abstract import abstract, badges
@@ -16,13 +17,12 @@ from .limit_check import end_count, limit_check, limits_of
 from .limits import limits
 from .origin import origin
 from .page import Cell, Page, PageSection, Table
-from .records import ROUNDING, Display, case_labels, display, ended, figure, same, scenario_of, words
+from .records import ROUNDING, Display, case_labels, display, ended, figure, main_quantity, same, scenario_of, words
 from .review import distinct
 from .runs import FORCE, once
 
 CONTENTS = {"run": "a run", "tuned": "a tuning", "sensitivity": "derivatives", "sample": "a sample", "front": "a front"}
 CONTENTS |= {"choice": "a choice", "fit": "a fit"}
-NO_MERIT = ("peak_time",)  # neither more nor less of it is better
 MULTIPLE = 10.0  # from which a ratio is told instead of a percentage
 Known = tuple[float | None, bool, bool]  # a value, whether it breaks its limit, whether its run keeps all limits
 UNKNOWN: Known = (None, False, False)
@@ -47,7 +47,7 @@ def comparison(every: Sequence[Results]) -> Page:
     parts = [PageSection(table.caption, tables=[table]) for table in tables]
     if all(results.tuned is not None for results in every):
         every_limit = [tables[-1], *limited_by_scenario(every)]
-        # Tables of other limited quantities are folded below that of the peak force, and share its key to the colours.
+        # Tables of other limited quantities are folded below that of the main one, and share its key to the colours.
         parts[-1] = dataclasses.replace(parts[-1], text=[COLOURS], tables=every_limit)
     parts += _with_differences(distinct(_limits(every)), every)
     if curves := _forces(every):
@@ -108,8 +108,9 @@ def limit_tables(every: Sequence[Results]) -> list[Table]:
 def _forces(every: Sequence[Results]) -> list[dict[str, Any]]:
     """Return the force of each folder's run, or of its tuning's worst scenario with the tuned design."""
     records = [(results, results.records["force"]) for results in every if "force" in results.records]
-    # The last curve is that of the tuned design, and of a run the only one.
-    named = [(results, record["scenario"], record["curves"][-1]) for results, record in records]
+    # The last curve is that of the tuned design, and of a run the only one; there is none without a contact, and where
+    # a tuning's worst scenario could not be run again.
+    named = [(results, record["scenario"], record["curves"][-1]) for results, record in records if record["curves"]]
     return [{**curve, "name": f"{results.folder} ({scenario})"} for results, scenario, curve in named]
 
 
@@ -121,7 +122,7 @@ def compared(every: Sequence[Results]) -> list[Table]:
         tables += _runs(every, folders)
     if all(results.tuned is not None for results in every):
         tables += _ends(every, folders)
-        tables.append(by_scenario(every, folders, "peak_force"))
+        tables.append(by_scenario(every, folders, _main_quantity(every)))
     return tables[1:] and tables
 
 
@@ -162,9 +163,10 @@ def _runs(every: Sequence[Results], folders: Sequence[str]) -> list[Table]:
     meant = mechanism.meant(lambda path: any(record["design"].get(path) for record in records))
     for name in once(meant, *records):
         title, symbol, factor = display(mechanism, name)
+        # Neither an earlier nor a later peak is better.
         values = [record.get(name) for record in records]
         in_unit = [None if value is None else factor * value for value in values]
-        rows.append([title, symbol, *_beside(in_unit, merit=alike and name not in NO_MERIT)])
+        rows.append([title, symbol, *_beside(in_unit, merit=alike and name != mechanism.name_of(PEAK_TIME))])
     rows.append(["impacts", "-", *_beside([len(record["impacts"]) for record in records], merit=alike)])
     caption = (
         "Runs" if alike else "Runs of different scenarios, which tell little of the designs: simulate the same one"
@@ -230,11 +232,18 @@ def _display(every: Sequence[Results], name: str) -> Display:
     return display(every[0].mechanism, name, own)
 
 
+def _main_quantity(every: Sequence[Results]) -> str:
+    """Return the quantity that stands for the tunings' runs: an own one where the first has none of the mechanism's."""
+    values = _cases(every[0])[0]["after"]
+    own = (every[0].tuned or Record()).get("quantities", {})
+    return main_quantity(every[0], values) or next(iter(own))
+
+
 def limited_by_scenario(every: Sequence[Results]) -> list[Table]:
-    """Return a folded table for each quantity that any of the folders limits, except the peak force."""
+    """Return a folded table for each quantity that any of the folders limits, except the main one."""
     names = dict.fromkeys(name for results in every for name, _ in _limits_of(results, every))
     folders = [str(results.folder) for results in every]
-    return [by_scenario(every, folders, name, folded=True) for name in names if name != "peak_force"]
+    return [by_scenario(every, folders, name, folded=True) for name in names if name != _main_quantity(every)]
 
 
 def by_scenario(every: Sequence[Results], folders: Sequence[str], name: str, folded: bool = False) -> Table:

@@ -1,33 +1,28 @@
 """The section of limits: a row for each, and what breaks them."""
 
 from collections import Counter
-from collections.abc import Sequence
-from typing import Any, NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 from ..labelled.record import Record
-from ..mechanisms.limit import IMPACTS, Limit
+from ..mechanisms.limit import Limit
 from ..output.folder import Results
-from ..value_text import percent_text, with_unit
+from ..tuning.limit_rows import LimitRow, State
+from ..value_text import UNKNOWN, percent_text
 from .limit_check import LimitCheck, breaks, limit_check
 from .page import Cell, PageSection, Table
-from .records import Display, words
+from .records import words
 
 HEADINGS = ("quantity", "unit", "worst", "in scenario", "limit", "margin", "verdict")
 BEYOND = ("scenario", "quantity", "unit", "value", "limit", "beyond it")
-CLOSE = 1e-3  # relative margin below which a value is at its limit
 MANY = 12  # broken limits; a longer table is folded
-KEPT, AT_LIMIT, BROKEN = Cell("kept", "good"), Cell("at the limit", "unsure"), Cell("broken", "bad")
-UNKNOWN = Cell("not known", "unsure")
+CELLS: Mapping[State, Cell] = {
+    "kept": Cell("kept", "good"),
+    "at the limit": Cell("at the limit", "unsure"),
+    "broken": Cell("broken", "bad"),
+    "not known": Cell("not known", "unsure"),
+}
 Row = list[str | Cell]
-
-
-def _value(value: float | None, limit: Limit, shown: Display) -> str:
-    """Return a value beside its limit: with as many digits as tell it from a bound that it breaks."""
-    text = shown.text(value)
-    # Only a broken bound that reads like the value needs more digits: 25 mm beyond 25 mm.
-    if value is None or limit.keeps(value) or text != with_unit(shown.factor * limit.bound, ""):
-        return text
-    return limit.told_apart(value, factor=shown.factor)
 
 
 def limits(results: Results, every: Sequence[Results] = (), named: bool = False) -> PageSection | None:
@@ -45,7 +40,7 @@ def limits(results: Results, every: Sequence[Results] = (), named: bool = False)
         f"{of} against {f'the limits of {check.source_folder}' if check.source_folder else 'the limits of its study'}"
     )
     where = f"{results.folder}: " if named else ""
-    tables = [Table(f"{where}{caption}", HEADINGS, limit_rows(check))]
+    tables = [Table(f"{where}{caption}", HEADINGS, limit_cells(check))]
     # A run's warnings stand in its own section, and it has one scenario alone to break a limit in.
     if results.tuned is None:
         return PageSection("Limits", tables=tables)
@@ -81,7 +76,7 @@ def limit_counts(results: Results, every: Sequence[Results] = ()) -> LimitCounts
     if check is None:
         return None
     verdicts = [_row(check, limit)[-1] for limit in check.limits]
-    broken, at_limit, unknown = map(verdicts.count, (BROKEN, AT_LIMIT, UNKNOWN))
+    broken, at_limit, unknown = (verdicts.count(CELLS[it]) for it in ("broken", "at the limit", "not known"))
     return LimitCounts(broken, at_limit, unknown, len(check.missed), len(check.outcomes), check.success)
 
 
@@ -101,35 +96,21 @@ def fails_in_corners_alone(results: Results, every: Sequence[Results] = ()) -> b
     return bool(results.tuned and corners_verdict(results.tuned)) and (counts is None or not counts.faults)
 
 
-def limit_rows(check: LimitCheck) -> list[Row]:
+def limit_cells(check: LimitCheck) -> list[Row]:
     """Return a row for each limit, and how runs must end."""
     rows, success = [_row(check, limit) for limit in check.limits], check.success
     if success is not None:
         missed, every = check.missed, len(check.outcomes)
         where = check.labels[missed[0]] if missed else "–"
-        ends = BROKEN if missed else KEPT
+        ends = CELLS["broken" if missed else "kept"]
         rows.append([words(success), "-", str(every - len(missed)), where, f"of {every}", "–", ends])
     return rows
 
 
 def _row(check: LimitCheck, limit: Limit) -> Row:
-    shown = check.display(limit.name)
-    name, symbol, bound = shown.title, shown.unit, limit.bound_text(factor=shown.factor)
-    if limit.name not in check.values[0]:  # a limit of another folder on what this one does not know
-        return [name, symbol, "–", "–", bound, "–", UNKNOWN]
-    values = [case[limit.name] for case in check.values]
-    value = limit.worst(values)
-    where = check.labels[values.index(value)]
-    share = None if limit.name == IMPACTS else limit.margin(value)  # a whole number has no margin to speak of
-    margin = "–" if share is None else percent_text(share, ".3g")
-    return [name, symbol, _value(value, limit, shown), where, bound, margin, verdict(limit, value, share)]
-
-
-def verdict(limit: Limit, value: Any, share: float | None) -> Cell:
-    """Return whether a value keeps a limit, in a cell; ``share``: of the limit, that is left [-]."""
-    if not limit.keeps(value):
-        return BROKEN
-    return AT_LIMIT if share is not None and share < CLOSE else KEPT
+    shown, row = check.display(limit.name), LimitRow.of(limit, check.values, check.labels)
+    bound, value = limit.bound_text(factor=shown.factor), row.value_text(factor=shown.factor)
+    return [shown.title, shown.unit, value, row.where or UNKNOWN, bound, row.room_text, CELLS[row.state]]
 
 
 def _beyond(check: LimitCheck) -> list[Row]:
@@ -145,7 +126,8 @@ def _beyond(check: LimitCheck) -> list[Row]:
                 value = case[limit.name]
                 share = limit.margin(value)
                 by = "–" if share is None else percent_text(-share, ".3g")
-                text, bound = _value(value, limit, shown), limit.bound_text(factor=shown.factor)
+                text = LimitRow.of(limit, [case], [where]).value_text(factor=shown.factor)
+                bound = limit.bound_text(factor=shown.factor)
                 row: Row = [where, shown.title, shown.unit, text, bound, by]
                 # Sorted by margin below: the most negative one is the farthest beyond.
                 excesses.append((share or 0.0, row))

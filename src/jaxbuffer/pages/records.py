@@ -2,7 +2,7 @@
 
 import base64
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -13,7 +13,7 @@ from ..output.folder import Results
 from ..output.provenance import MADE
 from ..output.style import DOTS_PER_INCH
 from ..output.words import called
-from ..tuning.cases import built_label
+from ..tuning.cases import built_label, numbered
 from ..value_text import table_text
 from .page import Cell, Figure
 
@@ -94,6 +94,17 @@ def title(mechanism: Mechanism, name: str) -> str:
     return display(mechanism, name).title if name in mechanism.quantities else words(name)
 
 
+def main_quantity(results: Results, values: Container[str]) -> str:
+    """Return the quantity among the names of ``values`` that stands for a run; "" where there is none."""
+    mechanism = results.mechanism
+    return mechanism.main_quantity([name for name in mechanism.quantities if name in values], results.design)
+
+
+def main_first(results: Results, values: Container[str], others: Iterable[str]) -> list[str]:
+    """Return the main quantity of a record's ``values``, if it is there, and then the other names, each once."""
+    return [name for name in dict.fromkeys([main_quantity(results, values), *others]) if name]
+
+
 def by_quantity(rows: Iterable[Record]) -> dict[str, list[Record]]:
     """Return rows of a record by the quantity that they are of."""
     groups: dict[str, list[Record]] = {}
@@ -133,7 +144,7 @@ def _inline(svg: str, prefix: str) -> str:
 
 
 def elsewhere(results: Results, scenario: Record) -> list[str]:
-    """Return a line that says in which scenarios of a tuning its limited quantities and the peak force are largest.
+    """Return a line that says in which scenarios of a tuning its main quantity and the limited ones are largest.
 
     There is no line where the run that is shown, of ``scenario``, is one of those.
     """
@@ -141,7 +152,7 @@ def elsewhere(results: Results, scenario: Record) -> list[str]:
         return []
     mechanism, cases = results.mechanism, [case["after"] for case in results.tuned["scenarios"]]
     met, labels = [scenario_of(mechanism, case) for case in results.tuned["scenarios"]], case_labels(results)
-    names = dict.fromkeys(["peak_force", *results.tuned["limits"]])
+    names = main_first(results, cases[0], results.tuned["limits"])
     own = results.tuned.get("quantities", {})
     # A value that is not known counts as zero, so that it is never the largest.
     largest = {name: max(range(len(cases)), key=lambda k: cases[k][name] or 0.0) for name in names}
@@ -161,7 +172,12 @@ def case_labels(results: Results, among: Sequence[Any] = ()) -> list[str]:
     others = list(among) or met
     design = results.mechanism.design()
     built = [[case.get(name, {}).items() for name in ("factors", "shifts", "values")] for case in cases]
-    return [
+    texts = [
         results.mechanism.view.label(scenario, others) + built_label(design, *differing)
         for differing, scenario in zip(built, met, strict=True)
     ]
+    # Several folders have numbers of their own each.
+    if among or not all("number" in case for case in cases):
+        return texts
+    several = len({case["number"].partition(".")[0] for case in cases})
+    return [numbered(case["number"], text, several) for case, text in zip(cases, texts, strict=True)]

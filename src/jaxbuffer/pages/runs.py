@@ -14,7 +14,7 @@ from .designs import other_design
 from .limit_check import end_count
 from .limits import corners_verdict
 from .page import Cell, PageSection, Table
-from .records import Display, case_labels, display, elsewhere, ended, figure, same, scenario_of, words
+from .records import Display, case_labels, display, elsewhere, ended, figure, main_first, same, scenario_of, words
 
 MANY = 12  # impacts; a longer table is folded
 LISTED = 40  # scenarios; a longer table is folded
@@ -111,7 +111,7 @@ def scenarios(results: Results) -> PageSection | None:
     lower, own = tuned.get("lower_limits", {}), tuned.get("quantities", {})
     known = tuned["scenarios"][0]["after"]
     left = [name for name in mechanism.tuning.left_open(tuned["design"].get) if name in known]
-    names = dict.fromkeys(["peak_force", *tuned["limits"], *lower, *left])
+    names = main_first(results, known, [*tuned["limits"], *lower, *left])
     shown = {name: display(mechanism, name, own) for name in names}
     rows = []
     for record, label in zip(tuned["scenarios"], case_labels(results), strict=True):

@@ -1,5 +1,7 @@
 """Plane geometry and small linear algebra: the ground that bodies and contacts share."""
 
+from .basis import PLANE as PLANE
+from .basis import Plane as Plane
 from .linear import Factors as Factors
 from .linear import inverse as inverse
 from .linear import ldl_solve as ldl_solve

@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from .._types import Scalar
+from ..basis import is_zero
 
 
 class Factors(NamedTuple):
@@ -29,12 +30,12 @@ class Factors(NamedTuple):
             for j in range(i):
                 entry = matrix[i][j]
                 for k in range(j):
-                    if not (_zero(lower[i][k]) or _zero(lower[j][k])):
+                    if not (is_zero(lower[i][k]) or is_zero(lower[j][k])):
                         entry = entry - lower[i][k] * lower[j][k] * pivot[k]
-                lower[i].append(entry if _zero(entry) else entry / pivot[j])
+                lower[i].append(entry if is_zero(entry) else entry / pivot[j])
             diagonal = matrix[i][i]
             for k in range(i):
-                if not _zero(lower[i][k]):
+                if not is_zero(lower[i][k]):
                     diagonal = diagonal - lower[i][k] * lower[i][k] * pivot[k]
             pivot.append(diagonal)
         return Factors(lower, pivot)
@@ -44,7 +45,7 @@ class Factors(NamedTuple):
         x = list(rhs)
         for i in range(len(x)):
             for k in range(i):
-                if not (_zero(self.lower[i][k]) or _zero(x[k])):
+                if not (is_zero(self.lower[i][k]) or is_zero(x[k])):
                     x[i] = x[i] - self.lower[i][k] * x[k]
         return x
 
@@ -52,17 +53,12 @@ class Factors(NamedTuple):
         """Return the solution for a right-hand side of m entries, each a number or a row of columns."""
         n = len(self.pivot)
         x = self.forward(rhs)
-        x = [entry if _zero(entry) else entry / self.pivot[i] for i, entry in enumerate(x)]
+        x = [entry if is_zero(entry) else entry / self.pivot[i] for i, entry in enumerate(x)]
         for i in reversed(range(n)):
             for k in range(i + 1, n):
-                if not (_zero(self.lower[k][i]) or _zero(x[k])):
+                if not (is_zero(self.lower[k][i]) or is_zero(x[k])):
                     x[i] = x[i] - self.lower[k][i] * x[k]
         return x
-
-
-def _zero(value: Any) -> bool:
-    """Return whether a value is Python's 0, which is known to be zero when a program is compiled."""
-    return isinstance(value, float) and value == 0.0
 
 
 def ldl_solve(

@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 from .._types import Scalar
+from ..basis import Entry
 
 
 class Vector(NamedTuple):
@@ -11,8 +12,8 @@ class Vector(NamedTuple):
     - ``x``, ``y``: components.
     """
 
-    x: Scalar
-    y: Scalar
+    x: Entry
+    y: Entry
 
     def __add__(self, other: "Vector") -> "Vector":  # type: ignore[override]
         return Vector(self.x + other.x, self.y + other.y)
@@ -23,14 +24,14 @@ class Vector(NamedTuple):
     def __neg__(self) -> "Vector":
         return Vector(-self.x, -self.y)
 
-    def __mul__(self, factor: Scalar) -> "Vector":  # type: ignore[override]
+    def __mul__(self, factor: Entry) -> "Vector":  # type: ignore[override]
         return Vector(self.x * factor, self.y * factor)
 
-    def dot(self, other: "Vector") -> Scalar:
+    def dot(self, other: "Vector") -> Entry:
         """Return the scalar product with ``other``."""
         return self.x * other.x + self.y * other.y
 
-    def cross(self, other: "Vector") -> Scalar:
+    def cross(self, other: "Vector") -> Entry:
         """Return the out-of-plane component of the vector product with ``other`` (M2)."""
         return self.x * other.y - self.y * other.x
 
@@ -40,11 +41,11 @@ class Vector(NamedTuple):
 
 
 class Frame(NamedTuple):
-    """Pose and motion of one body (M1, M3).
+    """Pose and motion of one body, or of the material at a point of it (M1, M3).
 
-    - ``origin``: its centre of mass, in inertial axes [m].
+    - ``origin``: its centre of mass, or that point, in inertial axes [m].
     - ``angle``: [rad], with its ``cos`` and ``sin`` [-].
-    - ``velocity``: of the centre of mass, in inertial axes [m/s].
+    - ``velocity``: of the origin, in inertial axes [m/s].
     - ``spin``: rate of the angle [rad/s].
     """
 
@@ -69,4 +70,12 @@ class Frame(NamedTuple):
     def velocity_at(self, arm: Vector) -> Vector:
         """Return the velocity of the body's material point at ``arm`` (inertial axes, from the centre of mass) [m/s]
         (M3)."""
-        return self.velocity + arm.perp() * self.spin
+        return self.velocity + self.rate_of(arm)
+
+    def rate_of(self, arm: Vector) -> Vector:
+        """Return the rate of an ``arm``, or any other vector, that turns with the body; in inertial axes (M3)."""
+        return arm.perp() * self.spin
+
+    def centripetal(self, arm: Vector) -> Vector:
+        """Return the second rate of an ``arm`` that turns with the body while the spin stays as it is."""
+        return arm * (-self.spin * self.spin)

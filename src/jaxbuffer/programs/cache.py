@@ -18,6 +18,7 @@ import os
 import sys
 import threading
 import time
+import weakref
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -32,7 +33,7 @@ from jax.stages import Compiled
 
 from . import ahead, load, store, structure
 from .identity import Description
-from .process import check_ready, kind
+from .process import check_ready, kind, trim
 
 R = TypeVar("R")
 
@@ -112,6 +113,7 @@ class stored(Generic[R]):  # a decorator
         self.jitted = jax.jit(self.function)
         self.programs: dict[Any, _Program] = {}
         functools.update_wrapper(self, function)
+        _functions.add(self)
 
     def function(self, *arguments: Any) -> R:
         """Call the function, ``first`` before it, uncompiled."""
@@ -129,11 +131,13 @@ class stored(Generic[R]):  # a decorator
         given = [numbers, *(leaf for leaf, kind in zip(leaves, kinds, strict=True) if kind is not float)]
         # The folder too, so that programs are kept in one that is given later.
         key = (store.folder(), tree, kinds)
-        if key not in self.programs:
+        program = self.programs.get(key)
+        if program is None:
             with _compiling:  # of many threads that come at once, one compiles
-                if key not in self.programs:
-                    self.programs[key] = self._program(tree, kinds, given)
-        return self.programs[key](leaves, given)
+                program = self.programs.get(key)
+                if program is None:
+                    program = self.programs[key] = self._program(tree, kinds, given)
+        return program(leaves, given)
 
     def _program(self, tree: Any, kinds: tuple[Any, ...], given: list[Any]) -> _Program:
         folder, described = store.folder(), Description(structure.nested(tree))
@@ -217,11 +221,22 @@ class stored(Generic[R]):  # a decorator
         functions = [begun, flat] if self.first else [flat]
         with _announced(Compilation(self.what, _expected(self.last.__name__, self.seconds))):
             built = _built(functions, given, keep=file is not None)
+        trim()  # what only compiling needed is half of what the process then holds
         program = _Program(built.parts, result[0], result[1], time.monotonic() - begin)
         if file is not None and built.codes:
             exported = _exported(functions, given) if EXPORT in os.environ else []
             _write(file, program, built.codes, exported, shipped)
         return program
+
+
+_functions: weakref.WeakSet[stored[Any]] = weakref.WeakSet()
+
+
+def drop_programs() -> None:
+    """Drop the programs of all functions from memory; those that run meanwhile in other threads stay until they end."""
+    with _compiling:
+        for function in list(_functions):
+            function.programs.clear()
 
 
 def after(

@@ -7,6 +7,7 @@ whole loop into one function, which makes a capture about ten times faster; it m
 `xla_flags` has it and the others.
 """
 
+import ctypes
 import functools
 import hashlib
 import os
@@ -172,6 +173,15 @@ def one_kernel() -> bool:
         return THRESHOLD in os.environ.get("XLA_FLAGS", "")
     options = get_compile_options(num_replicas=1, num_partitions=1)
     return THRESHOLD.encode() in options.SerializeAsString()
+
+
+def trim() -> None:
+    """Return memory that is free to the system, where the C library (glibc) can."""
+    try:
+        ctypes.CDLL(None).malloc_trim(0)
+    except (AttributeError, OSError, TypeError):
+        # Other C libraries have no such function.
+        return
 
 
 def _note_fork() -> None:

@@ -30,12 +30,12 @@ def history_at(system: ContactSystem, time: Array, active: Array, state: Array) 
     """
     at = system.evaluate(state)
     snapshot, kin = system.snapshot_at(at, active), at.kin
-    of_bodies = kin.order.placements
+    moving = kin.velocity_order.placements
     return History(
         time=time,
-        position=of_bodies(kin.q),
-        velocity=of_bodies(kin.v),
-        acceleration=of_bodies(snapshot.acceleration),
+        position=kin.order.placements(kin.q),
+        velocity=moving(kin.v),
+        acceleration=moving(snapshot.acceleration),
         multipliers=snapshot.multipliers,
         gap=snapshot.gap,
         approach_speed=snapshot.approach_speed,

@@ -4,23 +4,17 @@ import dataclasses
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Array, Float
 
 from ..hybrid import Kind, Log
-from ..mechanisms.system import ContactSystem
-from .survey import Survey, state_at
+from .survey import Survey
 
 
-def moving_end(system: ContactSystem, log: Log, by_guard: Bool[Array, ""]) -> Log:
-    """Return the log with an end by a guard that moves with the parameters: to the time at which the guard crosses
-    zero, and the last state with it. Values stay as they are."""
+def moving_end(log: Log, time: Float[Array, ""], state: Float[Array, " state"]) -> Log:
+    """Return the log with an end that moves with the parameters, to a ``time`` [s] and a ``state``. Values stay as they
+    are."""
     last = jnp.maximum(log.count - 1, 0)
-    end = state_at(log, last)
-    terminals = system.terminals(end)
-    terminal = terminals[jnp.clip(log.which[last], 0, len(terminals) - 1)]
-    time = shifted(log.time[last], jnp.where(by_guard, terminal, 0.0), log.guard_rate[last])
-    rows = log.rows.at[last, 0].set(_carried(end, jax.lax.stop_gradient(log.rates[last, 0]), time))
-    return dataclasses.replace(log, time=log.time.at[last].set(time), rows=rows)
+    return dataclasses.replace(log, time=log.time.at[last].set(time), rows=log.rows.at[last, 0].set(state))
 
 
 def moving_events(log: Log, events: Survey) -> Log:
@@ -46,11 +40,12 @@ def _shifted_jvp(primals: tuple, tangents: tuple) -> tuple[Array, Array]:
 
 
 @jax.custom_jvp
-def _carried(state: Array, rate: Array, time: Array) -> Float[Array, " state"]:
-    """Return a state as it is, with the derivative at a time that moves."""
+def carried(state: Array, rate: Array, time: Array) -> Float[Array, " state"]:
+    """Return a state as it is, with the derivative at a time that moves. Its own rate counts only with the time that
+    locating the event leaves open, which is next to nothing: how that rate changes does not matter."""
     return state
 
 
-@_carried.defjvp
+@carried.defjvp
 def _carried_jvp(primals: tuple, tangents: tuple) -> tuple[Array, Array]:
     return primals[0], tangents[0] + primals[1] * tangents[2]

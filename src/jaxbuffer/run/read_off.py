@@ -15,8 +15,9 @@ from ..mechanisms.system import ContactSystem
 from .conservation import balance
 from .history import history as history_of
 from .impacts import contact_time, impacts
-from .maxima import maxima
+from .maxima import maxima, places_of
 from .moving import moving_end, moving_events
+from .readings import readings
 from .survey import survey
 
 
@@ -29,15 +30,16 @@ def read_off(request: Request, result: Result) -> Run:
 def _read_off(request: Request, system: ContactSystem, result: Result) -> Solved:
     """Read off what every mechanism's runs have."""
     mechanism, parameters, duration, _, options = request
-    start = system.first_evaluation()
-    log = moving_end(system, result.log, result.status < Status.TIMEOUT)
-    events = survey(system, log)
-    log = moving_events(log, events)
+    events, places = survey(system, result.log), places_of(system, result.log)
+    log, by_guard = moving_events(result.log, events), result.status < Status.TIMEOUT
+    read = readings(system, mechanism.reader, result.start, log, places.slots, by_guard)
+    events = events.with_forces(jnp.append(places.slots, jnp.maximum(log.count - 1, 0)), read.observables)
+    log = moving_end(log, read.end_time, read.end.state)
     code = outcome_code(mechanism.outcomes, system.end_outcomes, result.status)
     # a factor, so that derivatives are NaN as well
     known = jnp.where(code < mechanism.outcomes["failed_steps"], 1.0, jnp.nan)
-    top, hits = maxima(system, log, start), impacts(system, log, events)
-    energy, conserved = balance(system, start, log, events.drift)
+    top, hits = maxima(system, log, places, read), impacts(system, log, events)
+    energy, conserved = balance(system, read, log, events.drift)
     touched = top.peak_force > 0.0  # without a contact there is no largest force, nor a time and a place of it
     numbers = {
         "peak_force": top.peak_force,
@@ -66,7 +68,7 @@ def _read_off(request: Request, system: ContactSystem, result: Result) -> Solved
         # What a failed run has done so far looks like a run: its history, impacts and log are unknown like all else.
         **jax.tree.map(lambda x: x * known if eqx.is_inexact_array(x) else x, numbers),
     }
-    return Solved(parameters, duration, start[0], result, log, code, known, top, common)
+    return Solved(parameters, duration, read.start, read.end, read.event, result, log, code, known, top, common)
 
 
 def _peak_impact(log: Log, top: Maxima, hits: Any) -> Array:

@@ -47,6 +47,13 @@ def check_pair(mechanism: Mechanism, design: Any, scenario: Any) -> None:
     mechanism.check_fit(design, scenario)
 
 
+def check_assembly(mechanism: Mechanism, design: Part, scenario: Part, stabilisation: Scalar = 20.0) -> None:
+    """Raise `InputError` where a run must fail because its parts do not go together, such as joints that hold one
+    motion twice: assembled from numbers that are known, unlike in a compiled program, the mechanism says so."""
+    if mechanism.stepper is None:
+        mechanism.system(design, scenario, stabilisation)
+
+
 def tenth(rtol: float) -> float | None:
     """Return a tenth of a tolerance [-]; None where that is below the least allowed."""
     return None if rtol < 10.0 * TOLERANCES["low"] else 0.1 * rtol

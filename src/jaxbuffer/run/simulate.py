@@ -17,7 +17,7 @@ from ..mechanisms.run import DesignOf, R, Run
 from ..programs.cache import Static, after
 from .history import trimmed
 from .instants import at_times
-from .request import DEFAULT_TOLERANCE, ONE_RUN, check_pair, options_of, request
+from .request import DEFAULT_TOLERANCE, ONE_RUN, check_assembly, check_pair, options_of, request
 from .stepper import CHECKED, HISTORY_STEPS, UNCHECKED, run_of, stepped, stepper_of
 
 
@@ -120,6 +120,8 @@ def simulate(
             _refuse_arrays(design, scenario, one)
     # Traced numbers have no values to check yet: the program does it, and such a run ends with `failed_input`.
     run = _simulate(given, UNCHECKED if traced else CHECKED)
+    if not traced and run.outcome.failed:
+        check_assembly(mechanism, design, scenario, stabilisation)
     return _with_history(run, mechanism, times)
 
 

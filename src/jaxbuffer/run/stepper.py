@@ -5,10 +5,8 @@ from collections.abc import Callable
 from typing import Any
 
 import jax
-import jax.numpy as jnp
 from jaxtyping import Array, Bool
 
-from .._types import Scalar
 from ..hybrid import (
     HybridSystem,
     Options,
@@ -18,9 +16,8 @@ from ..hybrid import (
     solve_at_fixed_times,
     solve_with_tangents,
 )
-from ..mechanisms.mechanism import TOLERANCES, Mechanism, Request, Stepper
+from ..mechanisms.mechanism import Mechanism, Request, Stepper
 from ..mechanisms.run import Run
-from ..mechanisms.system import ContactSystem
 from ..programs.cache import Static
 from .read_off import read_off
 
@@ -37,7 +34,7 @@ class Events:
     def step(self, request: Request, unchecked: bool, enabled: Bool[Array, ""] | bool) -> Result:
         """See `Stepper`."""
         allowed = enabled & request.allowed if unchecked else None
-        build, options = request.mechanism.system, with_tolerances(request)
+        build, options = request.mechanism.system, _options(request)
         return solve_at_fixed_times(build, request.parameters, request.duration, options, allowed)
 
     def step_with_tangents(
@@ -49,7 +46,7 @@ class Events:
         def assembled(values: list[Array], others: Any) -> HybridSystem:
             return make(values, others).system
 
-        allowed, options = request.allowed, with_tolerances(request)
+        allowed, options = request.allowed, _options(request)
         return solve_with_tangents(assembled, values, others, request.duration, options, allowed)
 
     def differentiable(self, request: Request, result: Result, values: list[Array]) -> Result:
@@ -87,23 +84,7 @@ def run_of(request: Request, result: Any) -> Run:
     return stepper_of(request.mechanism).read(request, result)
 
 
-def with_tolerances(request: Request) -> Options:
-    """Return the options with a run's tolerances, and how closely its events are located at these."""
-    system, (rtol, atol) = request.system, request.tolerances
-    if (share := system.tolerance_share) < 1.0:
-        rtol, atol = jnp.maximum(share * rtol, TOLERANCES["low"]), jnp.maximum(share * atol, TOLERANCES["low"])
-    # It depends on the design, but is a setting: its derivative would be refused as one by the tolerance.
-    event_time = jax.lax.stop_gradient(_event_time(system, system.first_evaluation()[0].state, rtol))
-    return dataclasses.replace(
-        request.options, tolerance=StepTolerance(rtol, atol), event_time=event_time, shortfall=rtol
-    )
-
-
-def _event_time(system: ContactSystem, start: Array, rtol: Scalar) -> Scalar:
-    """Return how closely steps of a run from ``start`` end on events [s].
-
-    A force that begins τ late with the 3/2 power of time gives an impact of duration T the fraction (τ/T)^{5/2} less
-    impulse, which is held to a hundredth of the tolerance; one that begins with a jump τ/T.
-    """
-    duration = 15.0 * system.impact_step(start)
-    return duration * (rtol if system.jumps else (0.01 * rtol) ** 0.4)
+def _options(request: Request) -> Options:
+    """Return the options with a run's tolerances; the system says how closely its events are located at these."""
+    tolerance = StepTolerance(*request.tolerances)
+    return dataclasses.replace(request.options, tolerance=tolerance, event_time=None, shortfall=None)

@@ -1,10 +1,11 @@
 """One look at every entry of a run's log."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Bool, Float, Int
 
 from ..hybrid import Kind, Log
 from ..mechanisms.system import ContactSystem
@@ -18,40 +19,55 @@ class Survey(NamedTuple):
     force: Float[Array, "slots impact_contacts"]
     drift: Float[Array, " slots"]
 
-
-def state_at(log: Log, slot: Int[Array, ""]) -> Float[Array, " state"]:
-    """Return the state at one entry of the log."""
-    return log.rows[slot, 0]
-
-
-def state_of_maximum(system: ContactSystem, log: Log, slot: Int[Array, ""]) -> Float[Array, " state"]:
-    """Return the state at one entry of the log, with the derivative that a maximum there has.
-
-    Right after a touchdown with a jump, or right after a release, a quantity may be largest without being stationary:
-    the state's derivative then goes with the event.
-    """
-    state = state_at(log, slot)
-    of_rate = system.contact_count > 0 and system.observes_rate
-    if not system.jumps and not of_rate:
-        return state
-    kind = log.kind[slot]
-    at_event = (kind == Kind.TOUCHDOWN) & system.jumps | (kind == Kind.RELEASE) & of_rate
-    late = system.time_to_contact(state, log.which[slot] % system.contact_count)
-    rate = system.derivative(log.time[slot], state, log.active[slot])
-    if system.jumps:  # its own change counts only with the time left to the event, as in `ContactSystem.saltation`
-        rate = jax.lax.stop_gradient(rate)
-    return state + rate * jnp.where(at_event, late, 0.0)
+    def with_forces(self, slots: Int[Array, " some"], observables: Float[Array, "some observables"]) -> "Survey":
+        """Return the survey with the forces that are read at some entries: those at the run's end, as it moves with the
+        parameters, and the largest one to its last digit."""
+        return self._replace(force=self.force.at[slots].set(observables[:, : self.force.shape[1]]))
 
 
 def survey(system: ContactSystem, log: Log) -> Survey:
     """Return what every entry of a run's log shows."""
 
     def look(slot: Array) -> Survey:
-        state, active = state_at(log, slot), log.active[slot]
-        at = system.evaluate(state)
-        highest = system.evaluate(state_of_maximum(system, log, slot)) if system.jumps else at
+        state, active = log.rows[slot, 0], log.active[slot]
+        at = system.evaluate_contacts(state)
         drift = jnp.abs(system.constraint_errors(jax.lax.stop_gradient(at.kin)))
-        force = system.normal_force_at(highest, active)
+        force = system.normal_force_at(at, active)
+        if system.jumps:
+            closes = log.kind[slot] == Kind.TOUCHDOWN
+            force = _at_touchdown(force, system, state, active, log.which[slot] % system.contact_count, closes)
         return Survey(system.gaps_at(at)[0], force, jnp.max(drift, initial=0.0))
 
     return jax.vmap(look)(jnp.arange(log.kind.shape[0]))
+
+
+@eqx.filter_custom_jvp
+def _at_touchdown(
+    force: Array,
+    system: ContactSystem,
+    state: Array,
+    active: Array,
+    contact: Int[Array, ""],
+    closes: Bool[Array, ""],
+) -> Float[Array, " impact_contacts"]:
+    """Return the forces of a state with the derivative that they have where the ``contact`` ``closes``.
+
+    Right after a touchdown with a jump a force may be largest without being stationary: its derivative then goes with
+    the event. A rule of its own, since the state's rate is asked for by derivatives alone.
+    """
+    return force
+
+
+@_at_touchdown.def_jvp
+def _at_touchdown_jvp(primals: tuple, tangents: tuple) -> tuple[Array, Any]:
+    (force, system, state, active, contact, closes), (force_moves, system_moves, state_moves, *_) = primals, tangents
+
+    def until_contact(system: ContactSystem, state: Array) -> Array:
+        return system.time_to_contact(state, contact)
+
+    late = eqx.filter_jvp(until_contact, (system, state), (system_moves, state_moves))[1]
+    moved = jnp.zeros_like(force) if force_moves is None else force_moves
+    if late is None:
+        return force, moved
+    along = system.derivative(jnp.zeros(()), state, active) * jnp.where(closes, late, 0.0)
+    return force, moved + jax.jvp(lambda state: system.normal_force(state, active), (state,), (along,))[1]

@@ -11,6 +11,7 @@ import equinox as eqx
 import numpy as np
 
 from .._types import Code
+from ..mechanisms.quantity import PEAK_FORCE, PEAK_TIME
 from ..mechanisms.run import Run
 from ..value_text import percent_text
 from .evidence import FLOOR, Evidence
@@ -186,7 +187,8 @@ def _judged(
         return Verdict.refused, finding
     if error[k, worst] > TRUSTED:
         return Verdict.check, finding
-    if name in ("peak_force", "peak_time") and peaks is not None and abs(peaks.swap_change) < KINK:
+    kinked = {run.mechanism.name_of(common) for common in (PEAK_FORCE, PEAK_TIME)}
+    if name in kinked and peaks is not None and abs(peaks.swap_change) < KINK:
         return Verdict.check, (
             f"{name} has a kink nearby: impact {peaks.runner_up_impact + 1} comes within"
             f" {percent_text(peaks.margin)} of the peak, and"

@@ -12,6 +12,7 @@ from ..errors import InputError
 from ..fields import Part, with_values
 from ..hybrid import Solver
 from ..mechanisms.mechanism import Mechanism
+from ..mechanisms.quantity import PEAK_FORCE
 from ..mechanisms.run import Run, value_of
 from ..run.request import check_pair
 from ..run.simulate import simulate
@@ -72,10 +73,10 @@ class TightSolve(NamedTuple):
         if int(run.code) != self.code:
             return np.full(len(self.names), np.nan)
         values = np.array([value_of(run, name) for name in self.names])
-        if self.course and "peak_force" in self.names:
+        if self.course and (peak := self.mechanism.name_of(PEAK_FORCE)) in self.names:
             contacts, forces = _impacts(run)
             same = contacts[: len(self.course)] == self.course
-            values[self.names.index("peak_force")] = forces[len(self.course) - 1] if same else np.nan
+            values[self.names.index(str(peak))] = forces[len(self.course) - 1] if same else np.nan
         return values
 
 

@@ -38,8 +38,8 @@ class Gradients(eqx.Module):
         address = of_impact(name)
         if address is None:
             return np.asarray(self.gradients[list(self.run.mechanism.quantities).index(name)])
-        present = address.slot < int(self.run.impacts.count)
-        return np.asarray(self.by_impact[address.field][address.slot]) * (1.0 if present else np.nan)
+        rows = np.asarray(self.by_impact[address.field])
+        return rows[address.slot] if address.slot < int(self.run.impacts.count) else np.full(rows.shape[1], np.nan)
 
 
 def gradients(
@@ -111,7 +111,8 @@ def _gradients(
         given = _moved(mechanism, inputs, values, addresses, solver)
         run = run_of(given, stepper_of(mechanism).differentiable(given, result, values))
         unknown = jnp.full((), jnp.nan)  # of what has no derivatives
-        results = jnp.stack([it.of(run) if it.differentiable else unknown for it in catalogue.values()])
+        numbers = [it.of(run) if it.differentiable else unknown for it in catalogue.values()]
+        results = jnp.stack(numbers) if numbers else jnp.zeros(0)
         impacts = {name: getattr(run.impacts, name) for name in IMPACT_UNITS}
         if slots is not None:
             others = jnp.full(run.impacts.time.shape, jnp.nan)

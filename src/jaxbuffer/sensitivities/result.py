@@ -143,10 +143,10 @@ def _certificate_lines(certificate: Certificate, quantities: Sequence[str], mech
     if less and len(less) < len(quantities):
         lines.append(f"  not all trusted      {', '.join(less)}; the others are")
     if (peaks := certificate.peaks) is not None:
-        view, contacts = mechanism.view, mechanism.view.names(design).contacts
+        view, names = mechanism.view, mechanism.view.names(design)
         lines.append(
             f"  active peak          {peaks.force:.6g} N at {peaks.time:.6g} s,"
-            f" {view.contact_in_words(contacts[peaks.contact])}, impact {peaks.impact + 1}"
+            f" {view.contact_in_words(names.contact(peaks.contact))}, impact {peaks.impact + 1}"
         )
         if peaks.runner_up_impact < 0:
             lines.append("  runner-up            none: no other impact")

@@ -13,7 +13,7 @@ from ..errors import check_choice, check_single
 from ..fields import POSITIVE, Part, check_numbers
 from ..hybrid import Solver, name_of, solver_named
 from ..mechanisms.mechanism import Mechanism
-from ..mechanisms.quantity import check_differentiable, is_signed
+from ..mechanisms.quantity import IMPACT_PEAK, check_differentiable, is_signed
 from ..mechanisms.registry import mechanism_of
 from ..mechanisms.run import value_of
 from ..run.request import DEFAULT_TOLERANCE, ONE_RUN, TOLERANCES, check_pair
@@ -148,5 +148,5 @@ def _certificate(
         inputs = (task.mechanism, task.design, task.scenario, task.paths, names, task.duration, task.solver)
         tight = TightSolves(TightSolve(*inputs, int(run.code), course_of(run)), values, moves, pool)
         evidence = (each if thorough else together)(tight, claimed, sizes, changes)
-    peaks = peak_report(run, np.asarray(solved.by_impact["peak_force"]) * moves, task.paths)
+    peaks = peak_report(run, np.asarray(solved.by_impact[IMPACT_PEAK]) * moves, task.paths)
     return judge(run, names, task.paths, claimed, evidence, peaks)

@@ -6,12 +6,14 @@ from pathlib import Path
 from typing import Any
 
 from ..choosing.catalogue import TOTALS, PartsCatalogue
+from ..choosing.criterion import objective_of_runs, then_of_runs
 from ..errors import InputError
 from ..fields import Part, declared, errors_in_typed_units
 from ..mechanisms import mechanism_named
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
 from ..run.request import check_pair
+from ..tuning.cases import Case
 from ..tuning.problem import Problem
 from ..tuning.settings import Settings
 from ..tuning.tolerances import Tolerance
@@ -29,7 +31,7 @@ from .model import (
     StudyOptions,
 )
 from .parts_toml import PARTS, ChoiceSettings, Selection, check_no_sums
-from .problem_toml import read_problem
+from .problem_toml import numbered_cases, read_problem
 from .tables import PartTable, subtable
 
 DEFAULT_KIND = "probe_cone"
@@ -113,6 +115,7 @@ class Config:
     def problem(self) -> Problem:
         """Read the design problem, whose start must lie within the bounds."""
         check_no_sums("objective", self.table.objective.weights if self.table.objective else ())
+        check_no_sums("then", self.table.then.objective.weights if self.table.then else ())
         if not self.parts:
             check_no_sums("constraints", self.table.constraints.at_most if self.table.constraints else ())
         # Messages say numbers in the units that they were typed with.
@@ -129,21 +132,25 @@ class Config:
                 tolerances=self.tolerances,
             )
 
+    @property
+    def cases(self) -> tuple[Case, ...]:
+        """Return the scenarios in their numbers' order, each with what a grid makes of the design."""
+        return numbered_cases(self.table, self.scenario, self.scenarios, self.design)
+
     def selection(self) -> Selection:
         """Read what parts are chosen by: without [problem.variables] nothing else is to be tuned."""
-        given, table = self.table.objective, self.table
+        given, then, table = self.table.objective, self.table.then, self.table
         # Some part may bring a latch, with which runs last longer: then all combinations are run for as long.
         study = self.varying([path for catalogue in self.parts for path in catalogue.paths])
         # No run has a price or a mass: the choice adds them to what the runs of a combination give.
-        if self.parts and given is not None and set(given.weights) & set(TOTALS):
-            weights = {name: weight for name, weight in given.weights.items() if name not in TOTALS}
-            of_runs = dataclasses.replace(given, weights=weights) if weights else None
-            table = dataclasses.replace(table, objective=of_runs)
+        if self.parts:
+            of_runs = None if given is None else objective_of_runs(given)
+            table = dataclasses.replace(table, objective=of_runs, then=None if then is None else then_of_runs(then))
         if self.parts and table.variables is None:
             table = dataclasses.replace(table, variables={})
         limits = {} if table.constraints is None else table.constraints.at_most
         at_most = {name: bound for name, bound in limits.items() if name in TOTALS}
-        return Selection(dataclasses.replace(study, table=table).problem(), given, at_most)
+        return Selection(dataclasses.replace(study, table=table).problem(), given, then, at_most)
 
 
 def study_tables() -> dict[str, Mapping[str, Any]]:

@@ -18,12 +18,14 @@ def design_toml(
     scenarios: Iterable[Part] = (),
     comment: str = "",
     units: Mapping[str, str] = MappingProxyType({}),
-    heading: str = "[[scenarios]]",
+    first: Part | None = None,
 ) -> str:
     """Write a study that `load` reads back to exactly the same numbers.
 
     **Arguments:** ``units``: those that numbers were typed with, by address, in which they are written; others have
-    theirs as a comment; ``heading``: of the table of each scenario.
+    theirs as a comment; ``first``: what [scenario] is, which commands of one run take; they take the first of the
+    ``scenarios`` where it is None or one of them, and where a field of it that is set is not set in others, which begin
+    with all of its fields.
     """
     blocks = [f"# {line}".rstrip() for line in comment.splitlines()]
     mechanism = mechanism_of(design)
@@ -31,10 +33,19 @@ def design_toml(
         blocks += ["", f'kind = "{mechanism.name}"']
     for section in sections(mechanism):
         blocks += ["", f"[{section}]", *_lines(getattr(design, section), f"{section}.", units)]
-    for scenario in scenarios:
-        blocks += ["", heading, *_lines(scenario, SCENARIO, units)]
+    listed = list(scenarios)
+    if first is not None and not (listed and first is listed[0]) and all(_sets(first) <= _sets(it) for it in listed):
+        blocks += ["", "[scenario]", *_lines(first, SCENARIO, units)]
+    for number, scenario in enumerate(listed, 1):
+        comment = f"  # {number}: {mechanism.view.label(scenario, listed)}" if len(listed) > 1 else ""
+        blocks += ["", f"[[scenarios]]{comment}", *_lines(scenario, SCENARIO, units)]
     # Without a comment the file would begin with an empty line.
     return "\n".join(blocks).lstrip("\n") + "\n"
+
+
+def _sets(part: Part) -> set[str]:
+    """Return the names of the fields that are set."""
+    return {field.name for field in dataclasses.fields(part) if getattr(part, field.name) is not None}
 
 
 def _lines(part: eqx.Module, prefix: str, units: Mapping[str, str]) -> list[str]:

@@ -17,6 +17,7 @@ from ..fitting.quantities import recorded_quantities
 from ..labelled.record import heading as heading_of
 from ..mechanisms import all_mechanisms
 from ..mechanisms.mechanism import Mechanism
+from ..mechanisms.quantity import END_TIME
 from ..tuning.cases import Scatter
 from ..tuning.objective import Objective, SecondObjective
 from ..tuning.settings import Settings
@@ -28,6 +29,8 @@ from .parts_toml import ChoiceSettings
 from .tables import Keys
 
 WIDTH, LONGEST = 34, 118  # columns before a comment, and of a line
+OTHERS = 4  # quantities that are named beside the main one
+VARIED = 2  # numbers that an example varies of a mechanism that names none
 SCHEMA = "jaxbuffer.schema.json"
 TOLERANCE_WORDS = 'of the drawn number; or "0.5 mm", or ["-1 mm", "2 mm"]; scenario.FIELD for one of the scenario'
 EXAMPLES = {"count": {"default": 24}}  # what the example has for a default
@@ -76,19 +79,16 @@ def example_toml(mechanism: Mechanism) -> str:
     lines += ["", heading["options"], *_fields(declared(options)), "", heading["tune"], *_fields(declared(Settings))]
     swept = ((_entry(path, it), unit_at(design, scenario, path)) for path, it in mechanism.defaults.grid.items())
     lines += ["", *_problem(mechanism, design), "", heading["sweep"], *itertools.starmap(_line, swept)]
-    lines += [
-        "",
-        f"# {heading['tolerances']}",
-        _line(f'# {mechanism.defaults.parameters[0]} = "10 %"', TOLERANCE_WORDS),
-        *_choice(mechanism, design, heading),
-        *_fit(mechanism, design),
-    ]
+    # Without a number in the design there is nothing to tolerate, to choose and to fit.
+    for path in mechanism.parameters(design)[:1]:
+        tolerance = _line(f'# {path} = "10 %"', TOLERANCE_WORDS)
+        lines += ["", f"# {heading['tolerances']}", tolerance, *_choice(mechanism, design, path, heading)]
+        lines += _fit(mechanism, design, path)
     return "\n".join(lines) + "\n"
 
 
-def _choice(mechanism: Mechanism, design: Part, heading: Mapping[str, str]) -> Iterator[str]:
-    """Yield the tables of jaxbuffer choose."""
-    path = mechanism.defaults.parameters[0]
+def _choice(mechanism: Mechanism, design: Part, path: str, heading: Mapping[str, str]) -> Iterator[str]:
+    """Yield the tables of jaxbuffer choose, for parts that set the number at a ``path``."""
     section, value = path.partition(".")[0], float(get(design, path))
     yield f"# {heading['parts'].replace('parts', f'parts.{section}', 1)}"
     for name, share in (("P1", 1.0), ("P2", 1.2)):
@@ -100,13 +100,12 @@ def _choice(mechanism: Mechanism, design: Part, heading: Mapping[str, str]) -> I
     yield _line(f'# {path} = "E24"', f"E3 to E96; or a step in {unit_at(design, mechanism.scenario(), path)}")
 
 
-def _fit(mechanism: Mechanism, design: Part) -> Iterator[str]:
-    """Yield the tables of jaxbuffer fit, for a mechanism whose tests can be fitted."""
+def _fit(mechanism: Mechanism, design: Part, path: str) -> Iterator[str]:
+    """Yield the tables of jaxbuffer fit for the number at a ``path``, of a mechanism whose tests can be fitted."""
     if mechanism.stepper is not None:
         return
     recorded, doc = recorded_quantities(design), {name: known["doc"] for name, known in declared(FitTable).items()}
     quantity = next((name for name in mechanism.tuned if name in recorded), next(iter(recorded)))
-    path = mechanism.defaults.parameters[0]
     value = float(get(design, path))
     yield f"# [fit.parameters]  # {doc['parameters']}"
     yield _line(f"# {path} = [{0.5 * value:g}, {2.0 * value:g}]", metadata(design, path)["unit"])
@@ -152,7 +151,7 @@ def _problem(mechanism: Mechanism, design: Part) -> Iterator[str]:
     # `tune` refuses a start outside its bounds, so only bounds that hold it are offered.
     starts_inside = {
         path: bounds
-        for path, bounds in mechanism.variables(design).items()
+        for path, bounds in (mechanism.variables(design) or _variables(mechanism, design)).items()
         if bounds[0] <= get(design, path) <= bounds[1]
     }
     if starts_inside:
@@ -161,29 +160,43 @@ def _problem(mechanism: Mechanism, design: Part) -> Iterator[str]:
             yield _line(_entry(path, bounds), metadata(design, path)["unit"])
         yield ""
     yield heading["objective"]
-    yield _line("peak_force = 1.0", "N/N; or any of " + ", ".join(mechanism.tuned[1:5]))
+    known = [name for name in mechanism.tuned if mechanism.has(name, design)]
+    main = mechanism.main_quantity(known, design)
+    if main:
+        others = [name for name in mechanism.tuned if name != main][:OTHERS]
+        yield _line(
+            f"{main} = 1.0", f"N/{catalogue[main].unit}" + (f"; or any of {', '.join(others)}" if others else "")
+        )
     yield from _fields(declared(Objective))
     yield ""
     yield heading["constraints"]
     for name, limit in {**defaults.limits, **defaults.example_limits}.items():
         yield _line(_entry(name, limit), f"{catalogue[name].unit}, {catalogue[name].description}")
-    yield _line("# end_time = {min = 0.1, max = 1.0}", "s, both sides")
+    if limited := mechanism.name_of(END_TIME) or main:
+        yield _line(f"# {limited} = {{min = 0.1, max = 1.0}}", f"{catalogue[limited].unit}, both sides")
     other_ends = {end.name for end in mechanism.tuning.ends} - {
         getattr(mechanism.strictest_end(lambda path: get(design, path)), "name", "")
     }
     yield from _fields({name: known for name, known in limit_keys(mechanism).items() if name not in other_ends})
     yield ""
-    field = next(f.name for f in dataclasses.fields(mechanism.scenario) if "unit" in f.metadata)
-    yield f"# {heading['grid']}"
-    yield f"# {field} = {[float(getattr(mechanism.scenario(), field))]}"
-    yield f"# {heading['sample']}"
-    yield from _sampled(mechanism, field)
+    numbers = [f.name for f in dataclasses.fields(mechanism.scenario) if "unit" in f.metadata]
+    for field in numbers[:1]:
+        yield f"# {heading['grid']}"
+        yield f"# {field} = {[float(getattr(mechanism.scenario(), field))]}"
+        yield f"# {heading['sample']}"
+        yield from _sampled(mechanism, design, field)
     yield f"# {heading['then']}"
-    yield f"# {next(name for name in reversed(mechanism.tuned) if mechanism.has(name, design))} = 1.0"
+    yield from (f"# {name} = 1.0" for name in known[-1:])
     yield from _fields(declared(SecondObjective))
 
 
-def _sampled(mechanism: Mechanism, field: str) -> Iterator[str]:
+def _variables(mechanism: Mechanism, design: Part) -> dict[str, list[float]]:
+    """Return bounds about the first positive numbers of a mechanism that has no variables of its own."""
+    values = {path: float(get(design, path)) for path in mechanism.parameters(design)[:VARIED]}
+    return {path: [0.5 * value, 2.0 * value] for path, value in values.items() if value > 0.0}
+
+
+def _sampled(mechanism: Mechanism, design: Part, field: str) -> Iterator[str]:
     """Yield the lines of tolerances; ``field``: of the scenario."""
     value = float(getattr(mechanism.scenario(), field))
     low, high = 0.9 * value, 1.1 * value
@@ -193,7 +206,8 @@ def _sampled(mechanism: Mechanism, field: str) -> Iterator[str]:
         f"# {field} = {{uniform = [{low:g}, {high:g}]}}", "or {normal = [mean, deviation]}, in the field's unit"
     )
     yield f"# [problem.sample.factors]  # {declared(Scattered)['factors']['doc']}"
-    yield _line(f"# {mechanism.defaults.parameters[0]} = {{uniform = [0.9, 1.1]}}", "a tolerance of 10 %")
+    for path in mechanism.parameters(design)[:1]:
+        yield _line(f"# {path} = {{uniform = [0.9, 1.1]}}", "a tolerance of 10 %")
 
 
 def _entry(name: str, value: Any) -> str:

@@ -40,7 +40,8 @@ def explained(study: Config, name: str) -> str:
     if study.table and missing and usable:  # everything else of the problem
         problem = dataclasses.replace(study, table=dataclasses.replace(study.table, variables=usable)).problem()
     own = {} if problem is None else problem.quantities
-    swept = grid(study.sweep or mechanism.defaults.grid, study.design, study.scenario)
+    over = study.sweep or mechanism.defaults.grid
+    swept = grid(over, study.design, study.scenario) if over else None
     parts = {
         "mechanism": [f'{mechanism.view.title}, kind = "{mechanism.name}"'],
         "differs from default": _differences(study) or ["nothing"],
@@ -57,14 +58,14 @@ def explained(study: Config, name: str) -> str:
         "own quantities": [f"{name} [{it.unit}] = {it.signature}" for name, it in own.items()],
         "limits": [] if problem is None else _limits(problem),
         "tolerances": [] if problem is None else _tolerances(problem),
-        "then": [] if problem is None or problem.then is None else [problem.format(problem.then.objective)],
+        "then": [] if problem is None else _then(study, problem),
         "parts": _parts(study),
         "roundings": [
             f"{path} to {rule if isinstance(rule, str) else _step(study, path, rule)}"
             for path, rule in study.roundings.items()
         ],
         "fit": _fit(study),
-        "sweep": [f"{axis.path} {axis.spanned()}" for axis in swept.axes] if study.sweep else [],
+        "sweep": [f"{axis.path} {axis.spanned()}" for axis in swept.axes] if swept and study.sweep else [],
         "sample": _sample(study),
         "commands": _commands(study, name, problem, swept, bool(missing)),
     }
@@ -109,12 +110,20 @@ def _parts(study: Config) -> list[str]:
 def _criterion(study: Config) -> Criterion:
     """Return what a study's parts are chosen by."""
     chosen_by = study.selection()
-    return selection(chosen_by.problem, study.parts, chosen_by.objective, chosen_by.at_most)[0]
+    return selection(chosen_by.problem, study.parts, chosen_by.objective, chosen_by.at_most, chosen_by.then)[0]
 
 
 def _objective(study: Config, problem: Problem) -> str:
     """Return the objective in words; price and mass of parts are in that of a choice alone."""
     return str(_criterion(study)) if study.parts else problem.format(problem.objective)
+
+
+def _then(study: Config, problem: Problem) -> list[str]:
+    """Return the second objective in words, if there is one."""
+    if study.parts:
+        criterion = _criterion(study)
+        return [] if criterion.then is None else [criterion.in_words(criterion.then.objective)]
+    return [] if problem.then is None else [problem.format(problem.then.objective)]
 
 
 def _listed(catalogue: PartsCatalogue) -> str:
@@ -257,18 +266,21 @@ def _tolerances(problem: Problem) -> list[str]:
     return [*lines, f"{each}, of which the worst are searched for" if problem.needs_search else each]
 
 
-def _commands(study: Config, name: str, problem: Problem | None, swept: Grid, missing: bool) -> list[str]:
+def _commands(study: Config, name: str, problem: Problem | None, swept: Grid | None, missing: bool) -> list[str]:
     """Say what each command would do. ``missing``: whether a tuning needs bounds that the study has not."""
     mechanism = study.mechanism
     run = mechanism.view.run_name
-    counts = f"{' × '.join(map(str, swept.shape))} = {len(swept)}" if len(swept.shape) > 1 else str(len(swept))
+    sweeps = "needs [sweep] or --over first"
+    if swept is not None:
+        counts = f"{' × '.join(map(str, swept.shape))} = {len(swept)}" if len(swept.shape) > 1 else str(len(swept))
+        sweeps = f"{counts} {run}s{'' if study.sweep else ', the default grid'}"
     of = ", ".join(mechanism.defaults_for(study.design).differentiated)
     by = ", ".join(mechanism.parameters(study.design))
     commands = [
         f"jaxbuffer simulate {name}     one {run}: {mechanism.view.label(study.scenario)}",
         f"jaxbuffer sensitivity {name}  {of}",
         f"{'':{len(name) + 23}} by {by}",
-        f"jaxbuffer sweep {name}        {counts} {run}s{'' if study.sweep else ', the default grid'}",
+        f"jaxbuffer sweep {name}        {sweeps}",
     ]
     if study.parts or study.roundings:
         commands.append(f"jaxbuffer choose {name}       {_choice(study)}")
@@ -276,6 +288,8 @@ def _commands(study: Config, name: str, problem: Problem | None, swept: Grid, mi
         count, tests = len(study.fit.parameters or {}), len(study.fit.tests)
         commands.append(f"jaxbuffer fit {name}          {count} numbers from {tests} test{'s' if tests > 1 else ''}")
     if missing or (study.parts and study.table.variables is None):
+        return [*commands, f"jaxbuffer tune {name}         needs [problem.variables] first"]
+    if not (mechanism.variables(study.design) if problem is None else problem.variables):
         return [*commands, f"jaxbuffer tune {name}         needs [problem.variables] first"]
     if problem is None:
         return [*commands, f"jaxbuffer tune {name}         the default problem; it has no [problem]"]

@@ -9,7 +9,7 @@ from ..choosing.criterion import total_units
 from ..choosing.series import SERIES, check_rule
 from ..errors import InputError
 from ..fields import Part, check_path, flag, whole
-from ..tuning.objective import Objective
+from ..tuning.objective import Objective, SecondObjective
 from ..tuning.problem import Problem
 from .tables import StudyNames
 from .values import TEXT, Schema, ValueKind, as_table
@@ -30,11 +30,12 @@ class ChoiceSettings(Part):
 
 
 class Selection(NamedTuple):
-    """What `jaxbuffer choose` chooses by: the ``problem``, its ``objective`` with price and mass among its quantities,
-    None for the problem's own, and upper limits ``at_most`` on these."""
+    """What `jaxbuffer choose` chooses by: the ``problem``, its ``objective`` and ``then`` with price and mass among
+    their quantities, None for the problem's own, and upper limits ``at_most`` on these."""
 
     problem: Problem
     objective: Objective | None
+    then: SecondObjective | None
     at_most: Mapping[str, float]
 
 

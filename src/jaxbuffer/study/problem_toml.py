@@ -44,7 +44,7 @@ def read_problem(
         _check_start(design, variables, table.variables is not None, units)
         return Problem(
             design,
-            _scenarios(table, base, listed, design),
+            numbered_cases(table, base, listed, design),
             variables,
             objective=table.objective or Objective(),
             limits=of_study,
@@ -72,7 +72,7 @@ def check_table(table: ProblemTable, design: Part, base: Part, listed: tuple[Par
     for name in ("grid", "sample"):
         if listed and getattr(table, name) is not None:
             raise InputError(f"[[scenarios]] and [problem.{name}] both say which scenarios to tune for; keep one")
-    scenarios = _scenarios(table, base, (), design)
+    scenarios = numbered_cases(table, base, (), design)
     if table.sample is None:
         return
     for name in table.sample.fields:
@@ -96,8 +96,8 @@ def limits(table: ProblemTable, mechanism: Mechanism) -> Limits:
 
 def default_variables(mechanism: Mechanism, design: Part) -> Mapping[str, Variable]:
     """Return the variables of a study that names none, by path."""
-    names = StudyNames(design, mechanism.scenario())
-    read: Mapping[str, Variable] = VARIABLES.read("problem.variables", mechanism.variables(design), names)
+    names, usual = StudyNames(design, mechanism.scenario()), mechanism.variables(design)
+    read: Mapping[str, Variable] = VARIABLES.read("problem.variables", usual, names) if usual else {}
     return read
 
 
@@ -116,8 +116,9 @@ def _check_start(design: Part, variables: Iterable[Variable], own: bool, units: 
             raise InputError(f"the start, {v.path} = {start}, is outside {bounds_in_words}")
 
 
-def _scenarios(table: ProblemTable, base: Part, listed: tuple[Part, ...], design: Part) -> tuple[Case, ...]:
-    """Return the scenarios: the grid's, or the one that samples are taken about, or else the study's."""
+def numbered_cases(table: ProblemTable, base: Part, listed: tuple[Part, ...], design: Part) -> tuple[Case, ...]:
+    """Return the scenarios in the order of their numbers: the grid's, or the one that samples are taken about, or else
+    the study's."""
     if table.grid is not None:
         return grid(table.grid, base, design)
     return tuple(Case(scenario) for scenario in ((base,) if table.sample is not None else listed))

@@ -24,26 +24,26 @@ def tuned_toml(
     design: Part,
     problem: Problem,
     comment: str,
-    scenarios: Iterable[Part] = (),
+    first: Part | None = None,
     settings: Settings | None = None,
 ) -> str:
     """Return a tuned design with its problem, duration and tolerance: a study that `tune` goes on from.
 
     Numbers that were typed with a unit have it again, and all are read back as exactly those that were evaluated.
 
-    **Arguments:** ``scenarios`` (default: in the problem's order): `simulate` takes the first; ``settings``: of the
-    search.
+    **Arguments:** ``first``: the scenario that `simulate` takes, of the problem's (default: the first of them);
+    ``settings``: of the search.
     """
     assert problem.duration is not None
     # As drawn: what tolerances make of them follows from [tolerances], which is written too.
-    listed = tuple(scenarios) or tuple(case.scenario for case in problem.drawn)
+    listed = tuple(case.scenario for case in problem.drawn)
     duration = _entry({"duration": as_written(problem.duration, "s", problem.units.get("options.duration", ""))})
     options = ["", "[options]", f"{duration}  # s", f"rtol = {float(problem.rtol)!r}"]
     sampled = _sampled(problem)
     if sampled is None:
-        whole = design_toml(design, listed, comment, problem.units)
+        whole = design_toml(design, listed, comment, problem.units, first=first)
     else:  # the samples are drawn again; what scatters, or is in the grid, replaces those fields of the scenario
-        whole = design_toml(design, listed[:1], comment, problem.units, "[scenario]")
+        whole = design_toml(design, [], comment, problem.units, first=first or listed[0])
     parts = [
         *_variables(problem),
         *_objective(problem),

@@ -73,6 +73,11 @@ class RunTable(Saved):
         """Return how many runs are not trusted, in words; ``where`` they are marked."""
         return sanity_checks(self.mechanism, len(self), tally(self.columns["trust"]), where)
 
+    @property
+    def main_quantity(self) -> str:
+        """Return the quantity that stands for a run where nothing is said."""
+        return self.mechanism.main_quantity(self.mechanism.swept, self.design)
+
     def names(self) -> Names:
         """Return what the mechanism's parts are called."""
         design = self.mechanism.design() if self.design is None else self.design

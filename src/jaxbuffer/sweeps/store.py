@@ -6,7 +6,7 @@ import time
 import uuid
 import warnings
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +29,7 @@ from .cut import Cut
 from .spec import CODE, SweepSpec
 
 STORE, FORMER = "sweep.zarr", "sweep.chunks"  # the second one was written by versions before this store
+RESULT = ("sweep.json", "sweep.csv", "sweep.txt", "sweep.nc")  # files of a finished sweep
 CHECKSUM = "checksum"
 BLOCK, KIND = "block", "made_on"  # attributes, in JSON
 PERIOD = 1.0  # s between the moments at which a sweep in this process stores what it has finished
@@ -229,6 +230,18 @@ def in_words(parts: Sequence[str]) -> str:
     words = {CODE: "the code of your own that its runs use"}
     *others, last = [words.get(name, name) for name in parts]
     return f"{', '.join(others)} and {last}" if others else last
+
+
+def check_vacant(folder: Path, names: Iterable[str], force: bool) -> None:
+    """Raise `InputError` for what is in a folder under some ``names``, unless ``force`` replaces it."""
+    taken = [folder / name for name in names if (folder / name).exists()]
+    if taken and not force:
+        more = f" and {len(taken) - 1} more" if taken[1:] else ""
+        exist, them = ("exist", "them") if more else ("exists", "it")
+        raise InputError(
+            f"{taken[0]}{more} {exist}; force=True replaces {them}, resume=True goes on with a sweep that was"
+            f" interrupted, another folder keeps {them}"
+        )
 
 
 def check_resumable(path: Path) -> None:

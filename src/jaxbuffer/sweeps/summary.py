@@ -8,6 +8,7 @@ from rich.table import Table
 from ..fields import as_typed, get
 from ..labelled.record import heading
 from ..mechanisms.mechanism import EndCount
+from ..mechanisms.quantity import PEAK_FORCE, PEAK_TIME
 from ..tables import table
 from ..value_text import percent_text, range_text, unit_text
 from .axis import Axis
@@ -97,15 +98,11 @@ def summary(sweep: RunTable, title: str, fields: Mapping[str, str], file: str) -
 def _beyond_validity(sweep: RunTable) -> list[str]:
     """Return a line for each limit of validity that runs exceed: how many do, and the worst of them."""
     mechanism, shares = sweep.mechanism, dict[str, np.ndarray]()
-    if "peak_force" not in sweep.columns:  # limits of validity are those of contact laws
-        return []
-    deep = sweep.columns.get("penetration")
     # Designs that differ in a choice do not go into one design with arrays: each batch has one of each choice.
     for batch in sweep.grid.batches(sweep.design, sweep.scenario):
         places = batch.places
-        for limit in mechanism.view.validity(
-            batch.design, sweep.peak_force[places], None if deep is None else deep[places]
-        ):
+        quantities = {name: sweep.columns[name][places] for name in mechanism.swept}
+        for limit in mechanism.view.validity(batch.design, quantities):
             share = shares.setdefault(limit.beyond, np.full(len(sweep), -np.inf))
             share[places] = np.where(limit.passed & sweep.solved[places], limit.share, -np.inf)
     lines = []
@@ -135,25 +132,34 @@ def _spread(sweep: RunTable) -> Table:
 
 
 def _extremes(sweep: RunTable) -> list[str]:
-    if "peak_force" not in sweep.columns:  # a mechanism need not have it among its quantities
+    main = sweep.main_quantity
+    values = np.where(sweep.solved, sweep.columns[main], np.nan) if main else np.full(len(sweep), np.nan)
+    if not np.isfinite(values).any():
         return []
-    force = np.where(sweep.solved, sweep.peak_force, np.nan)
-    lines = [f"greatest peak force {_run(sweep, int(np.nanargmax(force)))}"]
-    least = np.where(sweep.solved & sweep.mechanism.succeeded(sweep.code), sweep.peak_force, np.nan)
+    title = main.replace("_", " ")
+    lines = [f"greatest {title} {_run(sweep, int(np.nanargmax(values)))}"]
+    least = np.where(sweep.mechanism.succeeded(sweep.code), values, np.nan)
     if np.isfinite(least).any():
         ends = [name for name in sweep.mechanism.successes if np.any(sweep.code == sweep.mechanism.outcomes[name])]
         of = f" of those {' or '.join(ends)}" if ends else ""
-        lines.append(f"least peak force{of} {_run(sweep, int(np.nanargmin(least)))}")
+        lines.append(f"least {title}{of} {_run(sweep, int(np.nanargmin(least)))}")
     return lines
 
 
 def _run(sweep: RunTable, index: int) -> str:
     mechanism = sweep.mechanism
+    count, main = int(sweep.impact_count[index]), sweep.main_quantity
     largest = int(sweep.columns[f"peak_{mechanism.view.contact}"][index])
-    contact, count = mechanism.view.contact_in_words(sweep.names().contact(largest)), int(sweep.impact_count[index])
-    after = f" after {sweep.peak_time[index]:.4g} s" if "peak_time" in sweep.columns else ""
-    where = f"{contact}{after}, {count} impacts" if count else "no impact"
-    return f"{sweep.peak_force[index]:.6g} N at {sweep.grid.point(index)}: {where}, {sweep.outcomes[index].name}"
+    contact, moment = mechanism.view.contact_in_words(sweep.names().contact(largest)), mechanism.name_of(PEAK_TIME)
+    after = f" after {sweep.columns[moment][index]:.4g} s" if moment in sweep.columns else ""
+    # The contact and the time are those of the largest contact force, which another quantity has nothing to do with.
+    of_force = main == mechanism.name_of(PEAK_FORCE)
+    place = f"{contact}{after}, " if of_force else ""
+    # Of a mechanism without contacts nothing is to be said of impacts.
+    met = of_force or bool(np.any(sweep.impact_count > 0))
+    impacts = [f"{place}{count} impacts" if count else "no impact"] if met else []
+    value = mechanism.quantities[main].in_words(sweep.columns[main][index])
+    return f"{value} at {sweep.grid.point(index)}: {', '.join([*impacts, sweep.outcomes[index].name])}"
 
 
 def _failures(sweep: RunTable, file: str) -> list[str]:

@@ -25,13 +25,13 @@ from ..mechanisms.registry import mechanism_of
 from ..programs.process import check_ready
 from ..programs.threads import cores
 from ..progress import counted
-from ..run.request import DEFAULT_TOLERANCE, TOLERANCES, check_pair
+from ..run.request import DEFAULT_TOLERANCE, TOLERANCES, check_assembly, check_pair
 from .chunk import CHUNK, SweepSettings, columns_of_chunk, task_size
 from .columns import empty_columns
 from .grid import Batch, grid
 from .result import Sweep, SweepInterrupted
 from .spec import SweepSpec
-from .store import STORE, Saver, begun, check_resumable, fill, resumed
+from .store import RESULT, STORE, Saver, begun, check_resumable, check_vacant, fill, resumed
 
 LARGE = 4096  # runs of a call on an accelerator
 ONE_FOR_ALL = "all runs of a sweep share it"
@@ -51,6 +51,7 @@ def sweep(
     workers: int | None = None,
     progress: Callable[[int, int], None] | bool | None = None,
     folder: str | Path | None = None,
+    force: bool = False,
     resume: bool = False,
     save: bool = True,
 ) -> Sweep:
@@ -72,8 +73,9 @@ def sweep(
     - ``workers``: threads, by default one a core (one on an accelerator, which gets large chunks), or how many calls
       the executor runs at a time, by which runs are divided into calls.
     - ``progress``: called with runs done and asked for, or True for a bar.
-    - ``folder``: where runs are stored as they are finished (``sweep.zarr``), over an earlier sweep's, and at the end
-      the result, which `load` and `report` read, without figures (``result.save(folder, force=True)`` draws them).
+    - ``folder``: where runs are stored as they are finished (``sweep.zarr``), and at the end the result, which `load`
+      and `report` read, without figures (``result.save(folder, force=True)`` draws them).
+    - ``force``: whether to replace a sweep that is there, as of `jb.save`.
     - ``resume``: go on with the sweep in ``folder`` instead.
     - ``save``: whether the result is written into ``folder``.
 
@@ -81,9 +83,9 @@ def sweep(
     computed on one kind of machine. A run that fails says so in its ``code``; the others are not touched by it. Each
     combination of choices is a program of its own, compiled once.
 
-    **Raises:** `InputError` for values out of range, arrays of unequal lengths, a folder in use, and on resuming
-    another sweep; `SweepInterrupted`, a `KeyboardInterrupt` that has what was done, on Ctrl-C; `ConnectionError` where
-    the executor ends before the sweep does.
+    **Raises:** `InputError` for values out of range, arrays of unequal lengths, a folder in use or with a sweep in it,
+    and on resuming another sweep; `SweepInterrupted`, a `KeyboardInterrupt` that has what was done, on Ctrl-C;
+    `ConnectionError` where the executor ends before the sweep does.
 
     **Example:**
 
@@ -108,6 +110,7 @@ def sweep(
         check_whole("workers", workers, 1)
     check_flag("trust", trust)
     check_flag("save", save)
+    check_flag("force", force)
     check_ready()
     if resume and folder is None:
         raise InputError("resume needs the folder of the sweep to go on with")
@@ -115,14 +118,25 @@ def sweep(
     if over is not None:
         check_single("duration", duration, "s", ONE_FOR_ALL)
         axes = grid(over, design, scenarios)
+    if folder is not None and not resume:
+        check_vacant(user_path(folder), [STORE, *(RESULT if save else ())], force)
     settings = SweepSettings(np.asarray(rtol, float), np.asarray(stabilisation, float), solver, trust)
     spec = SweepSpec(design, scenarios, duration, axes, settings)
     result = Sweep(mechanism, {}, design, scenarios, axes, spec.identity)  # type: ignore[arg-type]
     with Pool(executor, _workers(workers)) as pool:
         _run(result, spec, pool, counted(progress, mechanism.view.run_name), folder, resume)
+    _check_some_run(result, spec)
     if save and folder is not None:
         result.save(folder, force=True, figures=False)
     return result
+
+
+def _check_some_run(result: Sweep, spec: SweepSpec) -> None:
+    """Raise `InputError` where all runs have failed because parts of the first one do not go together."""
+    if np.all(result.columns["code"] >= int(result.mechanism.outcomes["failed_steps"])):
+        first, _ = spec.batches[0].chunk(0, 1)
+        design, scenario = jax.tree.map(lambda column: float(column[0]), first[:2])
+        check_assembly(result.mechanism, design, scenario)
 
 
 def _workers(given: int | None) -> int:

@@ -15,7 +15,7 @@ from .checks import lower_bound
 from .corners import CornerRuns, Corners, corners, run_corners
 from .evaluation import Evaluation, Evaluator
 from .goal import Goal, Tangent
-from .message import INFEASIBLE, Ended
+from .message import INFEASIBLE, Ended, SearchReport
 from .model_step import residual
 from .settings import Settings
 from .spread import spreads, tightening
@@ -35,7 +35,7 @@ def assess(
     best: Evaluation,
     scale: float,
     penalty: float,
-    message: Callable[[Evaluation], str],
+    report: SearchReport,
     records: Sequence[Record],
     *,
     ended: Ended,
@@ -45,7 +45,7 @@ def assess(
 
     **Arguments:** ``first``: scaled variables of the problem's own start; ``best``: the best design at the search's
     tolerance; ``scale`` of the objective and ``penalty`` on what is above a limit, for the first-order residual;
-    ``message``: how it ended, in words, from the best design at tight tolerance; others as of `Tuned`.
+    ``report``: what the search says of itself; others as of `Tuned`.
     """
     problem, scaled = goal.problem, best.scaled
     # The start at the tight tolerance too, so that what is gained is none of the search's own error.
@@ -65,7 +65,8 @@ def assess(
         gradient_error=error / largest if largest > 0.0 else 0.0 if error == 0.0 else float("nan"),
         ended=ended,
         confirmed=confirmed,
-        message=message(after),
+        report=report,
+        message=report.message(goal, after),
         lower_bound=None,
         records=tuple(records),
         captures=evaluator.captures,
@@ -101,13 +102,15 @@ def with_evidence(tuned: Tuned, evaluator: Evaluator) -> Tuned:
             arguments = (problem, evaluator, scaled, runs, evaluator.tight)
             scatter = evidence("the scatter by each tolerance", lambda: spreads(*arguments))
             first = evidence("which tolerance to tighten first", lambda: tightening(*arguments))
+    bound = evidence("the lower bound of the peak force", lambda: lower_bound(problem, scaled))
+    message = tuned.message if tuned.report is None else tuned.report.message(tuned.goal, tuned.after, bound)
     return dataclasses.replace(
         tuned,
-        message=message_with_corners(tuned.message, in_corners, tuned.goal.feasible(tuned.after)),
+        message=message_with_corners(message, in_corners, tuned.goal.feasible(tuned.after)),
         corners=in_corners,
         spreads=scatter or (),
         tightening=first,
-        lower_bound=evidence("the lower bound of the peak force", lambda: lower_bound(problem, scaled)),
+        lower_bound=bound,
         captures=evaluator.captures,
         missing=tuple(missing),
     )

@@ -80,6 +80,11 @@ class Case:
         return replace(design, built)
 
 
+def numbered(number: str, label: str, count: int) -> str:
+    """Return the label of a load case behind its number, where there are several scenarios (``count``)."""
+    return f"{number}: {label}" if count > 1 else label
+
+
 def built_label(
     design: Part,
     factors: Iterable[tuple[str, float]] = (),

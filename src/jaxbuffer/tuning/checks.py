@@ -7,18 +7,23 @@ the closed form stands beside it and says what it is made of.
 """
 
 import dataclasses
-from collections.abc import Sequence
+import functools
+from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
 import scipy
 from jaxtyping import Float
 
+from ..errors import InputError
 from ..fields import Curve, Part, get, replace
+from ..mechanisms.limit import Limit
 from ..run.simulate import simulate
 from .cases import Case
 from .evaluation import built_design
 from .measurement import Measurement, measure
+from .objective import Objective
 from .problem import Problem
 
 GONE = 1e-6  # what is left of the buffer's springs and dampers
@@ -26,7 +31,24 @@ DURATIONS = 4.0  # of an undamped Hertz impact, 2.943 δ/v each
 SHARPER = 0.1  # of the problem's tolerance
 LATE = 1e-3  # of a flight: by how much the touchdown may move without the buffer
 SPARE = 0.1  # of a flight: by how much that of another design within the bounds may be longer
+STEP = 0.01  # of a number, for central differences: far above what a run's tolerance leaves
 FAR = 10.0  # times the lower bound at the design: what counts for designs whose parts do not fit, or that fail
+
+
+class LeastValue(NamedTuple):
+    """The lower bound of a quantity: the least that its largest value over all load cases can be in their first impacts
+    within the variables' bounds.
+
+    ``value``, in the quantity's unit; ``case``: the load case that has it; ``scaled``: the variables there, and
+    ``slope`` of the value by them; ``elasticities`` of it by the design's numbers, by path, where a limit lies under
+    it.
+    """
+
+    value: float
+    case: int
+    scaled: Float[np.ndarray, " variables"]
+    slope: Float[np.ndarray, " variables"]
+    elasticities: Mapping[str, float] = MappingProxyType({})
 
 
 @dataclasses.dataclass(frozen=True)
@@ -35,7 +57,8 @@ class PeakForceBound:
 
     ``simulated`` without a buffer, and ``closed_form``, elastic and frictionless; ``energy`` T_c⁻ [J]; ``lowest``: the
     least that the objective's first impacts can be within the variables' bounds [N], and ``at`` which numbers. NaN
-    where a first impact can not be simulated.
+    where a first impact can not be simulated. ``least``: lower bounds of the limited quantities that the first impact
+    alone reaches, by name; ``elasticities`` of the closed form by the design's numbers in the worst load case, by path.
     """
 
     simulated: Float[np.ndarray, " cases"]
@@ -43,6 +66,8 @@ class PeakForceBound:
     energy: Float[np.ndarray, " cases"]
     lowest: float
     at: dict[str, float]
+    least: Mapping[str, LeastValue] = dataclasses.field(default_factory=dict)
+    elasticities: Mapping[str, float] = dataclasses.field(default_factory=dict)
 
     @property
     def highest(self) -> float:
@@ -68,39 +93,109 @@ class Flight(NamedTuple):
 
 def lower_bound(problem: Problem, scaled: Float[np.ndarray, " variables"]) -> PeakForceBound | None:
     """Compute the lower bound at a design, and the lowest one within the bounds; None for a mechanism without one."""
-    known = problem.mechanism.tuning.lower_bound
-    if known is None:
+    known, peak = problem.mechanism.tuning.lower_bound, problem.peak_quantity
+    if known is None or peak is None:
         return None
     built = [(built_design(problem, scaled, case), case.scenario) for case in problem.cases]
     pairs = zip(built, problem.cases, strict=True)
     flights = [None if design is None else _flight(problem, design, case) for (design, _), case in pairs]
-    simulated = _without_buffer(problem, scaled, flights)[0]
-    lowest, best = _lowest(problem, scaled, simulated, flights)
+    first_peaks = functools.partial(_first_impacts, problem, flights=flights, quantity=peak)
+    simulated = first_peaks(scaled)[0]
+    lowest, best = _lowest(problem.objective, scaled, first_peaks)
     closed = [None if design is None else known.first_impact(design, scenario) for design, scenario in built]
     at = dict(zip(problem.paths, map(float, problem.values(best)), strict=True))
+    gone = _gone(problem.design, known.compliant_parts)
     return PeakForceBound(
         simulated,
         np.array([np.nan if c is None else float(c.elastic_peak) for c in closed]),
         np.array([np.nan if c is None else float(c.effective_energy) for c in closed]),
         lowest,
-        {path: value for path, value in at.items() if path not in _gone(problem.design, known.compliant_parts)},
+        {path: value for path, value in at.items() if path not in gone},
+        _least(problem, scaled, flights),
+        _elasticities(problem, built, simulated),
     )
 
 
+def _least(
+    problem: Problem, scaled: Float[np.ndarray, " variables"], flights: Sequence[Flight | None]
+) -> dict[str, LeastValue]:
+    """Return the lower bounds of the quantities that have an upper limit and that the first impact alone reaches."""
+    known = problem.mechanism.tuning.lower_bound
+    assert known is not None
+    least = dict[str, LeastValue]()
+    for name in problem.limits.at_most:
+        if name not in (problem.peak_quantity, *known.quantities):
+            continue
+        evaluate = functools.partial(_first_impacts, problem, flights=flights, quantity=name)
+        # A limit holds in every load case, so that the largest of them counts, whatever the objective makes of them.
+        value, best = _lowest(Objective({name: 1.0}), scaled, evaluate)
+        if np.isfinite(value) and value > 0.0:
+            values, slopes = evaluate(best)
+            case = int(np.argmax(values))
+            it = LeastValue(value, case, best, slopes[case])
+            beneath = not Limit(name, problem.limits.at_most[name]).keeps(value)
+            least[name] = it._replace(elasticities=_levers(problem, name, it, flights[case])) if beneath else it
+    return least
+
+
+def _levers(problem: Problem, name: str, least: LeastValue, flight: Flight | None) -> Mapping[str, float]:
+    """Return the elasticities of a quantity's lower bound by the numbers of the design that move the first impact: in
+    closed form of the peak force, of others by central differences of the first impact."""
+    known, case = problem.mechanism.tuning.lower_bound, problem.cases[least.case]
+    built = built_design(problem, least.scaled, case)
+    if known is None or built is None:
+        return {}
+    closed = known.elasticities(built, case.scenario)
+    if name == problem.peak_quantity:
+        return closed
+    place, elasticities = problem.measured_rest.index(name), dict[str, float]()
+
+    def value(path: str, factor: float) -> float:
+        try:
+            changed = replace(built, {path: factor * float(get(built, path))})
+            run = _first_impact(problem, changed, case, flight, alone=False, slopes=False)
+        except InputError:  # beyond the number's range, or parts that do not fit
+            return np.nan
+        return np.nan if run is None else float(run.rest[place])
+
+    for path in closed:
+        change = (value(path, 1.0 + STEP) - value(path, 1.0 - STEP)) / (2.0 * STEP * least.value)
+        if np.isfinite(change):
+            elasticities[path] = change
+    return elasticities
+
+
+def _elasticities(
+    problem: Problem, built: Sequence[tuple[Part | None, Part]], simulated: Float[np.ndarray, " cases"]
+) -> Mapping[str, float]:
+    """Return the elasticities of the first impact in the load case where it is largest."""
+    known = problem.mechanism.tuning.lower_bound
+    if known is None or not np.any(np.isfinite(simulated)):
+        return {}
+    design, scenario = built[int(np.nanargmax(simulated))]
+    return {} if design is None else known.elasticities(design, scenario)
+
+
 def _lowest(
-    problem: Problem, scaled: np.ndarray, peaks: np.ndarray, flights: Sequence[Flight | None]
+    over: Objective,
+    scaled: Float[np.ndarray, " variables"],
+    evaluate: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]],
 ) -> tuple[float, np.ndarray]:
-    """Search for the least lower bound within the bounds [N] and where it is, from the design with these ``peaks``."""
-    here = problem.objective.aggregate(peaks)
+    """Search within the bounds for the least value that load cases put together have, and where it is.
+
+    **Arguments:** ``over``: how they are put together; ``scaled``: where the search begins; ``evaluate``: returns the
+    load cases' values and their slopes.
+    """
+    here = over.aggregate(evaluate(scaled)[0])
     if not np.isfinite(here):
         return np.nan, scaled
     best = (here, scaled)
 
     def objective(where: np.ndarray) -> tuple[float, np.ndarray]:
         nonlocal best
-        peaks, slopes = _without_buffer(problem, where, flights)
-        weights = problem.objective.case_weights(peaks)
-        value, slope = float(weights @ peaks), weights @ slopes
+        values, slopes = evaluate(where)
+        weights = over.case_weights(values)
+        value, slope = float(weights @ values), weights @ slopes
         # L-BFGS-B takes numbers only: one far above the bound at the start stands for designs that cannot be simulated.
         if not (np.isfinite(value) and np.all(np.isfinite(slope))):
             return FAR * here, np.zeros_like(where)
@@ -113,32 +208,40 @@ def _lowest(
     return best
 
 
-def _without_buffer(
-    problem: Problem, scaled: np.ndarray, flights: Sequence[Flight | None]
+def _first_impacts(
+    problem: Problem, scaled: np.ndarray, *, flights: Sequence[Flight | None], quantity: str
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return first peaks [N] of all load cases with the buffer gone, and their slopes by the scaled variables.
+    """Return a quantity of all load cases in their first impacts, and its slopes by the scaled variables.
 
-    They are NaN where a first impact can not be simulated, and 0 where nothing is touched.
+    The peak force is that with the buffer gone. A run that is cut off after the first impact has other quantities with
+    the buffer as it is, for that may lower them by some per cent: the whole run's largest value is no less. They are
+    NaN where a first impact can not be simulated, and 0 where nothing is touched.
     """
     known, values = problem.mechanism.tuning.lower_bound, problem.values(scaled)
     assert known is not None
-    gone = _gone(problem.design, known.compliant_parts)
-    peaks, slopes = np.full(len(problem.cases), np.nan), np.full((len(problem.cases), len(scaled)), np.nan)
+    alone = quantity == problem.peak_quantity
+    # The compliant parts are taken away whatever their variables say, so the bound has no slope by these.
+    gone = _gone(problem.design, known.compliant_parts) if alone else {}
+    numbers, slopes = np.full(len(problem.cases), np.nan), np.full((len(problem.cases), len(scaled)), np.nan)
     for k, case in enumerate(problem.cases):
         if (built := built_design(problem, scaled, case)) is None:
             continue
-        run = _first_impact(problem, built, case, flights[k])
+        run = _first_impact(problem, built, case, flights[k], alone)
         if run is None:
             continue
         factors = dict(case.factors)
-        # The compliant parts are taken away whatever their variables say, so the bound has no slope by these.
         scale = [
             v.slope(float(x)) * factors.get(v.path, 1.0) * (v.path not in gone)
             for v, x in zip(problem.variables, values, strict=True)
         ]
-        first = int(np.argmin(run.slots))  # a run that goes on for longer may have higher peaks
-        peaks[k], slopes[k] = float(run.peaks[first]), run.peaks_slope[first] * np.array(scale)
-    return peaks, slopes
+        if alone:
+            first = int(np.argmin(run.slots))  # a run that goes on for longer may have higher peaks
+            numbers[k], slope = float(run.peaks[first]), run.peaks_slope[first]
+        else:
+            place = problem.measured_rest.index(quantity)
+            numbers[k], slope = float(run.rest[place]), run.rest_slope[place]
+        slopes[k] = slope * np.array(scale)
+    return numbers, slopes
 
 
 def _flight(problem: Problem, built: Part, case: Case) -> Flight | None:
@@ -164,14 +267,18 @@ def _flight(problem: Problem, built: Part, case: Case) -> Flight | None:
     return Flight(duration, undisturbed)
 
 
-def _first_impact(problem: Problem, built: Part, case: Case, flight: Flight | None) -> Measurement | None:
-    """Simulate the first impact of a design without its buffer; None where that fails.
+def _first_impact(
+    problem: Problem, built: Part, case: Case, flight: Flight | None, alone: bool = True, slopes: bool = True
+) -> Measurement | None:
+    """Simulate the first impact of a design, ``alone``, without its buffer, or with it; None where that fails.
+    ``slopes``: whether derivatives are wanted.
 
     Where the buffer takes part in the ``flight`` to it, under thrust say, it stays: it hardly moves within an impact.
     """
     known = problem.mechanism.tuning.lower_bound
     assert known is not None
-    design = _without_softeners(problem, built) if flight is None or flight.undisturbed else built
+    without = alone and (flight is None or flight.undisturbed)
+    design = _without_softeners(problem, built) if without else built
     if flight is None:
         duration = DURATIONS * float(known.first_impact(built, case.scenario).duration)
     else:
@@ -179,10 +286,12 @@ def _first_impact(problem: Problem, built: Part, case: Case, flight: Flight | No
     run = measure(
         (design, case.scenario),
         mechanism=problem.mechanism,
-        measured=problem.measured,
+        measured=problem.measured_rest,
+        peak=problem.peak_quantity,
         paths=problem.paths,
         duration=duration,
         rtol=SHARPER * problem.rtol,
+        slopes=slopes,
     )
     return run if run.code < problem.mechanism.outcomes["failed_steps"] else None
 

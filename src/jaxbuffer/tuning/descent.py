@@ -15,7 +15,7 @@ from ..errors import InputError
 from .assessment import assess
 from .evaluation import Evaluation, Evaluator
 from .goal import Goal, Tangent
-from .message import ending, infeasible, left_to_gain
+from .message import SearchReport, ending, left_to_gain
 from .model_step import residual
 from .problem import Problem
 from .rounds import anywhere, check_starts, size
@@ -148,7 +148,7 @@ def descend(
         best.best,
         scale,
         SCREENING_PENALTY,
-        lambda after: well if goal.feasible(after) else infeasible(goal, after, effort),
+        SearchReport(well, effort),
         store.records,
         ended=ending(best, settings),
         confirmed=False,

@@ -15,6 +15,7 @@ from ..cluster.pool import Pool
 from ..errors import InputError
 from ..fields import Part, value_at
 from ..hybrid import Diffrax, Solver, name_of, solver_named
+from ..mechanisms.quantity import END_TIME
 from ..run.request import check_pair
 from ..run.stepper import stepper_of
 from .cases import Case
@@ -32,8 +33,9 @@ class Evaluation(NamedTuple):
 
     ``scaled`` [-]: the variables, 0 at the low bound and 1 at the high one; ``code`` of each outcome, ``solved``: which
     cases have numbers, ``succeeded``: which ended as the problem asks (all solved ones where it says nothing of that);
-    ``impacts``: touchdowns; ``peaks`` [N]: each case's highest impacts, falling, and ``slots``: which impacts they are;
-    ``rest``: the problem's other quantities in their units; ``margin`` [-]: positive where the run ends as the problem
+    ``impacts``: touchdowns; ``peaks`` [N]: each case's highest impacts, falling, and ``slots``: which impacts they are,
+    none of them where no quantity of the problem is the peak force; ``rest``: the problem's other quantities in their
+    units; ``margin`` [-]: positive where the run ends as the problem
     asks (see `measurement.margin_of_end`); ``first`` [N]: the first impact's peak; ``rest_slope``: at a fixed largest
     peak, ``by_peak`` [unit/N]: by that peak, zero for all but own quantities.
     """
@@ -55,20 +57,21 @@ class Evaluation(NamedTuple):
 
     @property
     def peak_force(self) -> Float[np.ndarray, " cases"]:
-        """Return the largest contact force of each load case [N]."""
-        return np.asarray(self.peaks[:, 0])  # they fall
+        """Return the largest contact force of each load case [N], 0 where nothing touches or no quantity is of it."""
+        return np.max(self.peaks, axis=1, initial=0.0)
 
     @property
     def quantities(self) -> Float[np.ndarray, "cases quantities"]:
-        """Return the quantities of each load case, in the order of `Problem.names`: the peak force, then the
-        ``rest``."""
-        return np.column_stack([self.peak_force, self.rest])
+        """Return the quantities of each load case, in the order of `Problem.names`: the peak force, if it is
+        one of them, then the ``rest``."""
+        return np.column_stack([self.peaks[:, :1], self.rest])  # peaks fall, so the first is the largest
 
     @property
     def quantities_slope(self) -> Float[np.ndarray, "cases quantities variables"]:
         """Return the slopes of `quantities`; the peak force has that of the largest impact."""
         top = self.peaks_slope[:, :1]
-        return np.concatenate([top, self.rest_slope + self.by_peak[:, :, None] * top], axis=1)
+        through = np.einsum("cr,cpv->crv", self.by_peak, top)  # the sum is over one peak or none
+        return np.concatenate([top, self.rest_slope + through], axis=1)
 
 
 class Evaluator:
@@ -149,7 +152,8 @@ class Evaluator:
         one = functools.partial(
             measure,
             mechanism=problem.mechanism,
-            measured=problem.measured,
+            measured=problem.measured_rest,
+            peak=problem.peak_quantity,
             paths=paths,
             duration=problem.duration,
             rtol=rtol or problem.rtol,
@@ -218,15 +222,15 @@ def gather(
         # A search cannot go on from a design without slopes, so its run counts as one without numbers.
         lost |= ~np.all(np.isfinite(stacked[name]), axis=tuple(range(1, stacked[name].ndim)))
     run = _by_field(problem, stacked, lost)
-    peak, rest = run["peaks"][:, 0], run["rest"]  # peaks fall, so the first is the largest
+    peak, rest = run["peaks"][:, :1], run["rest"]  # peaks fall, so the first is the largest
     own = compose(problem, peak, rest, run["rest_slope"])
     known = np.isfinite(own.values) & np.isfinite(own.by_peak) & np.all(np.isfinite(own.slopes), axis=2)
     if np.any(without := ~np.all(known, axis=1) & ~lost):
         if cases is problem.cases and np.array_equal(scaled, problem.start()):
-            check_start(problem, peak, rest, int(np.argmax(without)))
+            check_start(problem, np.column_stack([peak, rest]), int(np.argmax(without)))
         run = _by_field(problem, stacked, lost | without)
     # Quantities that only the own ones are made of stand behind the mechanism's tuned ones and are left out here.
-    solved, others = run["solved"][:, None], len(problem.names) - len(problem.quantities) - 1
+    solved, others = run["solved"][:, None], len(problem.rest) - len(problem.quantities)
     return Evaluation(
         scaled=scaled,
         **run
@@ -254,18 +258,25 @@ def _by_field(problem: Problem, stacked: dict[str, np.ndarray], lost: np.ndarray
         code != outcomes[problem.mechanism.outcomes.time_is_up()]
     )
     # A run that breaks off early, by bouncing out say, must not pass for a quick one: its end time is the duration.
-    if "end_time" in problem.measured:
-        time = problem.measured.index("end_time") - 1  # in the rest, which is without the peak force
+    if (end_time := problem.mechanism.name_of(END_TIME)) in problem.measured_rest:
+        time = problem.measured_rest.index(end_time)
         run["rest"][ended_otherwise, time] = problem.duration
         run["rest_slope"][ended_otherwise, time] = 0.0
     states = {"code": code, "solved": ~lost, "succeeded": ~lost & problem.succeeded(code)}
     return run | states | {name: stacked[name] for name in ("impacts", "slots")}
 
 
+def main_values(problem: Problem, evaluation: Evaluation) -> Float[np.ndarray, " cases"]:
+    """Return the problem's main quantity in each load case."""
+    return np.asarray(evaluation.quantities[:, problem.names.index(problem.main_quantity)])
+
+
 def validity_lines(problem: Problem, design: Part, evaluation: Evaluation) -> list[str]:
     """Return a line for each validity limit that a design exceeds, with the number of load cases."""
     count: dict[str, int] = {}
-    for case, peak in zip(problem.cases, evaluation.peak_force, strict=True):
-        for limit in problem.mechanism.view.validity(case.of(design), peak):
+    each = zip(problem.cases, evaluation.quantities, evaluation.solved, strict=True)
+    for case, row in ((case, row) for case, row, solved in each if solved):
+        values = dict(zip(problem.names, row, strict=True))
+        for limit in problem.mechanism.view.validity(case.of(design), values):
             count[limit.beyond] = count.get(limit.beyond, 0) + int(np.sum(limit.passed))
     return [f"{what} in {n} of {len(problem.cases)} scenarios" for what, n in count.items() if n]

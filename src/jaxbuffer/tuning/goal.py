@@ -11,13 +11,14 @@ from jaxtyping import Float
 from ..fields import Part, get
 from ..mechanisms.limit import IMPACTS, Limit, beyond
 from ..mechanisms.mechanism import RequiredEnd
-from ..value_text import digits_apart, with_unit
+from ..value_text import digits_apart, percent_text, with_unit
 from .cases import Case
 from .evaluation import Evaluation
 from .objective import Limits, Objective
-from .problem import PEAK_FORCE, Problem
+from .problem import Problem
 
 ROOM = 1e-4  # relative distance from each limit that steps aim at, so that what the model neglects breaks none
+NEARBY = 0.01  # relative room to a limit below which the limit stands in the way
 NO_PEAK = -1e9  # N, of a slot without an impact: below every peak, so that it is never the largest
 
 
@@ -53,7 +54,7 @@ class Tangent(NamedTuple):
     @property
     def largest(self) -> Float[np.ndarray, " cases"]:
         """Return the largest peak of each load case [N], 0 without an impact."""
-        return np.maximum(self.peaks[:, 0], 0.0)
+        return np.max(self.peaks, axis=1, initial=0.0)
 
     @staticmethod
     def of(evaluation: Evaluation) -> "Tangent":
@@ -64,9 +65,11 @@ class Tangent(NamedTuple):
     def after(self, step: Float[np.ndarray, " variables"]) -> tuple[np.ndarray, np.ndarray]:
         """Return the problem's quantities (cases, quantities) and margins (cases,) after a step."""
         # The maximum is taken after the step: another impact may be the largest by then.
-        peak = np.maximum(np.max(self.peaks + self.peaks_slope @ step, axis=1), 0.0)
+        peak = np.max(self.peaks + self.peaks_slope @ step, axis=1, initial=0.0)
         rest = self.rest + self.rest_slope @ step + self.by_peak * (peak - self.largest)[:, None]
-        return np.column_stack([peak, rest]), self.margin + self.margin_slope @ step
+        # Without peaks none of the quantities is the largest.
+        quantities = np.column_stack([peak, rest]) if self.peaks.shape[1] else rest
+        return quantities, self.margin + self.margin_slope @ step
 
 
 class Breach(NamedTuple):
@@ -103,6 +106,10 @@ class Goal:
     problem: Problem
     objective: Objective
     ceiling: Ceiling | None = None
+
+    def __post_init__(self) -> None:
+        """Let an objective without weights be the problem's main quantity alone."""
+        object.__setattr__(self, "objective", self.objective.of(self.problem.main_quantity))
 
     def value(self, evaluation: Evaluation) -> float:
         """Return the true objective [N]: largest peaks, no smoothing."""
@@ -227,10 +234,29 @@ class Goal:
         return sorted((it for it in each if it.largest > 0.0), key=lambda it: -it.largest)
 
     def obstacle(self, evaluation: Evaluation) -> str:
-        """Return the constraint that a design is farthest beyond, in words; "" where it keeps all."""
+        """Return the constraint that a design is farthest beyond, by how much and in which load case, in words; ""
+        where it keeps all."""
         if failed := self.failed(evaluation):
             return failed
-        return next((self._breach_text(evaluation, it) for it in self.breaches(evaluation)), "")
+        breaches = [self._breach_text(evaluation, it) for it in self.breaches(evaluation)[:1]]
+        return next(iter(breaches), self.above_ceiling(evaluation) or "")
+
+    def nearest_limit(self, evaluation: Evaluation) -> str:
+        """Return the limit with the least room, and the load case that leaves it, in words; "" where each has more
+        than `NEARBY`."""
+        least, text = NEARBY, ""
+        for q, limit in self.indexed_limits:
+            rows = limit.rows(evaluation.quantities[:, q])
+            k = int(np.argmax(rows))
+            if evaluation.solved[k] and -rows[k] < least:
+                least, line = -float(rows[k]), limit.line(self.problem.catalogue[limit.name])
+                text = f"{percent_text(max(least, 0.0))} of room to {line}{self._at(k)}"
+        return text
+
+    def _at(self, k: int) -> str:
+        """Return a load case in words; "" of a single one."""
+        cases = self.problem.cases
+        return f" at {cases[k].label(cases)}" if len(cases) > 1 else ""
 
     def failed(self, evaluation: Evaluation) -> str:
         """Return in how many load cases the simulation failed, in words; "" for none."""
@@ -242,14 +268,15 @@ class Goal:
 
         Beside a limit on the peak force stands the first impact, where that alone is above it: no buffer softens it.
         """
-        problem, limit, value = self.problem, breach.limit, breach.value
+        problem, limit, value, where = self.problem, breach.limit, breach.value, self._at(breach.case)
         if limit is None:
-            return f"not {problem.success} ({self.lack(evaluation, breach.case)})"
+            return f"not {problem.success} ({self.lack(evaluation, breach.case)}){where}"
         if limit.name == IMPACTS:
-            return f"{value:.0f} impacts are above {limit.bound:.0f}"
+            return f"{value:.0f} impacts are above {limit.bound:.0f}{where}"
         quantity, first = problem.catalogue[limit.name], float(np.max(evaluation.first, initial=0.0))
-        text = limit.sentence(value, quantity)
-        softened = limit.lowest or limit.name != PEAK_FORCE or problem.mechanism.tuning.lower_bound is None
+        by = f" by {percent_text(breach.largest, '.3g')}" if np.isfinite(breach.largest) else ""
+        text = f"{limit.sentence(value, quantity)}{by}{where}"
+        softened = limit.lowest or limit.name != problem.peak_quantity or problem.mechanism.tuning.lower_bound is None
         if softened or limit.keeps(first):
             return text
         return f"{text}, and the first impact, which no buffer softens, has {quantity.in_words(first, 4)}"

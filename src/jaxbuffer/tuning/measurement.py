@@ -11,10 +11,11 @@ from ..fields import Part, get, value_at
 from ..hybrid import Solver, solver_named
 from ..mechanisms.mechanism import Mechanism, RequiredEnd
 from ..mechanisms.outcome import RunOutcome
+from ..mechanisms.quantity import END_TIME, IMPACT_PEAK
 from ..mechanisms.run import Run
 from ..run.simulate import simulate
 from ..sensitivities.gradients import gradients
-from .problem import PEAK_FORCE, Problem
+from .problem import Problem
 
 # How many of each run's highest impacts are listed: none below them has yet mattered within the length of a step.
 PEAKS = 24
@@ -40,7 +41,8 @@ class RunEnd(Protocol):
 class Measurement(NamedTuple):
     """The numbers of one run (see `Evaluation`), with slopes by the variables' own values.
 
-    ``rest`` has the problem's measured quantities, without the own ones that are made of them.
+    ``rest`` has the problem's measured quantities, without the own ones that are made of them; ``peaks``: of no impact
+    where none of those is the peak force.
     """
 
     code: int
@@ -60,12 +62,13 @@ class Measurement(NamedTuple):
 
         ``paths``: how many slopes it has, by default one a variable.
         """
-        rest, paths = len(problem.measured) - 1, len(problem.paths) if paths is None else paths
-        slopes = {"peaks_slope": (PEAKS, paths), "rest_slope": (rest, paths), "margin_slope": (paths,)}
-        shapes = {"peaks": (PEAKS,), "rest": (rest,), "margin": (), "first": ()} | slopes
+        rest, paths = len(problem.measured_rest), len(problem.paths) if paths is None else paths
+        peaks = 0 if problem.peak_quantity is None else PEAKS
+        slopes = {"peaks_slope": (peaks, paths), "rest_slope": (rest, paths), "margin_slope": (paths,)}
+        shapes = {"peaks": (peaks,), "rest": (rest,), "margin": (), "first": ()} | slopes
         numbers: dict[str, Any] = {name: np.full(shape, np.nan) for name, shape in shapes.items()}
         code = int(problem.mechanism.outcomes["failed_input"])
-        return Measurement(code=code, impacts=0, slots=np.arange(PEAKS), **numbers)
+        return Measurement(code=code, impacts=0, slots=np.arange(peaks), **numbers)
 
     def of_columns(self, columns: Sequence[int]) -> "Measurement":
         """Return the same run with the slopes by some of its paths only."""
@@ -78,7 +81,7 @@ class Measurement(NamedTuple):
 
         Of its peaks the largest alone is known, which the first impact's is taken for.
         """
-        rest, no_slopes = [name for name in problem.measured if name != PEAK_FORCE], np.zeros(len(problem.paths))
+        rest, no_slopes = problem.measured_rest, np.zeros(len(problem.paths))
         values, slopes = np.array([numbers[name] for name in rest]), np.zeros((len(rest), len(problem.paths)))
         duration, margin, end = float(problem.duration or 0.0), problem.mechanism.tuning.margin, problem.end
         own = Margin(1.0 if margin is None else numbers[margin], no_slopes)
@@ -87,17 +90,18 @@ class Measurement(NamedTuple):
             if end is not None and end.quantity:
                 known = {name: Margin(float(values[k]), slopes[k]) for k, name in enumerate(rest)}
                 own = margin_of_end(end, run, own, known, duration)
-        peaks = np.zeros(PEAKS)
-        peaks[0] = numbers[PEAK_FORCE]
+        peaks = np.zeros(0 if problem.peak_quantity is None else PEAKS)
+        if problem.peak_quantity is not None:
+            peaks[0] = numbers[problem.peak_quantity]
         return Measurement(
             code=int(run.outcome),
             impacts=impacts,
             peaks=peaks,
-            slots=np.arange(PEAKS),
+            slots=np.arange(len(peaks)),
             rest=values,
             margin=own.value,
-            first=float(peaks[0]),
-            peaks_slope=np.zeros((PEAKS, len(problem.paths))),
+            first=float(np.max(peaks, initial=0.0)),
+            peaks_slope=np.zeros((len(peaks), len(problem.paths))),
             rest_slope=slopes,
             margin_slope=own.slope,
         )
@@ -108,6 +112,7 @@ def measure(
     *,
     mechanism: Mechanism,
     measured: Sequence[str],
+    peak: str | None,
     paths: Sequence[str],
     duration: Any,
     rtol: float,
@@ -118,37 +123,36 @@ def measure(
     """Run once and read off the numbers, with their derivatives if ``slopes``; else those are zero.
 
     **Arguments:** ``built``: design and scenario; ``mechanism``: whose design it is; ``measured``: names of the
-    quantities to read off; ``paths``: addresses by which they are differentiated; ``end``: what the run must reach
+    quantities to read off; ``peak``: the one that is the largest contact force, of which every impact's is read off,
+    None for none; ``paths``: addresses by which they are differentiated; ``end``: what the run must reach
     besides, None for nothing; ``solver``: as for `simulate`.
     """
     solver = solver_named(solver)
-    rest = [name for name in measured if name != PEAK_FORCE]
     margin = [] if mechanism.tuning.margin is None else [mechanism.tuning.margin]
-    names, settings = rest + margin, {"duration": duration, "rtol": rtol, "solver": solver}
-    run, of_peaks, top_slope, slope_rows = _solved(built, mechanism, names, paths, slopes, settings)
+    names, settings = [*measured, *margin], {"duration": duration, "rtol": rtol, "solver": solver}
+    run, (peaks, of_peaks), slope_rows = _solved(built, mechanism, names, peak, paths, slopes, settings)
     values = np.array([float(mechanism.quantities[name].of(run)) for name in names])
     # All numbers of a run that failed are NaN, and stay so.
     if not run.outcome.failed:
-        _fill_awaited(mechanism, run, rest, values, slope_rows, float(duration))
-    peaks, of_peaks = _all_peaks(run, of_peaks, top_slope)
+        _fill_awaited(mechanism, run, measured, values, slope_rows, float(duration))
     # Stable: slots without an impact, all of them zero, keep their order.
     slots = np.argsort(-peaks, kind="stable")[:PEAKS]
     # A mechanism without a margin has no end to miss, so that its margin always holds.
     own = Margin(float(values[-1]), slope_rows[-1]) if margin else Margin(1.0, np.zeros(len(paths)))
     if end is not None and end.quantity and not run.outcome.failed:
-        numbers = {name: Margin(float(values[k]), slope_rows[k]) for k, name in enumerate(rest)}
+        numbers = {name: Margin(float(values[k]), slope_rows[k]) for k, name in enumerate(measured)}
         own = margin_of_end(end, run, own, numbers, float(duration))
     return Measurement(
         code=int(run.code),
         impacts=int(run.impact_count),
         peaks=peaks[slots],
         slots=slots,
-        rest=values[: len(rest)],
+        rest=values[: len(measured)],
         margin=own.value,
         # Not yet in order of height: the first slot is the first impact.
-        first=float(peaks[0]),
+        first=float(peaks[0]) if len(peaks) else 0.0,
         peaks_slope=of_peaks[slots],
-        rest_slope=slope_rows[: len(rest)],
+        rest_slope=slope_rows[: len(measured)],
         margin_slope=own.slope,
     )
 
@@ -157,19 +161,25 @@ def _solved(
     built: tuple[Part, Part],
     mechanism: Mechanism,
     names: Sequence[str],
+    peak: str | None,
     paths: Sequence[str],
     slopes: bool,
     settings: Mapping[str, Any],
-) -> tuple[Run, np.ndarray, np.ndarray, np.ndarray]:
-    """Return the run, and the slopes of each impact's peak, of the largest peak and of the quantities of some names;
-    all of them zero unless ``slopes``."""
+) -> tuple[Run, tuple[np.ndarray, np.ndarray], np.ndarray]:
+    """Return the run, the peaks of its impacts with their slopes, none where no quantity is the ``peak``, and the
+    slopes of the quantities of some names; all slopes are zero unless ``slopes``."""
+    count = len(paths)
+    if slopes:
+        at = [float(value_at(*built, path)) for path in paths]
+        result = gradients(mechanism, *built, paths, at, **settings)
+        run, rows = result.run, np.array([result.of(name) for name in names]).reshape(len(names), count)
+    else:
+        run, rows = simulate(*built, **settings), np.zeros((len(names), count))
+    if peak is None:
+        return run, (np.zeros(0), np.zeros((0, count))), rows
     if not slopes:
-        run, none = simulate(*built, **settings), np.zeros(len(paths))
-        return run, np.zeros((len(run.impacts.peak_force), len(paths))), none, np.zeros((len(names), len(paths)))
-    at = [float(value_at(*built, path)) for path in paths]
-    result = gradients(mechanism, *built, paths, at, **settings)
-    rows = np.array([result.of(name) for name in names]).reshape(len(names), len(paths))
-    return result.run, np.asarray(result.by_impact[PEAK_FORCE]), result.of(PEAK_FORCE), rows
+        return run, _all_peaks(run, np.zeros((len(run.impacts.peak_force), count)), np.zeros(count)), rows
+    return run, _all_peaks(run, np.asarray(result.by_impact[IMPACT_PEAK]), result.of(peak)), rows
 
 
 class Margin(NamedTuple):
@@ -201,7 +211,7 @@ def margin_of_end(end: RequiredEnd, run: RunEnd, own: Margin, numbers: Mapping[s
     """
     mechanism, outcome = run.mechanism, run.outcome
     if outcome.name in end.outcomes:
-        time = numbers["end_time"]
+        time = numbers[str(mechanism.name_of(END_TIME))]
         return Margin(max(math.log(duration / time.value), 0.0), -time.slope / time.value)
     threshold = float(get(run.design, end.threshold))
     if mechanism.succeeded(int(outcome)):

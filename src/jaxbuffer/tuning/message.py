@@ -3,49 +3,66 @@
 from typing import Literal, NamedTuple
 
 import numpy as np
-from jaxtyping import Float
 
-from ..mechanisms.limit import IMPACTS, Limit
 from ..mechanisms.mechanism import EndCount
-from ..value_text import percent_text, with_unit
+from ..value_text import percent_text
+from .broken_limits import broken_limits
+from .checks import PeakForceBound
 from .evaluation import Evaluation
-from .goal import Breach, Goal, end_limit
+from .goal import Goal
 from .search import AGREE, CONVERGED, Branch
 from .settings import Settings
 from .store import Progress
-from .variable import Variable
 
 INFEASIBLE = "no feasible design found: "
-LEAST = 1e-6  # change of a limited quantity, relative to its limit, for a change of 1 % of a variable: less is none
-WEAK = 0.1  # change relative to the strongest variable's: one with less is not named
-WEAK_AT_BOUND = 0.01  # the same of a variable at its bound
-FARTHEST = 10.0  # times a variable's value: beyond it no guess is made
 Ended = Literal["converged", "limit_of_steps", "stalled", "discontinuity"]
 """How a search ends: nothing left to gain within its tolerance, at its limit of steps, steps that gain less than the
 tolerance though more seems to be left, or where a small change makes a run fail."""
 
 
-def message(goal: Goal, branch: Branch, after: Evaluation, progress: Progress, settings: Settings) -> str:
+class SearchReport(NamedTuple):
+    """What a search says of itself.
+
+    ``well``: how it ended, where its design keeps all limits; ``effort``: how much it searched; ``more``: how to search
+    on where none does, "" for nothing.
+    """
+
+    well: str
+    effort: str
+    more: str = ""
+
+    def message(self, goal: Goal, after: Evaluation, bound: PeakForceBound | None = None) -> str:
+        """Return how the search ended with a design, and what to do. ``bound``: as of `broken_limits`."""
+        if goal.feasible(after):
+            return self.well
+        return f"{_infeasible(goal, after, self.effort, bound)}{self.more}"
+
+
+def search_report(branch: Branch, progress: Progress, settings: Settings) -> SearchReport:
     """Say how the best search ended, whether another one agrees, and what to do."""
     more = (
         f"raise starts (now {settings.starts}) or rounds (now {settings.rounds}), or change seed, in [tune] of the"
         " study; starts and seed also by --starts and --seed"
     )
     steps = f"raise iterations (now {settings.iterations}) in [tune] of the study or by --iterations"
-    if not goal.feasible(after):
-        more = f"{steps}, or {more}" if ending(branch, settings) == "limit_of_steps" else more
-        return f"{infeasible(goal, after, _count(progress.searches))}. To search on within the bounds, {more}"
-    further = f". To go on, {steps}" if ending(branch, settings) == "limit_of_steps" else ""
-    return f"{_ending(branch, settings)}{further}. {agreement_in_words(progress, more)}"
+    limited = ending(branch, settings) == "limit_of_steps"
+    further = f". To go on, {steps}" if limited else ""
+    well = f"{_ending(branch, settings)}{further}. {agreement_in_words(progress, more)}"
+    search_on = f". To search on within the bounds, {f'{steps}, or ' if limited else ''}{more}"
+    return SearchReport(well, _count(progress.searches), search_on)
 
 
-def infeasible(goal: Goal, after: Evaluation, effort: str) -> str:
+def _infeasible(goal: Goal, after: Evaluation, effort: str, bound: PeakForceBound | None) -> str:
     """Say that no design is within the limits, and which limits are broken; ``effort``: by how much searching."""
-    limits = broken_limits(goal, after)
-    broken = "; ".join(limit.heading for limit in limits)
-    paths = dict.fromkeys(path for limit in limits for path in limit.at_bounds)
-    widen = f"widen the bounds of {', '.join(paths)}, which hold them back, or relax" if paths else "relax"
-    return f"{INFEASIBLE}after {effort}, {broken}. To keep the limits, {widen} the limits"
+    limits = broken_limits(goal, after, bound)
+    broken = "; ".join(f"{limit.heading}; {limit.beneath}" if limit.beneath else limit.heading for limit in limits)
+    others = [limit for limit in limits if not limit.beneath]
+    advice = ["lower that bound, or relax the limit under it" for limit in limits[:1] if len(others) < len(limits)]
+    if others:
+        paths = dict.fromkeys(path for limit in others for path in limit.at_bounds)
+        widen = f"widen the bounds of {', '.join(paths)}, which hold them back, or relax" if paths else "relax"
+        advice.append(f"{widen} the {'other ' if advice else ''}limits")
+    return f"{INFEASIBLE}after {effort}, {broken}. To keep the limits, {'; '.join(advice)}"
 
 
 def headline(message: str, feasible: bool, ended: EndCount | None = None) -> str:
@@ -99,179 +116,3 @@ def agreement_in_words(progress: Progress, more: str) -> str:
 
 def _count(searches: int) -> str:
     return "1 search" if searches == 1 else f"{searches} searches"
-
-
-class WorstCase(NamedTuple):
-    """A broken limit in the load case where it is broken worst.
-
-    ``value``: the quantity's; ``limit``; ``size``, relative to which a change of the quantity counts; ``slope``: the
-    quantity's by the scaled variables; ``falls``: whether it must fall, or else rise; ``shown``: the unit of figures,
-    and how many of those its own unit is.
-    """
-
-    value: float
-    limit: float
-    size: float
-    slope: Float[np.ndarray, " variables"]
-    falls: bool
-    shown: tuple[str, float]
-
-
-class BrokenLimit(NamedTuple):
-    """A limit that is broken in some load cases.
-
-    ``excess``: in the worst load case, relative to the limit [-]; ``heading``: the limit, in how many load cases it is
-    broken, the worst of them; ``reason``: which variables stand against it, to first order, "" where no slope tells;
-    ``at_bounds``: paths of those whose bound does.
-    """
-
-    excess: float
-    heading: str
-    reason: str = ""
-    at_bounds: tuple[str, ...] = ()
-
-    def __str__(self) -> str:
-        return f"{self.heading}; {self.reason}" if self.reason else self.heading
-
-
-def broken_limits(goal: Goal, point: Evaluation) -> list[BrokenLimit]:
-    """Return the limits that a design breaks, the worst first; slopes are those of the evaluation."""
-    limits = [_described(goal, point, breach) for breach in goal.breaches(point)]
-    if failed := goal.failed(point):
-        limits.append(BrokenLimit(np.inf, failed))
-    if goal.ceiling is not None and (above := goal.above_ceiling(point)) is not None:
-        scale = goal.ceiling.scale
-        limits.append(BrokenLimit(goal.first_value(point) / scale - goal.ceiling.value / scale, above))
-    # Excess is relative, so that limits in different units can be compared.
-    return sorted(limits, key=lambda limit: -limit.excess) or _otherwise(goal, point)
-
-
-def _described(goal: Goal, point: Evaluation, breach: Breach) -> BrokenLimit:
-    """Return a broken limit with its worst load case and, where it has slopes, what stands against it."""
-    limit = breach.limit
-    if limit is None:
-        return _of_margin(goal, point, breach)
-    if limit.name != IMPACTS:
-        return _of_quantity(goal, point, breach, limit)
-    heading = _heading(goal, f"{limit.name} {limit.bound_text()}", breach, f"{breach.value:.0f}")
-    return BrokenLimit(breach.largest, heading)
-
-
-def _otherwise(goal: Goal, point: Evaluation) -> list[BrokenLimit]:
-    """Return that load cases end otherwise than they must, where no limit and no margin says it."""
-    if not goal.require_success or np.all(point.succeeded):
-        return []
-    reasons = sorted({goal.problem.mechanism.outcomes(int(code)).reason for code in point.code[~point.succeeded]})
-    count = f"broken in {int(np.sum(~point.succeeded))} of {len(point.code)} scenarios"
-    return [BrokenLimit(1.0, f"{goal.problem.success}: {count} ({'; '.join(reasons)})")]
-
-
-def _of_quantity(goal: Goal, point: Evaluation, breach: Breach, limit: Limit) -> BrokenLimit:
-    """Describe a broken limit on a quantity."""
-    value, bound, quantity = breach.value, limit.bound, goal.problem.catalogue[limit.name]
-    heading = _heading(goal, limit.line(quantity), breach, limit.told_apart(value, *quantity.in_figures))
-    slope = point.quantities_slope[breach.case, goal.problem.names.index(limit.name)]
-    worst = WorstCase(value, bound, bound, slope, not limit.lowest, quantity.in_figures)
-    return _broken(goal, point, breach, heading, worst)
-
-
-def _of_margin(goal: Goal, point: Evaluation, breach: Breach) -> BrokenLimit:
-    """Describe load cases that do not end as they must, by the mechanism's margin."""
-    problem, k = goal.problem, breach.case
-    mechanism, end = problem.mechanism, problem.end
-    assert mechanism.tuning.margin is not None
-    heading = _heading(goal, str(problem.success), breach, goal.lack(point, k))
-    if end is not None and end.quantity and mechanism.succeeded(int(point.code[k])):
-        q, quantity = problem.names.index(end.quantity), mechanism.quantities[end.quantity]
-        bound = end_limit(end, problem.built(point.scaled)).bound
-        slope, value = point.quantities_slope[k, q], float(point.quantities[k, q])
-        return _broken(goal, point, breach, heading, WorstCase(value, bound, bound, slope, True, quantity.in_figures))
-    quantity = mechanism.quantities[mechanism.tuning.margin]
-    if end is None or not end.quantity:
-        heading = f"{heading} ({mechanism.tuning.margin}: {quantity.description})"
-    worst = WorstCase(breach.value, 0.0, 1.0, point.margin_slope[k], False, (quantity.unit, 1.0))
-    return _broken(goal, point, breach, heading, worst)
-
-
-def _broken(goal: Goal, point: Evaluation, breach: Breach, heading: str, worst: WorstCase) -> BrokenLimit:
-    influences = helpful_variables(goal, point, worst)
-    at_bounds = tuple(it.variable.path for it in influences if it.at_bound)
-    return BrokenLimit(breach.largest, heading, _reason(goal, worst, influences), at_bounds)
-
-
-def _heading(goal: Goal, limit: str, breach: Breach, worst: str) -> str:
-    cases, count = goal.problem.cases, int(np.sum(breach.excess > 0.0))
-    return f"{limit}: broken in {count} of {len(cases)} scenarios, worst {worst} at {cases[breach.case].label(cases)}"
-
-
-class Influence(NamedTuple):
-    """The influence of a variable on a quantity.
-
-    ``change`` of the quantity for 1 % more of the variable, in the quantity's unit; ``up``: whether more of the
-    variable helps; ``at_bound``: whether its bound stands against that.
-    """
-
-    variable: Variable
-    value: float
-    change: float
-    up: bool
-    at_bound: bool
-
-
-def helpful_variables(goal: Goal, point: Evaluation, worst: WorstCase) -> list[Influence]:
-    """Return the variables that bring a quantity nearer to its limit to first order, the strongest first.
-
-    Those whose effect is none, or weak beside the strongest one's, are left out.
-    """
-    problem, influences = goal.problem, list[Influence]()
-    values = problem.values(point.scaled)
-    for variable, value, by in zip(problem.variables, values, worst.slope, strict=True):
-        # The slope by the variable itself is that by the scaled one over d value / d scaled.
-        change = 0.01 * float(by) * abs(float(value)) / variable.slope(float(value))
-        up = (change < 0.0) == worst.falls
-        at_bound = variable.at_bound(float(value)) == f"at {'high' if up else 'low'} bound"
-        influences.append(Influence(variable, float(value), change, up, at_bound))
-    strongest = max((abs(it.change) for it in influences), default=0.0)
-    # A variable at its bound may be named with a weaker effect: its bound is what the user can widen.
-    least = {True: WEAK_AT_BOUND * strongest, False: WEAK * strongest}
-    strong = [it for it in influences if abs(it.change) > max(least[it.at_bound], LEAST * worst.size)]
-    return sorted(strong, key=lambda it: -abs(it.change))
-
-
-def _reason(goal: Goal, worst: WorstCase, influences: list[Influence]) -> str:
-    """Say which variables at a bound stand against a limited quantity, and which would help within their bounds."""
-    way = "fall" if worst.falls else "rise"
-    if not influences:
-        return "no variable changes it: the limit can't be kept by these variables"
-    outside, inside = ([_words(goal, worst, it) for it in influences if it.at_bound is at] for at in (True, False))
-    lines = [f"it would {way} with {' or '.join(outside)}"] if outside else []
-    if inside:
-        lines.append(f"within the bounds it would {way} with {' or '.join(inside)}, as far as other limits let it")
-    return "; ".join(lines)
-
-
-def _words(goal: Goal, worst: WorstCase, it: Influence) -> str:
-    """Say what more or less of a variable does, and of one at its bound how far about it would have to go beyond."""
-    path, problem, (symbol, factor) = it.variable.path, goal.problem, worst.shown
-    change = abs(factor * it.change) * (-1.0 if worst.falls else 1.0)
-    effect = f"({with_unit(change, symbol, 2, sign=True)} per 1 %)"
-    if not it.at_bound:
-        return f"{'more' if it.up else 'less'} {path} {effect}"
-    bound = with_unit(*problem.shown(path, it.variable.high if it.up else it.variable.low))
-    far = ""
-    if (enough := _enough(worst, it)) is not None:
-        far = f", {'to' if it.up else 'down to'} about {with_unit(*problem.shown(path, enough), 2)}"
-    return f"{path} {'above' if it.up else 'below'} its bound of {bound}{far} {effect}"
-
-
-def _enough(worst: WorstCase, it: Influence) -> float | None:
-    """Return the variable's value at which the quantity would reach its limit if it went as a power of the variable.
-
-    **Returns:** None for what has no sign of its own, and beyond a factor of `FARTHEST`.
-    """
-    if worst.value * worst.limit <= 0.0 or it.value <= 0.0:
-        return None
-    # A weak variable overflows, which the comparison below takes for too far.
-    with np.errstate(over="ignore"):
-        times = float(np.exp(0.01 * worst.value * np.log(worst.limit / worst.value) / it.change))
-    return it.value * times if 1.0 / FARTHEST <= times <= FARTHEST else None

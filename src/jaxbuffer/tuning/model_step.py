@@ -21,7 +21,6 @@ from jaxtyping import Float
 
 from .goal import ROOM, Goal, Tangent
 from .objective import Objective
-from .problem import PEAK_FORCE
 
 RESIDUAL_RADIUS = 0.1  # of each variable's range
 DAMPING = 0.2  # Powell's: keeps the estimate positive definite
@@ -145,10 +144,10 @@ class _Model(Programme):
         self.sources = list[tuple[Source, ...]]()
         self.steps = [self.add(0.0, float(a), float(b)) for a, b in zip(*box, strict=True)]
         ceiling = () if goal.ceiling is None else goal.ceiling.objective.weights
-        used = PEAK_FORCE in (*goal.objective.weights, *goal.problem.limits.at_most, *ceiling)
+        used = goal.problem.peak_quantity in (*goal.objective.weights, *goal.problem.limits.at_most, *ceiling)
         used = used or bool(np.any(tangent.by_peak))
         # A slot without an impact is far below zero, and so would the scale be if there were none at all.
-        self.peak_scale = max(float(np.max(tangent.peaks)), 1.0)
+        self.peak_scale = float(np.max(tangent.peaks, initial=1.0))
         self.peaks = self._peaks(np.maximum(-box[0], box[1])) if used else []
 
     def row(self, entries: Iterable[tuple[int, float]], right: float, sources: tuple[Source, ...] = ()) -> None:
@@ -182,15 +181,19 @@ class _Model(Programme):
         Where it rises with the largest peak it has the column of `_peaks`; where it falls with it the present largest
         impact, which the largest peak is never below, while the column may lie above every impact.
         """
-        tangent, rest = self.tangent, ("rest", k, weights[1:])
-        of_peak = float(weights[0])  # the peak force is the first of the names
-        through = float(weights[1:] @ tangent.by_peak[k])
+        tangent = self.tangent
+        # The peak force is the first of the names, if it is one of them.
+        peak, others = np.split(weights, [len(weights) - tangent.rest.shape[1]])
+        of_peak, rest = float(np.sum(peak)), ("rest", k, others)
+        through = float(others @ tangent.by_peak[k])
         by_peak = of_peak + through
-        slope = weights[1:] @ tangent.rest_slope[k]
-        constant = float(weights[1:] @ tangent.rest[k])
+        slope = others @ tangent.rest_slope[k]
+        constant = float(others @ tangent.rest[k])
         if by_peak > 0.0:
             entries = [*self.along(slope), (self.peaks[k], by_peak * self.peak_scale)]
             return entries, constant - through * float(tangent.largest[k]), (rest,)
+        if by_peak == 0.0:
+            return self.along(slope), constant, (rest,)
         slope = slope + by_peak * tangent.peaks_slope[k, 0]
         constant += of_peak * float(tangent.largest[k])
         return self.along(slope), constant, (rest, ("peaks", (k, 0), by_peak))

@@ -22,6 +22,10 @@ AGGREGATES = ("worst", "mean", "cvar")
 ONE_LIMIT = "it holds for all cases"
 
 
+class MainQuantity(dict[str, float]):
+    """Weights that name no quantity: a `Problem` has those of its mechanism's main quantity alone in their place."""
+
+
 @dataclasses.dataclass(frozen=True)
 class Objective:
     """The objective: a weighted sum of quantities in each load case, put together over the load cases, to be lowered.
@@ -29,7 +33,8 @@ class Objective:
     **Arguments:**
 
     - ``weights``: by quantity, in N per unit of it: ``{"peak_force": 1, "stroke": 1e4}`` trades a millimetre of stroke
-      for 10 N. The value of a single quantity with a weight of 1 is in that quantity's unit.
+      for 10 N (default: the mechanism's main quantity alone, in a `Problem`). The value of a single quantity with a
+      weight of 1 is in that quantity's unit.
     - ``over``: the "worst" case, the "mean", or the mean of the worst share ("cvar", conditional value at risk).
     - ``level``: that share is 1 - ``level`` [-].
 
@@ -44,18 +49,22 @@ class Objective:
     peak_force + 10000 stroke, mean over the cases
     """
 
-    weights: Mapping[str, float] = dataclasses.field(default_factory=lambda: {"peak_force": 1.0})
+    weights: Mapping[str, float] = dataclasses.field(default_factory=MainQuantity)
     over: str = choice("worst", *AGGREGATES, doc="of the load cases; cvar is the mean of the worst share")
     level: float = number(0.9, "-", low=0.0, high=1.0, high_open=True, doc="of cvar, whose share is 1 - level")
 
     def __post_init__(self) -> None:
-        check_type("objective's weights", self.weights, Mapping, "Objective({'peak_force': 1.0})")
-        if not self.weights:
+        check_type("objective's weights", self.weights, Mapping, "Objective({'stroke': 1.0})")
+        if not self.weights and not isinstance(self.weights, MainQuantity):
             raise InputError("objective: no quantity is given; name one of " + ", ".join(_units()))
         for name, weight in self.weights.items():
             unit = f"N/{_units().get(name, 'unit')}"
             check_single(f"objective.{name}", weight, unit, ONE_LIMIT, low=0.0, low_open=True)
         check_declared(self, "objective.")
+
+    def of(self, main: str) -> "Objective":
+        """Return this objective with the ``main`` quantity alone where it has no weights."""
+        return self if self.weights else dataclasses.replace(self, weights={main: 1.0})
 
     def unit(self, catalogue: Catalogue) -> str:
         """Return the unit of its value: that of a single quantity with a weight of 1, else N."""
@@ -109,7 +118,9 @@ class Objective:
         over = f"mean of the worst {1.0 - self.level:.3g}" if self.over == "cvar" else self.over
         # The largest of a random sample is no worst case.
         over, no_bound = ("largest", ", no bound") if samples and over == "worst" else (over, "")
-        return f"{' + '.join(names)}, {over} " + (f"of {samples}{no_bound}" if samples else "over the cases")
+        return f"{' + '.join(names) or 'the main quantity'}, {over} " + (
+            f"of {samples}{no_bound}" if samples else "over the cases"
+        )
 
 
 @dataclasses.dataclass(frozen=True, init=False)
@@ -305,6 +316,11 @@ class SecondObjective:
         check_type("then's objective", self.objective, Objective, "SecondObjective(Objective({'stroke': 1.0}))")
         check_declared(self, "then.")
 
+    def ceiling(self, least: float) -> float:
+        """Return how high the first objective may be, whose ``least`` value is this."""
+        # The tolerance makes room above the least value, also where that is negative.
+        return (1.0 + (self.tolerance if least >= 0.0 else -self.tolerance)) * least
+
 
 def end_names() -> tuple[str, ...]:
     """Return the ends that limits of some mechanism may ask for, by name."""
@@ -336,12 +352,13 @@ class Constraints(NamedTuple):
 
     def broken_by(self, run: Run) -> list[str]:
         """Return a line for each limit that the run breaks."""
-        return self.limits.broken_by(run, self._own_catalogue())
+        return self.limits.broken_by(run, self.catalogue(run.mechanism))
 
     def values(self, run: Run) -> dict[str, float]:
         """Return each limited quantity of the run, in its unit."""
-        catalogue = {**run.mechanism.quantities, **self._own_catalogue()}
+        catalogue = self.catalogue(run.mechanism)
         return {name: float(catalogue[name].of(run)) for name in self.limits.names}
 
-    def _own_catalogue(self) -> Catalogue:
-        return {name: derived.as_quantity(name) for name, derived in self.own.items()}
+    def catalogue(self, mechanism: Mechanism) -> Catalogue:
+        """Return the mechanism's quantities and the own ones."""
+        return {**mechanism.quantities, **{name: derived.as_quantity(name) for name, derived in self.own.items()}}

@@ -15,7 +15,7 @@ from jaxtyping import Float
 
 from ..errors import InputError
 from ..value_text import with_unit
-from .problem import PEAK_FORCE, Problem
+from .problem import Problem
 
 
 class OwnQuantities(NamedTuple):
@@ -32,38 +32,35 @@ class OwnQuantities(NamedTuple):
 
 def compose(
     problem: Problem,
-    peak: Float[np.ndarray, " cases"],
-    rest: Float[np.ndarray, "cases measured-1"],
-    rest_slope: Float[np.ndarray, "cases measured-1 variables"],
+    peak: Float[np.ndarray, "cases ..."],
+    rest: Float[np.ndarray, "cases rest"],
+    rest_slope: Float[np.ndarray, "cases rest variables"],
 ) -> OwnQuantities:
     """Compute the own quantities from the measured ones by the chain rule.
 
-    **Arguments:** ``peak``: the largest contact force [N]; ``rest``: the others of ``problem.measured``, with their
-    slopes by the scaled variables.
+    **Arguments:** ``peak``: the largest contact force [N], in a column, none where the problem has no such quantity;
+    ``rest``: ``problem.measured_rest``, with slopes by the scaled variables.
     """
-    count, variables = len(peak), rest_slope.shape[2]
+    count, variables = len(rest), rest_slope.shape[2]
     own = len(problem.quantities)
+    measured = np.column_stack([peak, rest])
     result = OwnQuantities(np.zeros((count, own)), np.zeros((count, own, variables)), np.zeros((count, own)))
-    known = np.column_stack([peak, rest])
     for k, derived in enumerate(problem.quantities.values()):
         columns = [problem.measured.index(name) for name in derived.parameters]
-        values, partials = map(np.asarray, derived.linearised(jnp.asarray(known[:, columns])))
+        values, partials = map(np.asarray, derived.linearised(jnp.asarray(measured[:, columns])))
         result.values[:, k] = values
-        for name, column, partial in zip(derived.parameters, columns, partials.T, strict=True):
+        for name, partial in zip(derived.parameters, partials.T, strict=True):
             # The largest force has no slope of its own here: which impact has it may change within a step.
-            if name == PEAK_FORCE:
+            if name == problem.peak_quantity:
                 result.by_peak[:, k] = partial
             else:
-                # The rest lacks the peak force, which is the first of the measured quantities.
-                result.slopes[:, k] += partial[:, None] * rest_slope[:, column - 1]
+                result.slopes[:, k] += partial[:, None] * rest_slope[:, problem.measured_rest.index(name)]
     return result
 
 
-def check_start(
-    problem: Problem, peak: Float[np.ndarray, " cases"], rest: Float[np.ndarray, "cases measured-1"], case: int
-) -> None:
+def check_start(problem: Problem, measured: Float[np.ndarray, "cases measured"], case: int) -> None:
     """Raise `InputError` with the own quantity that has no number, or no derivative, in a load case of the start."""
-    known = dict(zip(problem.measured, [float(peak[case]), *map(float, rest[case])], strict=True))
+    known = dict(zip(problem.measured, map(float, measured[case]), strict=True))
     for name, derived in problem.quantities.items():
         values = [known[parameter] for parameter in derived.parameters]
         value, partials = (np.asarray(array)[0] for array in derived.linearised(jnp.array([values])))

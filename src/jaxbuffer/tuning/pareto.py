@@ -249,7 +249,7 @@ def check_front(
     example = "Problem(jb.table2(), [Scenario()], [Variable('buffer.k_A', 100.0, 2000.0)])"
     check_type("problem", problem, Problem, example)
     problem.check_tunable()
-    names = check_names("objectives", objectives, "peak_force")
+    names = check_names("objectives", objectives, problem.main_quantity)
     for name in names:
         if name not in problem.names:
             raise InputError(f"objectives: {name} is unknown{suggest(name, problem.names)}")

@@ -12,16 +12,14 @@ from jaxtyping import Bool, Float, Int
 from ..errors import InputError, check_known, check_single, check_type, shown
 from ..fields import Part, as_typed, check_path, get, paths, replace, typed_unit, unit, unit_at
 from ..mechanisms.mechanism import Mechanism, RequiredEnd
-from ..mechanisms.quantity import Catalogue
+from ..mechanisms.quantity import PEAK_FORCE, Catalogue
 from ..mechanisms.registry import mechanism_of
 from ..run.request import DEFAULT_TOLERANCE, TOLERANCES, check_pair
-from .cases import WHOLE_CORNERS, Case, Scatter, corner_signs
+from .cases import WHOLE_CORNERS, Case, Scatter, corner_signs, numbered
 from .custom_quantity import CustomQuantity, check_custom_quantities
 from .objective import ONE_LIMIT, Limits, Objective, SecondObjective, in_units, quantity_in_words
 from .tolerances import check_ends, corner_cases, read_tolerances
 from .variable import Variable, check_variables
-
-PEAK_FORCE = "peak_force"  # the quantity that `Mechanism` sees to that all have, and a search knows of every impact
 
 
 @dataclasses.dataclass(frozen=True)
@@ -33,7 +31,7 @@ class Problem:
     - ``design``: to start from.
     - ``scenarios``: the mechanism's scenarios, or `Case`s, to serve; ``cases`` has them all as `Case`s.
     - ``variables``: what may change; () where `choose` alone is to set numbers.
-    - ``objective``: what to lower (default: the worst peak force).
+    - ``objective``: what to lower (default: the worst of the mechanism's main quantity, the peak force mostly).
     - ``limits``: the constraints (default: captured in every load case).
     - ``then``: what decides beyond the objective, or None.
     - ``duration`` [s], ``rtol`` [-]: as for `simulate`.
@@ -83,7 +81,9 @@ class Problem:
         object.__setattr__(self, "quantities", check_custom_quantities(self.quantities, mechanism.quantities))
         if self.duration is None:
             object.__setattr__(self, "duration", mechanism.duration(self.design))
-        self._check_parts(mechanism)
+        self._check_parts()
+        self._complete_objectives()
+        self._check_quantities(mechanism)
         cases = tuple(s if isinstance(s, Case) else Case(s) for s in self.scenarios)
         if self.scatter is not None and cases:
             check_type("scatter", self.scatter, Scatter, "Scatter(24, {'approach_speed': Distribution(...)})")
@@ -139,7 +139,7 @@ class Problem:
         at_most, at_least = in_units(self.limits.at_most, own), in_units(self.limits.at_least, own)
         object.__setattr__(self, "limits", dataclasses.replace(self.limits, at_most=at_most, at_least=at_least))
 
-    def _check_parts(self, mechanism: Mechanism) -> None:
+    def _check_parts(self) -> None:
         for name, values, example in (
             ("scenarios", self.scenarios, "[Scenario(approach_speed=0.2)]"),
             ("variables", self.variables, "[Variable('buffer.k_A', 100.0, 2000.0)]"),
@@ -150,9 +150,21 @@ class Problem:
         check_type("limits", self.limits, Limits, "Limits(at_most={'stroke': 0.025})")
         if self.then is not None:
             check_type("then", self.then, SecondObjective, "SecondObjective(Objective({'stroke': 1.0}))")
-        self._check_quantities(mechanism)
         check_single("duration", self.duration, "s", ONE_LIMIT, low=0.0, low_open=True)
         check_single("rtol", self.rtol, "-", ONE_LIMIT, **TOLERANCES)
+
+    def _complete_objectives(self) -> None:
+        """Let an objective without weights be the main quantity alone."""
+        if not self.names:
+            raise InputError(
+                f"{self.mechanism.name} has no quantity that an objective may use: declare one with tuned=True, or give"
+                " quantities of your own"
+            )
+        completed = self.objective.of(self.main_quantity)
+        object.__setattr__(self, "objective", completed)
+        if self.then is not None:
+            then = dataclasses.replace(self.then, objective=self.then.objective.of(self.main_quantity))
+            object.__setattr__(self, "then", then)
 
     def _check_quantities(self, mechanism: Mechanism) -> None:
         """Raise `InputError` where a quantity is another mechanism's, or a limit above what always holds."""
@@ -168,6 +180,20 @@ class Problem:
         for name, high in mechanism.always(self.design).items():
             limit, unit = self.limits.at_most.get(name, high), self.catalogue[name].unit
             check_single(f"constraints.{name}", limit, unit, ONE_LIMIT, low=0.0, low_open=True, high=high)
+
+    def number(self, k: int) -> int:
+        """Return the number of the scenario of a load case, by its place: scenarios are counted from 1 in the order of
+        the study, a corner of tolerances has that of its scenario, and `--scenario-number` takes it."""
+        return k // (1 + len(self.corner_rows)) + 1
+
+    def number_text(self, k: int) -> str:
+        """Return the number of a load case: its scenario's, and behind a point that of its corner: "2.5"."""
+        corner = k % (1 + len(self.corner_rows))
+        return f"{self.number(k)}.{corner}" if corner else str(self.number(k))
+
+    def label(self, k: int) -> str:
+        """Return what people call a load case, its number first where there are several scenarios: "2: 0.2 m/s"."""
+        return numbered(self.number_text(k), self.cases[k].label(self.cases), len(self.drawn))
 
     @property
     def corners(self) -> tuple[Case, ...]:
@@ -243,20 +269,42 @@ class Problem:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Return the quantities that objectives and constraints may use: `PEAK_FORCE` first, the own ones last."""
+        """Return the quantities that objectives and constraints may use: the `peak_quantity` first, the own ones
+        last."""
         return (*self._tuned, *self.quantities)
 
     @functools.cached_property  # asked for hundreds of times in a search
     def _tuned(self) -> tuple[str, ...]:
         names = [name for name in self.mechanism.tuned if self.mechanism.has(name, self.design)]
         # First, because an `Evaluation` has the peak force apart from the rest.
-        return (PEAK_FORCE, *(name for name in names if name != PEAK_FORCE))
+        return tuple(sorted(names, key=lambda name: name != self.mechanism.name_of(PEAK_FORCE)))
+
+    @functools.cached_property
+    def peak_quantity(self) -> str | None:
+        """Return the one of the `names` that is known of every impact; None where there is none."""
+        name = self.mechanism.name_of(PEAK_FORCE)
+        return name if name in self.names else None
+
+    @functools.cached_property
+    def main_quantity(self) -> str:
+        """Return the one of the `names` that stands for a run where nothing is said."""
+        return self.mechanism.main_quantity(self.names, self.design)
 
     @property
     def measured(self) -> tuple[str, ...]:
         """Return the mechanism's quantities among `names`, then those that only the own ones are made of."""
         parameters = (name for derived in self.quantities.values() for name in derived.parameters)
         return tuple(dict.fromkeys((*self._tuned, *parameters)))
+
+    @property
+    def rest(self) -> tuple[str, ...]:
+        """Return the `names` without the `peak_quantity`."""
+        return tuple(name for name in self.names if name != self.peak_quantity)
+
+    @property
+    def measured_rest(self) -> tuple[str, ...]:
+        """Return the `measured` quantities without the `peak_quantity`."""
+        return tuple(name for name in self.measured if name != self.peak_quantity)
 
     @property
     def catalogue(self) -> Catalogue:

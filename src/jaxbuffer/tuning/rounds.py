@@ -16,7 +16,7 @@ from ..errors import InputError
 from .assessment import assess
 from .evaluation import Evaluation, Evaluator
 from .goal import Ceiling, Goal
-from .message import ending, message
+from .message import ending, search_report
 from .problem import Problem
 from .search import AGREE, BEHIND, RUNNING, Branch, Search, advance, without_hopeless
 from .settings import Settings
@@ -135,9 +135,7 @@ class Rounds:
     def _second_stage(self, progress: Progress, search: Search, best: Branch) -> Progress:
         """Begin the second stage, from the first one's best design."""
         assert self.problem.then is not None
-        lowest = search.goal.value(best.best)
-        # The tolerance makes room above the least value, also where that is negative.
-        ceiling = (1.0 + (self.problem.then.tolerance if lowest >= 0.0 else -self.problem.then.tolerance)) * lowest
+        ceiling = self.problem.then.ceiling(search.goal.value(best.best))
         scale = abs(Goal(self.problem, self.problem.then.objective).value(best.best)) or 1.0
         progress = progress._replace(stage=1, scale=scale, ceiling=ceiling, branches=())
         return progress._replace(branches=(self._search(progress).begin(best.best),))
@@ -163,7 +161,7 @@ class Rounds:
             branch.best,
             search.scale,
             branch.penalty,
-            lambda after: message(search.goal, branch, after, progress, self.settings),
+            search_report(branch, progress, self.settings),
             self.store.records,
             ended=ending(branch, self.settings),
             confirmed=progress.searches > 1 and progress.apart <= AGREE,

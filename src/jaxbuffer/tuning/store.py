@@ -239,7 +239,7 @@ def record_of(
         "feasible": goal.feasible(point),
         # The excess of a value that is not known is infinite, which JSON lacks.
         "excess": excess if np.isfinite(excess := float(np.sum(goal.excess(point)))) else None,
-        "obstacle": goal.obstacle(point),
+        "obstacle": goal.nearest_limit(point) if goal.feasible(point) else goal.obstacle(point),
         "radius": None if branch is None else branch.radius,
         "residual": None if branch is None or np.isnan(branch.residual) else branch.residual,
         "status": "start" if branch is None else STATUS[branch.status],
@@ -268,7 +268,9 @@ def in_words(it: Mapping[str, Any], success: str | None = None, most: int | None
     if not it["feasible"]:
         ends = it["succeeded"]
         text += "" if all(ends) else f", {sum(ends)} of {len(ends)} {success or 'solved'}"
-        text += ", limits broken" + (f": {obstacle}" if (obstacle := it.get("obstacle")) else "")
+    # Of a feasible design it is the limit that it has nearly reached.
+    obstacle = ": ".join(filter(None, ("" if it["feasible"] else "limits broken", it.get("obstacle", ""))))
+    text += f", {obstacle}" if obstacle else ""
     return text + ("" if it["residual"] is None else f", {percent_text(it['residual'])} left to gain")
 
 

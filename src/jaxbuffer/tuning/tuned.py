@@ -18,11 +18,13 @@ from ..mechanisms.energy import energy_text
 from ..mechanisms.mechanism import EndCount
 from ..tables import html, table, text
 from ..value_text import before_and_after, change_text, percent_text, relative_change
+from .broken_limits import broken_limits
 from .checks import PeakForceBound
 from .corners import Corners
-from .evaluation import Evaluation, validity_lines
+from .evaluation import Evaluation, main_values, validity_lines
 from .goal import Goal
-from .message import broken_limits, headline
+from .limits_in_the_way import first_impact_levers, limits_in_the_way
+from .message import SearchReport, headline
 from .problem import Problem
 from .settings import Settings
 from .spread import Spread, Tightening, spread_lines, spread_table
@@ -54,6 +56,7 @@ class Tuned(Saved):
     - ``spreads``: the scatter of the objective's and of each limited quantity by tolerances; ``tightening``: which
       tolerance to tighten first; none without tolerances.
     - ``missing``: a line for each part of the evidence that could not be computed.
+    - ``report``: what the search says of itself, of which ``message`` is made; None for a tuning without a search.
     - ``identity``: a hash of all that makes it the tuning it is, as its folder has it; "" where that is not known.
 
     **Example:**
@@ -84,6 +87,7 @@ class Tuned(Saved):
     tight: float = 1e-9
     identity: str = ""
     missing: tuple[str, ...] = ()
+    report: SearchReport | None = None
 
     @property
     def objective(self) -> tuple[float, float]:
@@ -92,13 +96,11 @@ class Tuned(Saved):
         return first.value(self.before), first.value(self.after)
 
     @property
-    def worst_first(self) -> tuple[Part, ...]:
-        """Return the scenarios, without tolerances, by their peak contact force with the tuned design, the largest
-        first."""
-        drawn = self.problem.drawn
-        # The cases of each scenario, its corners among them, stand together.
-        peaks = self.after.peak_force.reshape(len(drawn), -1).max(axis=1)
-        return tuple(drawn[k].scenario for k in np.argsort(-peaks, kind="stable"))
+    def worst(self) -> Part:
+        """Return the scenario, without tolerances, where the main quantity, the peak force mostly, is largest with the
+        tuned design."""
+        largest = int(np.argmax(main_values(self.problem, self.after)))
+        return self.problem.drawn[self.problem.number(largest) - 1].scenario
 
     @property
     def screened(self) -> int:
@@ -134,7 +136,7 @@ class Tuned(Saved):
 
         A line says in how many scenarios, how far, and which variables hold the result back to first order.
         """
-        lines = [str(limit) for limit in broken_limits(self.goal, self.after)]
+        lines = [str(limit) for limit in broken_limits(self.goal, self.after, self.lower_bound)]
         if self.corners is not None and not self.corners.hold:
             lines.append(self.corners.verdict)
         return lines
@@ -194,12 +196,13 @@ def tuned_parts(tuned: Tuned) -> list[str | Table]:
     lines += [] if tuned.corners is None else tuned.corners.lines(problem)
     lines += spread_lines(problem, tuned.spreads, tuned.tightening)
     lines += tuned_warnings(tuned)
-    lines += [f"limit {line}" for line in broken_limits(tuned.goal, tuned.after)]
+    lines += [f"limit {line}" for line in broken_limits(tuned.goal, tuned.after, tuned.lower_bound)]
     broken = tuned.goal.broken(tuned.after)
     lines += [f"broken: {line}" for line in broken[:SHOWN]]
     # A slice of one: the line is there only where some are left out.
     lines += [f"and {len(broken) - SHOWN} more" for _ in broken[SHOWN : SHOWN + 1]]
-    tables = [_tuned_objective(tuned), _tuned_cases(tuned), _left_open(tuned), _tuned_variables(tuned)]
+    limits = limits_in_the_way(tuned.goal, tuned.after, tuned.lower_bound, tuned.inactive_variables)
+    tables = [_tuned_objective(tuned), limits, _tuned_cases(tuned), _left_open(tuned), _tuned_variables(tuned)]
     tables.append(spread_table(problem, tuned.spreads))
     first = headline(tuned.message, tuned.goal.feasible(tuned.after), tuned.end_count(tuned.after))
     return [first, *(it for it in tables if it is not None), *lines]
@@ -297,28 +300,31 @@ def _floor_facts(tuned: Tuned) -> list[str]:
         f" from an energy of {energy_text(np.max(lower_bound.energy))} that the contact takes up"
         " (effective energy T_c⁻)",
         lowest,
+        *first_impact_levers(tuned.problem, lower_bound, tuned.after),
     ]
 
 
 def _tuned_cases(tuned: Tuned) -> Table:
-    """Return each load case's peak force, some other quantities, impacts and outcome, before and after.
+    """Return each load case's main quantity, some other quantities, impacts and outcome, before and after.
 
     The other quantities are the problem's own, or else those of the mechanism's map of a sweep that can be tuned.
     """
     problem, before, after = tuned.problem, tuned.before, tuned.after
     mechanism, catalogue, count = problem.mechanism, problem.catalogue, len(problem.cases)
-    title = "Scenarios" if count <= SHOWN else f"The {SHOWN} of {count} scenarios with the largest peak force"
-    # Without the first, the peak force, which has columns of its own.
-    usual = [name for name in mechanism.defaults_for(problem.design).mapped[1:3] if name in problem.names]
-    others = list(problem.quantities)[:OWN] or usual
+    main, words = problem.main_quantity, problem.main_quantity.replace("_", " ")
+    title = "Scenarios" if count <= SHOWN else f"The {SHOWN} of {count} scenarios with the largest {words}"
+    # Without the first, which has columns of its own.
+    usual = [name for name in mechanism.defaults_for(problem.design).mapped[:3] if name in problem.names]
+    others = [name for name in list(problem.quantities)[:OWN] or usual if name != main]
     headings = (f"{catalogue[name].title} [{catalogue[name].in_figures[0]}]" for name in others)
-    cases = table(title, ("scenario",), ("peak force [N]", "change", *headings, "impacts"))
+    unit, factor = catalogue[main].in_figures
+    cases = table(title, ("scenario",), (f"{words} [{unit}]", "change", *headings, "impacts"))
     for heading in ("before", "after"):
         cases.add_column(heading)
     for k in _shown_cases(tuned):
-        start, end = float(before.peak_force[k]), float(after.peak_force[k])
+        start, end = (factor * float(main_values(problem, point)[k]) for point in (before, after))
         cases.add_row(
-            problem.cases[k].label(problem.cases),
+            problem.label(k),
             before_and_after(start, end, 5),
             change_text(start, end),
             *(_before_and_after(tuned, name, k) for name in others),
@@ -340,16 +346,16 @@ def _left_open(tuned: Tuned) -> Table | None:
     left = table(f"What is left where the {mechanism.view.run_name} ends", ("scenario",), headings)
     for k in _shown_cases(tuned):
         values = (_before_and_after(tuned, name, k) for name in names)
-        left.add_row(problem.cases[k].label(problem.cases), *values)
+        left.add_row(problem.label(k), *values)
     return left
 
 
 def _shown_cases(tuned: Tuned) -> Sequence[int]:
-    """Return the numbers of all load cases or, of many, of those with the largest peak force."""
+    """Return the numbers of all load cases or, of many, of those where the main quantity is largest."""
     count = len(tuned.problem.cases)
     if count <= SHOWN:
         return range(count)
-    return np.argsort(-tuned.after.peak_force, kind="stable")[:SHOWN].tolist()
+    return np.argsort(-main_values(tuned.problem, tuned.after), kind="stable")[:SHOWN].tolist()
 
 
 def _before_and_after(tuned: Tuned, name: str, case: int) -> str:

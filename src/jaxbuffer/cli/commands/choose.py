@@ -62,7 +62,7 @@ def choose(
 def _parts(study: Config) -> Callable[[Means], Choice]:
     """Return the choice of parts of a study, which is checked now."""
     told, settings = study.selection(), study.choosing
-    criterion, combinations = selection(told.problem, study.parts, told.objective, told.at_most)
+    criterion, combinations = selection(told.problem, study.parts, told.objective, told.at_most, told.then)
     # Said now, and not after all combinations have been run.
     if settings.tuned:
         told.problem.check_tunable()

@@ -13,6 +13,7 @@ from ...programs import process
 from ...study.config import Config
 from ...study.load import load
 from ...study.overrides import apply_options, apply_overrides
+from ...tuning.cases import Case
 from ...tuning.problem import Problem
 from ..streams import note
 from .output import Output
@@ -51,17 +52,21 @@ class CommandLine:
         return dataclasses.replace(study, tuning=apply_options(study.tuning, given(**options)))
 
     def one_scenario(self, number: str | None) -> Config:
-        """Return the study with the scenario of that number among its [[scenarios]], counted from 1; without one, its
-        first or that of [scenario], which a line on stderr says where there are several."""
+        """Return the study with the scenario of that number among its [[scenarios]] or those of [problem.grid], counted
+        from 1; without one, its first or that of [scenario], which a line on stderr says where there are several."""
         study = self.study()
-        count = len(study.scenarios)
+        cases = study.cases
+        count = len(cases)
         if number is not None:
             if not (number.isdecimal() and 1 <= int(number) <= count):
                 allowed = f"must be a whole number from 1 to {count}, as many as the study has"
                 raise InputError(f"--scenario-number {number} {allowed}")
-            study = dataclasses.replace(study, scenario=study.scenarios[int(number) - 1])
+            case = cases[int(number) - 1]
+            study = dataclasses.replace(study, scenario=case.scenario, design=case.of(study.design))
         elif count > 1:
-            which = f"the first of {count} scenarios" if study.scenario == study.scenarios[0] else "[scenario]"
+            numbers = [k for k, case in enumerate(cases, 1) if case == Case(study.scenario)]
+            place = "the first" if numbers[:1] == [1] else f"number {numbers[0]}" if numbers else ""
+            which = f"{place} of {count} scenarios" if place else "[scenario]"
             label = study.mechanism.view.label(study.scenario)
             note(f"running {which}, {label}; --scenario-number N takes another, 1 to {count}")
         say_cautions(study.design, (study.scenario,), units=study.units)

@@ -28,7 +28,8 @@ def computed_runs(
     """Compute ``count`` runs as the command line and the study say, here or by the workers of a scheduler; ``work``
     takes the options of `jaxbuffer.sweep`. Return them as far as they came, and whether they were interrupted."""
     usual, folder = study.options, request.output
-    options = {"solver": usual.stepper(), "rtol": usual.rtol, "folder": folder, "resume": resume}
+    # Whether files that are there may be replaced was said by the command line, before anything is computed.
+    options = {"solver": usual.stepper(), "rtol": usual.rtol, "folder": folder, "force": not resume, "resume": resume}
     options["trust"] = asked_for(trust)
     with executor_at(scheduler) as (executor, workers):
         options |= {"executor": executor, "workers": workers}

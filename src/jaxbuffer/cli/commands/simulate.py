@@ -5,7 +5,7 @@ import sys
 from ...fields import get
 from ...mechanisms.run import Run
 from ...output.field_files import left_out
-from ...output.run_files import run_files
+from ...output.run_files import run_files, run_text
 from ...run.request import NO_TENTH, tenth
 from ...run.simulate import HISTORY_STEPS
 from ...run.simulate import simulate as compute
@@ -38,7 +38,7 @@ def simulate(request: CommandLine, scenario_number: str | None, trust: str) -> i
     # Said only where files are wanted, since it is about files.
     if request.output is not None and (missing := left_out(contents)):
         note(missing)
-    files.save_record(contents, run, f"{name}.json")
+    files.save_record(contents, run_text(run, limits), f"{name}.json")
     return keeps_limits(limits, run)
 
 

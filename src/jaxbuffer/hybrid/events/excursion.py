@@ -70,11 +70,11 @@ def excursion_in_step(
         return jnp.concatenate([-gaps, terminals])
 
     def guards_along(fraction: Array) -> Look:
-        state_at = lambda x: state_within(system.coordinates, start, end, step, x)  # noqa: E731
+        state_at = lambda x: state_within(system, start, end, step, x)  # noqa: E731
         state, motion = jax.jvp(state_at, (fraction,), (jnp.ones(()),))
         value, change = jax.linearize(guards_of, state)
         # the cubic lacks what the quintic knows of second derivatives: as much may be wrong with the quintic
-        cruder = state_within(0, start, end, step, fraction)
+        cruder = cubic(start[0], end[0], step * start[1], step * end[1], fraction)
         return Look(value, change(motion), jnp.abs(change(cruder - state)))
 
     first = Look(z0.value, z0.rate * step, jnp.zeros_like(z0.value))

@@ -45,14 +45,14 @@ def decide(task: Task, state: LoopState, trial: Trial) -> Decision:
     many tries have been spent. And a step that would stand is shortened where a guard may have risen above zero and
     fallen again within it.
     """
-    options, bracket = task.options, state.bracket
+    bracket = state.bracket
     before = state.point.guards.falling(state.located)
     guards = signed(trial.guards, state.active)
     # A maximum matters only if it may exceed the largest value so far; the cubic that shows it may miss by `NEARLY`.
     least = jnp.maximum(state.extremes.below_largest(NEARLY), task.system.roundoff())
     maxima = trial.accurate & (bracket.tries < MAX_TRIES_MAXIMUM) & ~state.given_up
     crossing = first_crossing(before, trial.guards, trial.length, state.active, least, bracket.guard, maxima)
-    refinement = refine(bracket, trial.length, guards, task.rated, options.event_time, _shortfall(task, state, trial))
+    refinement = refine(bracket, trial.length, guards, task.rated, task.event_time, _shortfall(task, state, trial))
     outcome = _evaluated_once(_outcome(task, state, trial, crossing, refinement), state.point.time)
     shorter = _without_excursion(task, state, trial, outcome, before)
     outcome = jnp.where(shorter < trial.length, int(StepOutcome.SHORTEN), outcome)
@@ -76,7 +76,7 @@ def _without_excursion(
         active=state.active,
         located=state.bracket.guard,
         # Shorter steps than events are located to resolve nothing more.
-        when=stands & (trial.length > task.options.event_time),
+        when=stands & (trial.length > task.event_time),
     )
     return fraction * trial.length
 
@@ -139,4 +139,4 @@ def _next_bracket(
 def _shortfall(task: Task, state: LoopState, trial: Trial) -> Float[Array, ""]:
     """Return how far below its maximum an observable may be where a step onto that maximum ends."""
     mine, extremes = task.observable_of(state.bracket.guard), state.extremes.including(trial.guards.value)
-    return task.options.shortfall * jnp.sum(jnp.where(mine, extremes.extent, 0.0))
+    return task.shortfall * jnp.sum(jnp.where(mine, extremes.extent, 0.0))

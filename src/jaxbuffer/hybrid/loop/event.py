@@ -2,6 +2,7 @@
 
 from typing import NamedTuple
 
+import jax
 import jax.numpy as jnp
 from jax import lax
 from jaxtyping import Array, Bool, Float, Int
@@ -9,9 +10,10 @@ from jaxtyping import Array, Bool, Float, Int
 from ..events.crossing import unlocated_maximum
 from ..rungekutta.stages import Step
 from ..sensitivity.augmented_state import Rows
+from ..system import HybridSystem
 from .decision import Decision
 from .log import UNMOVED, Kind, Log
-from .state import LoopState, observables_after_event
+from .state import LoopState
 from .task import Task
 from .trial import Trial
 
@@ -66,7 +68,7 @@ def event_at_end(task: Task, state: LoopState, trial: Trial, decision: Decision)
     # A contact's guard has one number, whether it closes or opens: its present state says which of the two this is.
     touchdown = of_contact & jnp.any(chosen & (state.active < 0.5))
     offset = jnp.where(state.locating, refinement.offset, 0.0)
-    at_event = _moved(trial.step, offset, task.system.coordinates)
+    at_event = _moved(task.system, trial.step, offset)
 
     def touch() -> tuple[Rows, Float[Array, ""]]:
         return _touchdown(task, trial, at_event, guard, chosen)
@@ -119,7 +121,8 @@ def logged(
     of_rate = task.contacts > 0 and task.system.observes_rate
     if task.system.jumps or of_rate:
         mode_changes = event.touchdown & task.system.jumps | event.release & of_rate
-        after = lambda: observables_after_event(task.system, event.time, event.rows_at_event[0], event.active)  # noqa: E731
+        at = (event.time, event.rows_at_event[0], event.active)
+        after = lambda: _observables_after_event(task.system, *at)  # noqa: E731
         values = lax.cond(mode_changes, after, lambda: values)
     # Guards are numbered through all kinds; the log counts each kind from zero.
     first = jnp.where(event.of_contact, 0, jnp.where(event.terminal, task.contacts, task.rated))
@@ -138,6 +141,13 @@ def logged(
         touching=task.system.touching(state.active),
     )
     return log, jnp.where(when & (mine | ~log.overflown), jnp.maximum(highest, values), highest)
+
+
+def _observables_after_event(
+    system: HybridSystem, time: Array, state: Array, active: Array
+) -> Float[Array, " observables"]:
+    """Return all observables of a state whose rate is not yet known."""
+    return system.observables(state, system.derivative(time, state, active), active)
 
 
 def _with_start(
@@ -172,8 +182,11 @@ def _with_start(
     return log, jnp.where(when & mine, jnp.maximum(highest, point.guards.value), highest)
 
 
-def _moved(step: Step, offset: Float[Array, ""], n: int) -> Rows:
-    """Move the end of a step by a small time [s]: to second order in its n coordinates, whose accelerations are known,
-    to first order in all else."""
-    acceleration = jnp.pad(step.rate[:, n : 2 * n], [(0, 0), (0, step.rate.shape[1] - n)])
+def _moved(system: HybridSystem, step: Step, offset: Float[Array, ""]) -> Rows:
+    """Move the end of a step by a small time [s]: to second order in its coordinates, whose accelerations are known, to
+    first order in all else."""
+    of_state, of_tangent = jax.linearize(system.position_acceleration, step.end[0], step.rate[0])
+    tangents = jax.vmap(of_tangent)(step.end[1:], step.rate[1:])
+    after = step.rate.shape[1] - system.coordinates
+    acceleration = jnp.pad(jnp.concatenate([of_state[None], tangents]), [(0, 0), (0, after)])
     return step.end + offset * (step.rate + 0.5 * offset * acceleration)

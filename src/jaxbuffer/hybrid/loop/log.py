@@ -71,6 +71,11 @@ class Log(eqx.Module):
         """Return whether there were more events than room."""
         return self.count > self.room
 
+    def with_start_values(self, values: Float[Array, " observables"]) -> "Log":
+        """Return the log with the observables of a start in contact."""
+        starts = (self.kind == Kind.TOUCHDOWN) & (self.time == 0.0)
+        return dataclasses.replace(self, values=jnp.where(starts[:, None], values[None], self.values))
+
     @staticmethod
     def empty(slots: int, rows: Rows, contacts: int, observables: int) -> "Log":
         """Return an empty log with room for ``slots`` events in order.

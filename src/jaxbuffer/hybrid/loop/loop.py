@@ -31,14 +31,28 @@ from .update import advance, next_phase, next_status, next_step_sizes
 P = TypeVar("P")
 
 
+class Start(NamedTuple):
+    """The start of a run: ``rows``, the state and its sensitivities, with an axis in front as in a `Log`; ``active``:
+    which contacts are closed there."""
+
+    rows: Float[Array, "one rows state"]
+    active: Float[Array, " contacts"]
+
+    @property
+    def state(self) -> Float[Array, " state"]:
+        """Return the state alone."""
+        return self.rows[0, 0]
+
+
 class Result(NamedTuple):
     """A finished run.
 
-    ``status``: how it ended (see `Status`); ``log``: located events; ``steps``: accepted steps, as many as a
-    history asks for; ``attempts``: number of trial steps; ``accepted``: number of accepted ones.
+    ``status``: how it ended (see `Status`); ``start`` of the run; ``log``: located events; ``steps``: accepted steps,
+    as many as a history asks for; ``attempts``: number of trial steps; ``accepted``: number of accepted ones.
     """
 
     status: Int[Array, ""]
+    start: Start
     log: Log
     steps: Steps
     attempts: Int[Array, ""]
@@ -65,7 +79,10 @@ def run(
     else:
         going_on = lambda state: lanes.in_any_lane(_running(state))  # noqa: E731
         end = lax.while_loop(going_on, lambda state: _iterate_where_running(task, state), start)
-    return Result(end.status, end.log, end.steps, end.attempts, end.steps.count)
+    begin = Start(start.point.rows[None], start.active)
+    # Where nothing jumps a force at the start is zero, and says nothing.
+    log = end.log.with_start_values(end.first_values) if task.system.jumps else end.log
+    return Result(end.status, begin, log, end.steps, end.attempts, end.steps.count)
 
 
 def _running(state: LoopState) -> Bool[Array, ""]:
@@ -113,6 +130,7 @@ def _iterate(task: Task[P], state: LoopState, running: Bool[Array, ""] | None = 
         # The root of time counts from the event itself, not from the step's end, which lies a little beside it.
         last_touchdown=jnp.where(event.touchdown, event.time + event.offset, state.last_touchdown),
         contact_step=jnp.where(event.touchdown, event.contact_step, state.contact_step),
+        first_values=jnp.where(state.attempts == 0, trial.guards.value, state.first_values),
         status=next_status(task, state, trial, decision, event, step_sizes),
         attempts=state.attempts + 1,
         log=log,

@@ -10,7 +10,6 @@ from ..events.bracketing import Bracket
 from ..events.guards import Extremes, Guards
 from ..rungekutta.controller import StepSizes
 from ..sensitivity.augmented_state import Rows
-from ..system import HybridSystem
 from .log import Kind, Log, Steps
 from .phase import LOCATING, LOOKING_BACK, RETAKING, Phase, is_one_of
 from .task import Task
@@ -32,13 +31,15 @@ class Status(enum.IntEnum):
 class Point(NamedTuple):
     """A point of the motion.
 
-    ``time`` [s]; ``rows``: the state and its tangents; ``rate``: their time derivative; ``guards`` of the state.
+    ``time`` [s]; ``rows``: the state and its tangents; ``rate``: their time derivative; ``guards`` of the state;
+    ``change``: what all steps up to it have changed the invariant by.
     """
 
     time: Float[Array, ""]
     rows: Rows
     rate: Rows
     guards: Guards
+    change: Float[Array, ""]
 
 
 class LoopState(NamedTuple):
@@ -69,6 +70,10 @@ class LoopState(NamedTuple):
     step_sizes_before_contact: StepSizes
     last_touchdown: Float[Array, ""]
     contact_step: Float[Array, ""]
+
+    # All observables at the start, for what the log says of a contact that is closed there: known once the first
+    # iteration has evaluated them.
+    first_values: Float[Array, " observables"]
 
     # Results.
     status: Int[Array, ""]
@@ -105,20 +110,18 @@ def initial_state(task: Task[P], allowed: Bool[Array, ""] | None = None) -> Loop
     compiling the right-hand side a second time.
     """
     system, options, contacts = task.system, task.options, task.contacts
-    start, active = task.tangents.start(lambda p: task.build(p).start()[0]), system.start()[1]
-    zero, one = jnp.zeros(()), jnp.ones(())
+    (start, active), zero, one = task.start, jnp.zeros(()), jnp.ones(())
     none, terminal, value = (jnp.zeros(n) for n in (contacts, task.terminals, task.observables))
     # Placeholders: the first iteration evaluates them.
     guards = Guards(none, none, none, terminal, terminal, value, value, zero, zero)
     log = Log.empty(options.max_events, start, contacts, task.observables)
-    values = observables_after_event(system, zero, start[0], active) if system.jumps else value
     contact_step = options.tolerance.first_step(task.tangents.count) * system.impact_step(start[0])
     step_sizes = StepSizes.of(jnp.minimum(contact_step, task.duration), len(options.solver.methods))
-    point = Point(zero, start, jnp.zeros_like(start), guards)
+    point = Point(zero, start, jnp.zeros_like(start), guards, zero)
     status = jnp.where(jnp.all(jnp.isfinite(start)), Status.RUNNING, Status.NOT_FINITE)
     for contact in range(contacts):
         closed, kind = active[contact] > 0.5, jnp.asarray(Kind.TOUCHDOWN)
-        log = log.append(closed, kind, jnp.asarray(contact), zero, values, one, active, start, point.rate, closed)
+        log = log.append(closed, kind, jnp.asarray(contact), zero, value, one, active, start, point.rate, closed)
     return LoopState(
         point=point,
         active=active,
@@ -133,15 +136,9 @@ def initial_state(task: Task[P], allowed: Bool[Array, ""] | None = None) -> Loop
         step_sizes_before_contact=step_sizes,
         last_touchdown=zero,
         contact_step=contact_step,
+        first_values=value,
         status=status if allowed is None else jnp.where(allowed, status, Status.INPUT),
         attempts=jnp.asarray(0),
         log=log,
         steps=Steps.empty(options.keep, start, contacts),
     )
-
-
-def observables_after_event(
-    system: HybridSystem, time: Array, state: Array, active: Array
-) -> Float[Array, " observables"]:
-    """Return all observables of a state whose rate is not yet known."""
-    return system.observables(state, system.derivative(time, state, active), active)

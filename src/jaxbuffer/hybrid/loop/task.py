@@ -8,9 +8,10 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
+from ..._types import Scalar
 from ..options import Options
-from ..sensitivity.augmented_state import Tangents
-from ..system import HybridSystem
+from ..sensitivity.augmented_state import Rows, Tangents
+from ..system import Active, HybridSystem
 
 P = TypeVar("P")
 
@@ -20,15 +21,19 @@ class Task(Generic[P]):
     """What is to be stepped, and how.
 
     ``build``: from parameters to the system; ``tangents``: the parameters and the directions in which derivatives are
-    wanted; ``system``: the one of these parameters; ``duration`` of the run [s]; ``options``; number of ``contacts``,
-    of ``terminals`` (guards of the run's end) and of ``observables``.
+    wanted; ``system``: the one of these parameters; ``start``: its state, with tangents, and which contacts are closed;
+    ``duration`` of the run [s]; ``options``, and of these ``event_time`` [s] and ``shortfall`` [-] where they leave
+    them to the system; number of ``contacts``, of ``terminals`` (guards of the run's end) and of ``observables``.
     """
 
     build: Callable[[P], HybridSystem]
     tangents: Tangents[P]
     system: HybridSystem
+    start: tuple[Rows, Active]
     duration: Float[Array, ""]
     options: Options
+    event_time: Scalar
+    shortfall: Scalar
     contacts: int
     terminals: int
     observables: int
@@ -37,15 +42,19 @@ class Task(Generic[P]):
     def of(
         build: Callable[[P], HybridSystem], tangents: Tangents[P], duration: Float[Array, ""], options: Options
     ) -> "Task[P]":
-        """Build the system, and count its guards."""
+        """Build the system, evaluate its start, and count its guards."""
         system = build(tangents.primal)
+        rows, active = start = tangents.start(lambda parameters: build(parameters).start())
+        options = options.shared(system)
+        rtol = options.tolerance.rtol
+        event_time = system.event_time(rows[0], rtol) if options.event_time is None else options.event_time
+        shortfall = rtol if options.shortfall is None else options.shortfall
         # Only the shapes are wanted, so nothing is computed.
-        state, active = jax.eval_shape(system.start)
         terminal, value = jax.eval_shape(
-            lambda y, open: (system.terminals(y), system.observables(y, y, open)), state, active
+            lambda y, open: (system.terminals(y), system.observables(y, y, open)), rows[0], active
         )
         sizes = (active.shape[0], terminal.shape[0], value.shape[0])
-        return Task(build, tangents, system, duration, options, *sizes)
+        return Task(build, tangents, system, start, duration, options, event_time, shortfall, *sizes)
 
     @property
     def rated(self) -> int:

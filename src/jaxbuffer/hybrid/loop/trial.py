@@ -6,6 +6,7 @@ import jax.numpy as jnp
 from jax import lax
 from jaxtyping import Array, Bool, Float, Int
 
+from ..._types import Scalar
 from ..events.guards import Guards, near_largest, observe
 from ..events.prediction import next_release, next_touchdown
 from ..rungekutta.stages import SecondDerivative, Step
@@ -19,6 +20,7 @@ from .task import Task
 P = TypeVar("P")
 PAST_TOUCHDOWN = 1.5  # times the predicted time to a touchdown: the longest step that looks for it
 BEFORE_RELEASE = 0.6  # of the predicted time to a release: near it only a step that ends on it is accurate
+ADDED, LEAST_SHARE = 0.3, 1e-4  # see `_allowed_change`
 SPACING = 1e-3  # of a step as accuracy allows: how far beside its end the second derivative is taken from
 
 
@@ -26,8 +28,8 @@ class Trial(NamedTuple):
     """A trial step and what is seen of it.
 
     ``method`` that took it; its ``length`` [s]; whether ``with_tangents`` or with the state alone; the ``step`` itself;
-    ``guards`` at its end; ``state_norm``, ``norm``: its error over what is allowed, of the state alone and with the
-    tangents; ``finite``: whether all numbers are.
+    ``guards`` at its end; ``change`` of the invariant; ``state_norm``, ``norm``: its error over what is allowed, of the
+    state alone and with the tangents; ``finite``: whether all numbers are.
     """
 
     method: Int[Array, ""]
@@ -35,6 +37,7 @@ class Trial(NamedTuple):
     with_tangents: Bool[Array, ""]
     step: Step
     guards: Guards
+    change: Float[Array, ""]
     state_norm: Float[Array, ""]
     norm: Float[Array, ""]
     finite: Bool[Array, ""]
@@ -75,15 +78,24 @@ def take_trial(task: Task[P], state: LoopState) -> Trial:
     guards = observe(system, step.end[0], step.rate[0], step.second[0], state.active)
     # An estimate from a few stages may miss what is not smooth between them, a tip that begins to roll say; the
     # invariant shows it. Where it is evaluated anew it may have jumped.
-    change = jnp.where(state.reevaluating, 0.0, jnp.abs(guards.invariant - point.guards.invariant))
-    allowed = system.invariant_change * tolerance.rtol + guards.invariant_rounding
-    state_norm = jnp.maximum(norms[0], change / allowed)
+    change = jnp.where(state.reevaluating, 0.0, guards.invariant - point.guards.invariant)
+    allowed = _allowed_change(point.change, system.invariant_change, tolerance.rtol) + guards.invariant_rounding
+    state_norm = jnp.maximum(norms[0], jnp.abs(change) / allowed)
     # Beside a touchdown or a release tangents change with a root of the gap, of which less and less is more than
     # rounding: in a step shorter than events are located, their error is not known, and the state decides alone.
-    norm = jnp.where(length > task.options.event_time, jnp.maximum(state_norm, jnp.max(norms)), state_norm)
+    norm = jnp.where(length > task.event_time, jnp.maximum(state_norm, jnp.max(norms)), state_norm)
     # The last norm too, since the invariant is in it and not in the others.
     finite = jnp.all(jnp.isfinite(norms)) & jnp.isfinite(norm) & jnp.all(jnp.isfinite(step.rate))
-    return Trial(method, length, with_tangents, step, guards, state_norm, norm, finite)
+    return Trial(method, length, with_tangents, step, guards, change, state_norm, norm, finite)
+
+
+def _allowed_change(change: Scalar, share: Scalar, rtol: Scalar) -> Float[Array, ""]:
+    """Return by how much a step may change the invariant, which all steps before it have changed by ``change``.
+
+    It is a ``share`` of the tolerance, and less the more they have changed it. What vibrates loses a little in each of
+    thousands of steps, always with one sign: with a fixed share, the sum would grow with their number.
+    """
+    return share * rtol * jnp.maximum(jnp.exp(-((change / (ADDED * rtol)) ** 2)), LEAST_SHARE)
 
 
 def _method_and_length(

@@ -43,7 +43,9 @@ def advance(task: Task[P], state: LoopState, trial: Trial, decision: Decision, e
     of a contact is that of its present impact, so that every impact's peak is located.
     """
     accepted, mine = decision.accepted, task.observable_of(state.bracket.guard)
-    reached = Point(event.time, event.rows, trial.step.rate, _after(task, trial, event))
+    reached = Point(
+        event.time, event.rows, trial.step.rate, _after(task, trial, event), state.point.change + trial.change
+    )
     returns = event.maximum & state.looking_back
     extremes = state.extremes.including(trial.guards.value)
     begins = event.touchdown & (task.each_observable == event.guard)

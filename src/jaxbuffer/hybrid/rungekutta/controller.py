@@ -11,6 +11,7 @@ from ..._types import Scalar
 from ..sensitivity.augmented_state import Rows
 from ..system import HybridSystem
 
+LEAST_TOLERANCE = 1e-13
 FINEST = 1e-5  # the relative tolerance below which limited errors become no smaller
 
 
@@ -23,6 +24,12 @@ class StepTolerance(eqx.Module):
 
     rtol: Scalar = 1e-7
     atol: Scalar = 1e-7
+
+    def shared(self, share: float) -> "StepTolerance":
+        """Return a share of the tolerance, not less than the least that a run may have."""
+        if share >= 1.0:
+            return self
+        return StepTolerance(*(jnp.maximum(share * it, LEAST_TOLERANCE) for it in (self.rtol, self.atol)))
 
     def norms(self, error: Rows, rows: Rows, end: Rows, system: HybridSystem) -> Float[Array, " rows"]:
         """Return each row's root mean square of error over allowance; 1 is just allowed."""

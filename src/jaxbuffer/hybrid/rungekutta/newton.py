@@ -1,7 +1,7 @@
 """The matrix of Newton's method in an implicit stage: I - shift J, where J holds the stiff forces alone.
 
-The stiff forces are few, so J is of low rank plus q̇ = w, and solving takes the inverse of one small matrix (Woodbury's
-identity) instead of a factorisation in a library, which would split the loop's kernel.
+The stiff forces are few, so J is of low rank plus q̇ = N w, and solving takes the inverse of one small matrix
+(Woodbury's identity) instead of a factorisation in a library, which would split the loop's kernel.
 """
 
 from typing import NamedTuple
@@ -41,9 +41,9 @@ class NewtonMatrix(NamedTuple):
     def solve(self, right: Columns) -> Columns:
         """Solve (I - shift J) u = ``right`` for each column."""
         stiff, shift, n = self.stiff, self.shift, self.stiff.coordinates
-        velocities = len(stiff.directions)
+        velocities, own = len(stiff.directions), n - stiff.position_rate.surplus
         r_q, r_w, rest = right[:n], right[n : n + velocities], right[n + velocities :]
-        spring = _product(stiff.stiffness, _product(stiff.directions[:n].T, r_q))
+        spring = _product(stiff.stiffness, _product(stiff.directions[:own].T, stiff.position_rate.velocity(r_q)))
         z = _product(self.inner, _product(stiff.directions.T, r_w) - shift * _product(self.mobility, spring))
         w = r_w - shift * _product(stiff.response, spring + _product(self.response, z))
         # What follows the velocities decays by itself, so its part of the matrix is diagonal.
@@ -51,7 +51,7 @@ class NewtonMatrix(NamedTuple):
             rest = rest / (1.0 + shift * stiff.decay)[:, None]
         if stiff.followers is not None:
             rest = stiff.followers.solve(rest, w, shift)
-        return jnp.concatenate([r_q + shift * w[:n], w, rest])
+        return jnp.concatenate([r_q + shift * stiff.position_rate.of(w[:own]), w, rest])
 
 
 def _product(a: Array, b: Array) -> Array:

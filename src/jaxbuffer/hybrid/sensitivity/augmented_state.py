@@ -22,6 +22,7 @@ Columns = Float[Array, "state columns"]  # the rows transposed and padded with c
 VECTOR = 8  # numbers in a vector register: so many columns or a multiple, of few columns half as many
 P = TypeVar("P")
 S = TypeVar("S")
+T = TypeVar("T")
 
 
 class Tangents(eqx.Module, Generic[P]):
@@ -40,13 +41,15 @@ class Tangents(eqx.Module, Generic[P]):
         leaves = jax.tree.leaves(self.directions)
         return leaves[0].shape[0] if leaves else 0
 
-    def start(self, function: Callable[[P], Float[Array, " state"]]) -> Rows:
-        """Return state and tangents of a function of the parameters alone."""
-        value = function(self.primal)[None]
+    def start(self, function: Callable[[P], tuple[Float[Array, " state"], T]]) -> tuple[Rows, T]:
+        """Return state and tangents of a function of the parameters alone, and what it returns besides the state."""
         if not self.count:
-            return value
-        push = jax.vmap(lambda direction: jax.jvp(function, (self.primal,), (direction,))[1])
-        return jnp.concatenate([value, push(self.directions)])
+            state, rest = function(self.primal)
+            return state[None], rest
+        # One push-forward gives both, so that the function itself is evaluated once.
+        push = lambda direction: jax.jvp(function, (self.primal,), (direction,), has_aux=True)  # noqa: E731
+        state, tangents, rest = jax.vmap(push, out_axes=(None, 0, None))(self.directions)
+        return jnp.concatenate([state[None], tangents]), rest
 
     def lift(self, function: Callable[[P, Array], Float[Array, " out"]]) -> Callable[[Rows], Float[Array, "rows out"]]:
         """Turn f(parameters, state) into a function of rows: its value, and its change along each tangent."""
@@ -106,7 +109,7 @@ def push_through_assembly(
     assemble: Callable[[list[Array]], S],
     motion: Callable[[S], Any],
     values: list[Array],
-    sizes: list[Float[Array, ""]],
+    sizes: Float[Array, " values"],
 ) -> Pushed:
     """Push tangents through the assembly of a system once, before the loop.
 
@@ -130,7 +133,8 @@ def push_through_assembly(
         used = _used(lambda numbers: motion(filled(numbers)), leaves)
     depending = [i for i, them in enumerate(sources) if them and used[i]]
     moving = sorted({k for i in depending for k in sources[i]})
-    directions = [jnp.where(np.array(moving, int) == k, size, 0.0) for k, size in enumerate(sizes)]
+    own = np.array(moving, int)[:, None] == np.arange(len(values))[None]
+    directions = list(jnp.where(own, sizes[None], 0.0).T)
 
     def pick(values: list[Array]) -> list[Array]:
         picked = numbers(values)

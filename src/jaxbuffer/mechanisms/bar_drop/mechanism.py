@@ -8,7 +8,7 @@ from ..registry import register
 from .assembly import bar_drop
 from .design import BarDrop, BarDropScenario, check_fit, valid
 from .quantities import QUANTITIES
-from .run import dropped
+from .run import READER, dropped
 from .view import VIEW
 
 MEMORY_TIME = 2e-4  # s, a hundredth of the time between two of its impacts
@@ -34,6 +34,7 @@ BAR_DROP = register(
         check_fit=check_fit,
         valid=valid,
         run=dropped,
+        reader=READER,
         smooth=smooth,
         view=VIEW,
         defaults=Defaults(

@@ -1,10 +1,14 @@
 """The run of a dropped bar: the rebound of its first impact beside what every run has."""
 
-import jax.numpy as jnp
-from jaxtyping import Array, Float
+from typing import NamedTuple
 
-from ...hybrid import Kind
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float
+
+from ...hybrid import Kind, Log
 from ..assembled import Assembled
+from ..layout import EvaluatedState
+from ..reading import Reader
 from ..run import Run, Solved
 
 
@@ -20,18 +24,34 @@ class BarDropRun(Run):
     restitution: Float[Array, ""]
 
 
+class Flight(NamedTuple):
+    """The ball end at one instant: its ``gap`` to the plate [m], and how fast that closes [m/s]."""
+
+    gap: Float[Array, ""]
+    closing: Float[Array, ""]
+
+
+def _flight(mechanism: Assembled, at: EvaluatedState, active: Array, masses: None) -> Flight:
+    gap, closing = mechanism.gaps_at(at)
+    return Flight(gap[0], closing[0])
+
+
+def _released(log: Log) -> Bool[Array, " slots"]:
+    return (log.kind == Kind.RELEASE) & (jnp.arange(log.kind.shape[0]) < log.room)
+
+
+READER = Reader(_flight, lambda mechanism, log: jnp.argmax(_released(log)))
+
+
 def dropped(mechanism: Assembled, solved: Solved) -> BarDropRun:
     """Return what was solved, with the rebound.
 
     In free flight v² = 3 g (h - z) for the ball end at the height z that rises to h, so that h, taken anywhere in it,
     moves with the parameters as it does at the release itself.
     """
-    log, scenario = solved.log, solved.parameters[1]
-    released = (log.kind == Kind.RELEASE) & (jnp.arange(log.kind.shape[0]) < log.room)
-    at = mechanism.evaluate(log.rows[jnp.argmax(released), 0])
-    gap, closing = mechanism.gaps_at(at)
-    height = gap[0] + closing[0] ** 2 / (3.0 * scenario.gravity)
-    rises = jnp.any(released) & (height > 0.0)
+    scenario, release = solved.parameters[1], solved.event.own
+    height = release.gap + release.closing**2 / (3.0 * scenario.gravity)
+    rises = jnp.any(_released(solved.log)) & (height > 0.0)
     # The root below would make derivatives NaN at zero, also where it is not taken.
     height = jnp.where(rises, height, 1.0)
     speed = jnp.sqrt(3.0 * scenario.gravity * height)

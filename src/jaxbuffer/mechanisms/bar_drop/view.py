@@ -1,5 +1,6 @@
 """What is told of a dropped bar and drawn of its runs."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -23,11 +24,9 @@ def label(scenario: BarDropScenario, among: Any = ()) -> str:
     return f"from {1e3 * float(scenario.height):.4g} mm"
 
 
-def validity(design: BarDrop, peak_force: Any, penetration: Any = None) -> list[ValidityLimit]:
-    """Return how near the deepest penetrations [m] come to the contact law's limit, and modes to being too few."""
-    # A peak that the damper makes does not tell how deep the ball went, and nothing follows from it.
-    if penetration is None:
-        return []
+def validity(design: BarDrop, quantities: Mapping[str, Any]) -> list[ValidityLimit]:
+    """Return how near the deepest penetrations come to the contact law's limit, and modes to being too few."""
+    peak_force, penetration = quantities["peak_force"], quantities["penetration"]
     share = np.asarray(penetration) / (DEEP * np.asarray(design.bar.ball_radius))
     deep = ValidityLimit(f"{BEYOND_LAW}the ball goes deeper into the plate than a tenth of its radius", share)
     return [deep, *mode_limits(bending_parts(design), rise_time(design, peak_force, penetration))]
@@ -35,7 +34,7 @@ def validity(design: BarDrop, peak_force: Any, penetration: Any = None) -> list[
 
 def warnings(run: BarDropRun) -> list[str]:
     """Return a line for each validity limit that the run exceeds."""
-    deep, *few = validity(run.design, run.peak_force, run.maxima["penetration"])
+    deep, *few = validity(run.design, {"peak_force": run.peak_force, "penetration": run.maxima["penetration"]})
     lines = [deep.beyond] if deep.passed else []
     return lines + [f"{limit.beyond}, by a factor of {float(limit.share):.3g}" for limit in few if limit.passed]
 

@@ -1,6 +1,5 @@
 """The probe-cone mechanism assembled from bodies, joints, elements and a ball on flanks."""
 
-import dataclasses
 from typing import Any, NamedTuple
 
 import jax.numpy as jnp
@@ -23,8 +22,7 @@ from ...elements import (
     SpringDamper,
     Thrust,
 )
-from ...elements.ball_contact import slowest_touchdown
-from ...multibody import AxialSpringDamper, Kinematics, TorsionalSpringDamper
+from ...multibody import AxialSpringDamper, TorsionalSpringDamper
 from ..assembled import Assembled
 from .bending import Bending, modal_scales
 from .bodies import TIP, B, Masses, P, S, T, assemble_system, probe_masses
@@ -65,8 +63,6 @@ def assemble(design: Design, scenario: Scenario, stabilisation: Scalar = 20.0) -
     system = assemble_system(design, probe, GAIN_WITH_LATCH * stabilisation if latched else stabilisation)
     q, v = start_motion(design, scenario, probe)
     tip = tip_in_cone(design, scenario, probe)
-    touching, memory = first_contact(tip, scenario, system.kinematics(q, v))
-    tip = dataclasses.replace(tip, first_memory=memory)
     # Positions are compared with the penetration of a typical impact, velocities with the approach speed.
     length = 1e-3
     bent, bending_rate = ([], []) if bending is None else modal_scales(bending, speed)
@@ -75,7 +71,6 @@ def assemble(design: Design, scenario: Scenario, stabilisation: Scalar = 20.0) -
         q=q,
         v=v,
         elements=(tip, *elements_of(design, scenario, probe)),
-        closed=touching,
         rest_threshold=design.latch.quiet if latched else None,
         # Angles are compared at an arm of 0.1 m.
         size=(
@@ -209,20 +204,22 @@ def tip_in_cone(design: Design, scenario: Scenario, probe: Masses) -> BallContac
         onset_length=contact.onset_length if smooth else None,
         fixed_foot=scenario.contact_distance if contact.arms == "published" else None,
         memory_time=contact.memory_time if smooth else None,
+        first_contact=nothing_touches if scenario.start == "free" else tip_touches,
         name=TIP,
     )
 
 
-def first_contact(tip: BallContact, scenario: Scenario, kin: Kinematics) -> tuple[Array, Array]:
-    """Return which flanks are touched at t = 0, and the contacts' memory there [m/s]."""
-    # Damping is divided by the memory, which therefore has a least value (M36).
-    slowest = slowest_touchdown(scenario.approach_speed)
-    if scenario.start == "free":  # nothing touches, and the memory is at its floor (M170)
-        return jnp.zeros(FLANKS), jnp.full(FLANKS, slowest)
-    approach = tip.evaluate(kin).approach.approach_speed
+def tip_touches(approach: Array, slowest: Scalar) -> tuple[Array, Array]:
+    """Return which flanks the tip touches at t = 0 where it starts on the cone, and the contacts' memory [m/s]."""
     # The start lies on the lower flank alone (M64); a tip that moves off it does not touch it either.
     touching = jnp.where((jnp.arange(FLANKS) == LOWER) & (approach > 0.0), 1.0, 0.0)
+    # Damping is divided by the memory, which therefore has a least value (M36).
     return touching, jnp.maximum(approach, slowest)
+
+
+def nothing_touches(approach: Array, slowest: Scalar) -> tuple[Array, Array]:
+    """Return that no flank is touched at a free start, where the memory is at its floor (M170)."""
+    return jnp.zeros(FLANKS), jnp.full(FLANKS, slowest)
 
 
 def pin_in_bush(design: Design) -> Pin:

@@ -106,7 +106,7 @@ class Capture(Run):
     - ``peak_hinge_force``: largest force in the hinge [N].
     - ``peak_buffer_force``: largest force of the axial spring and damper [N].
     - ``peak_stop_force``: largest force of the end stop [N], 0 without one.
-    - ``stroke``: the buffer's largest [m].
+    - ``stroke``: the buffer's largest [m]; ``extension``: how far its rod goes out beyond its free position [m].
     - ``stroke_margin``: stroke left before the buffer's end [m]; below zero for a bottomed run, which is no
       measure of what is missing.
     - ``hinge_angle``: the largest [rad].
@@ -132,6 +132,7 @@ class Capture(Run):
     peak_buffer_force: Float[Array, ""]
     peak_stop_force: Float[Array, ""]
     stroke: Float[Array, ""]
+    extension: Float[Array, ""]
     stroke_margin: Float[Array, ""]
     hinge_angle: Float[Array, ""]
     bending: Float[Array, ""]

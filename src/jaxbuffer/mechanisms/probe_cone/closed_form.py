@@ -11,6 +11,7 @@ from jaxtyping import Array, Float
 
 from ..._types import Scalar
 from ...contact.laws import HystereticLaw
+from ...fields import Curve, get, paths
 from ...programs.cache import stored
 from ..assembled import Assembled
 from ..layout import EvaluatedState
@@ -18,6 +19,7 @@ from .assembly import LOWER, assemble
 from .bodies import TIP
 from .capture import FirstImpact
 from .design import Design, Scenario, check_fit
+from .reading import flank_direction
 
 HERTZ_DURATION = 2.943275  # of a lossless impact, times its largest penetration over its approach speed [-]
 
@@ -43,20 +45,50 @@ def first_impact(design: Design, scenario: Scenario | None = None) -> FirstImpac
     """
     scenario = Scenario() if scenario is None else scenario
     check_fit(design, scenario)
-    return _first_impact(
-        jax.tree.map(lambda x: x if isinstance(x, jax.Array) else np.asarray(x, float), (design, scenario))
-    )
+    return _first_impact(_arrays(design, scenario))
+
+
+def first_impact_elasticities(design: Design, scenario: Scenario) -> dict[str, float]:
+    """Return the elasticities of the first impact's elastic peak (M80) by the numbers of a design that change it, by
+    path: the change in per cent for one per cent more of a number [-]. There are none of a free start."""
+    slopes = _log_peak_slopes(_arrays(design, scenario))
+    elasticities = dict[str, float]()
+    for path in paths(design):
+        value = get(design, path)
+        if value is None or isinstance(value, (str, bool, int, Curve)):
+            continue
+        elasticity = float(value) * float(get(slopes, path))
+        if np.isfinite(elasticity) and elasticity != 0.0:
+            elasticities[path] = elasticity
+    return elasticities
+
+
+def _arrays(design: Design, scenario: Scenario) -> tuple[Design, Scenario]:
+    return jax.tree.map(lambda x: x if isinstance(x, jax.Array) else np.asarray(x, float), (design, scenario))
 
 
 @stored
 def _first_impact(parameters: tuple[Design, Scenario]) -> FirstImpact:
     mechanism = assemble(*parameters)
-    return predict(mechanism, mechanism.first_evaluation()[0])
+    return predict(mechanism, *first_flank(mechanism, mechanism.first_evaluation()[0]))
 
 
-def predict(mechanism: Assembled, at: EvaluatedState) -> FirstImpact:
-    """Return the first impact of a mechanism's run, which starts there with the tip on the lower flank."""
-    mass, speed = first_flank(mechanism, at)
+@stored
+def _log_peak_slopes(parameters: tuple[Design, Scenario]) -> Design:
+    """Return the slopes of the logarithm of the elastic peak by the numbers of the design, in the design's form."""
+
+    def log_peak(design: Design) -> Float[Array, ""]:
+        mechanism = assemble(design, parameters[1])
+        return jnp.log(predict(mechanism, *first_flank(mechanism, mechanism.first_evaluation()[0])).elastic_peak)
+
+    return jax.grad(log_peak)(parameters[0])
+
+
+def predict(mechanism: Assembled, mass: Float[Array, ""], speed: Float[Array, ""]) -> FirstImpact:
+    """Return the first impact of a mechanism's run, which starts there with the tip on the lower flank.
+
+    **Arguments:** ``mass``: that the flank meets [kg]; ``speed``: of approach [m/s].
+    """
     energy = 0.5 * mass * speed**2
     law = mechanism.element(TIP).pair.law
     stiffness = jnp.asarray(mechanism.parts.design.contact_stiffness)
@@ -71,8 +103,7 @@ def predict(mechanism: Assembled, at: EvaluatedState) -> FirstImpact:
 def first_flank(mechanism: Assembled, at: EvaluatedState) -> tuple[Float[Array, ""], Float[Array, ""]]:
     """Return the effective mass [kg] that the lower flank meets, the joints holding and the springs soft, and the
     contact's memory [m/s]: 1/m = A M_c⁻¹ Aᵀ, where A q̇ is the approach speed."""
-    closing = mechanism.element(TIP).closing_directions(mechanism.system, mechanism.evaluated(at, TIP))[:, LOWER]
-    return mechanism.system.effective_mass(at.kin, closing), mechanism.memory(at.state)[LOWER]
+    return mechanism.system.effective_mass(at.kin, flank_direction(mechanism, at)), mechanism.memory(at.state)[LOWER]
 
 
 def hertz_peak(stiffness: Scalar, energy: Scalar) -> Float[Array, ""]:

@@ -182,13 +182,18 @@ class Scenario(Part):
 def check_fit(design: Design, scenario: Scenario) -> None:
     """Check that scenario and design fit (M64). Where numbers are arrays, each scenario meets its own design.
 
-    **Raises:** `InputError` for a first contact off the flank, a tip in the other flank at the start, and a tip that
-    does not face the flank.
+    **Raises:** `InputError` for a first contact off the flank, a tip in the other flank at the start, a tip that does
+    not face the flank, and published arms (M34) at a free start.
     """
     check_type("design", design, Design, "the design first, such as jb.table2(), then the scenario")
     check_type("scenario", scenario, Scenario, "the design first, then a scenario, such as jb.Scenario()")
     # A free start touches nothing, so that M64 has nothing to rule out.
     if scenario.start == "free":
+        if design.contact.arms == "published":
+            raise InputError(
+                'contact.arms = "published" holds the arm where the first contact is, scenario.contact_distance, which'
+                ' scenario.start = "free" has not; use contact.arms = "moving", or scenario.start = "contact"'
+            )
         return
     cone, tip = design.cone, design.probe.tip_radius
     start = _known("probe.tip_radius and cone", tip, cone.throat_radius, cone.half_angle)

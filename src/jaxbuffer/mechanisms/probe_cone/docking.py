@@ -11,12 +11,12 @@ from jaxtyping import Array, Bool, Float, Int
 
 from ..._types import Scalar
 from ...elements import BufferForce, EndStop, Latch
-from ...hybrid import Kind, Log
+from ...hybrid import Log
 from ..assembled import Assembled
-from ..layout import EvaluatedState
-from .bodies import TIP, P, T
+from ..run import Solved
 from .capture import Docking
 from .outcome import Outcome
+from .reading import CaptureReading, crossings
 
 DOUBLINGS, NEWTON_STEPS = 60, 30  # of a stroke from 1e-9 m on, and towards the stroke whose energy is known
 
@@ -24,52 +24,28 @@ DOUBLINGS, NEWTON_STEPS = 60, 30  # of a stroke from 1e-9 m on, and towards the 
 class PlaneCrossing(NamedTuple):
     """Where the tip crossed the capture plane, or else the run's end.
 
-    ``at``: the evaluated state there, which moves with the parameters; ``time`` [s]; ``occurred``: whether it crossed.
+    ``at``: the reading there, which moves with the parameters; ``time`` [s]; ``occurred``: whether it crossed.
     """
 
-    at: EvaluatedState
+    at: CaptureReading
     time: Float[Array, ""]
     occurred: Bool[Array, ""]
 
 
-def end_of(mechanism: Assembled, log: Log) -> EvaluatedState:
-    """Evaluate the state at a run's end, once for all that is read off there."""
-    return mechanism.evaluate(log.rows[_last(log), 0])
-
-
-def latched(mechanism: Assembled, end: EvaluatedState) -> Bool[Array, ""]:
-    """Return whether the latches began to close before the run's ``end``."""
-    closing = [mechanism.evaluated(end, latch.name).since > 0.0 for latch in mechanism.all_of(Latch)]
-    # A design without latches has nothing to stack.
-    return jnp.any(jnp.stack(closing)) if closing else jnp.asarray(False)
-
-
-def crossing(mechanism: Assembled, log: Log, end: EvaluatedState, code: Int[Array, ""]) -> PlaneCrossing:
-    """Return where the tip crossed the capture plane.
-
-    ``end``: the state at the run's end; ``code``: of the outcome. Without latches a captured run ends there; with them
-    it is the touchdown of theirs.
-    """
-    last = _last(log)
+def crossing(mechanism: Assembled, solved: Solved, code: Int[Array, ""]) -> PlaneCrossing:
+    """Return where the tip crossed the capture plane. ``code``: of the outcome."""
+    end_time = solved.log.time[_last(solved.log)]
     if not mechanism.all_of(Latch):
-        return PlaneCrossing(end, log.time[last], code == Outcome.captured)
-    which = mechanism.contact_names.index("latch")
-    # Slots behind the count may hold anything.
-    mine = (log.kind == Kind.TOUCHDOWN) & (log.which == which) & (jnp.arange(log.kind.shape[0]) < log.count)
-    slot, listed = jnp.argmax(mine), jnp.any(mine)
-    row = log.rows[slot, 0]
-    late = mechanism.time_to_contact(row, jnp.asarray(which))
-    # Its own change counts only with the time left to the crossing, as in `ContactSystem.saltation`.
-    rate = jax.lax.stop_gradient(mechanism.derivative(0.0, row, log.active[slot]))
-    state = jnp.where(listed, row + rate * late, end.state)
+        return PlaneCrossing(solved.end.own, end_time, code == Outcome.captured)
     # A log that overflowed does not have the entry; the state says when the latches began to close.
-    since = mechanism.evaluated(end, "latch").since
-    return PlaneCrossing(mechanism.evaluate(state), log.time[last] - since, listed | (since > 0.0))
+    since = solved.end.own.since_crossing
+    occurred = jnp.any(crossings(mechanism, solved.log)) | (since > 0.0)
+    return PlaneCrossing(solved.event.own, end_time - since, occurred)
 
 
 def docking(
     mechanism: Assembled,
-    ends: tuple[EvaluatedState, EvaluatedState],
+    ends: tuple[CaptureReading, CaptureReading],
     log: Log,
     cross: PlaneCrossing,
     code: Int[Array, ""],
@@ -77,41 +53,28 @@ def docking(
 ) -> Docking:
     """Read off what a run says of docking.
 
-    ``ends``: the states at its start and at its end; ``cross``: where it crossed the capture plane; ``code``: of the
+    ``ends``: the readings of its start and of its end; ``cross``: where it crossed the capture plane; ``code``: of the
     outcome; ``latch_force``: the largest one [N].
     """
     (start, end), last = ends, _last(log)
-    active = log.active[last]
-    # At the start no contact is deep, so that none stores energy.
-    before, left = mechanism.relative_energy(start, jnp.zeros_like(active)), mechanism.relative_energy(end, active)
     # A factor, so that derivatives are NaN as well.
     known = jnp.where(cross.occurred, 1.0, jnp.nan)
-    tip, cone, probe = mechanism.evaluated(cross.at, "throat").tip, cross.at.kin.frame(T), cross.at.kin.frame(P)
-    rate = _tip_rate(mechanism, cross.at)
-    unlatched = jnp.where(latched(mechanism, end), 1.0, jnp.nan)
-    passive = mechanism.parts.design.passive.mass
-    push = (end.kin.frame(T).velocity - start.kin.frame(T).velocity) * passive
+    latched = jnp.where(end.since_crossing > 0.0, 1.0, jnp.nan)
+    push = (end.passive_velocity - start.passive_velocity) * mechanism.parts.design.passive.mass
     return Docking(
-        latch_time=cross.time * unlatched,
+        latch_time=cross.time * latched,
         settling_time=(log.time[last] - cross.time) * jnp.where(code == Outcome.held, 1.0, jnp.nan),
         latch_share=_latch_share(mechanism, end, latch_force, code == Outcome.torn),
-        relative_energy=left / before,
-        energy_left=left,
-        arrest_stroke=arrest_stroke(mechanism, left),
-        lateral_miss=tip.y * known,
-        lateral_miss_rate=rate * known,
-        attitude_miss=(probe.angle - cone.angle) * known,
-        attitude_miss_rate=(probe.spin - cone.spin) * known,
+        relative_energy=end.relative_energy / start.relative_energy,
+        energy_left=end.relative_energy,
+        arrest_stroke=arrest_stroke(mechanism, end.relative_energy),
+        lateral_miss=cross.at.throat.tip.y * known,
+        lateral_miss_rate=cross.at.tip_rate * known,
+        attitude_miss=cross.at.attitude * known,
+        attitude_miss_rate=cross.at.attitude_rate * known,
         # The small number keeps the slope finite where nothing has pushed the passive vehicle.
         impulse=jnp.sqrt(push.dot(push) + 1e-30),
     )
-
-
-def _tip_rate(mechanism: Assembled, at: EvaluatedState) -> Scalar:
-    """Return how fast the tip's y in the axes of T changes [m/s]."""
-    cone = at.kin.frame(T)
-    centre = mechanism.evaluated(at, TIP).centre
-    return cone.unturn(centre.velocity - cone.velocity_at(centre.place - cone.origin)).y
 
 
 def arrest_stroke(mechanism: Assembled, energy: Float[Array, ""]) -> Float[Array, ""]:
@@ -138,7 +101,7 @@ def arrest_stroke(mechanism: Assembled, energy: Float[Array, ""]) -> Float[Array
     return step(0, jax.lax.stop_gradient(root))  # whose derivative is that of the root
 
 
-def _latch_share(mechanism: Assembled, end: EvaluatedState, largest: Scalar, torn: Bool[Array, ""]) -> Float[Array, ""]:
+def _latch_share(mechanism: Assembled, end: CaptureReading, largest: Scalar, torn: Bool[Array, ""]) -> Float[Array, ""]:
     """Return the largest force of the latches over their strength [-].
 
     Of torn ones it is above 1: with the force to which the mass that they hold would have stretched them, had they
@@ -146,21 +109,8 @@ def _latch_share(mechanism: Assembled, end: EvaluatedState, largest: Scalar, tor
     """
     for latch in mechanism.all_of(Latch):
         if latch.strength is not None:
-            return jnp.where(torn, _stretched(mechanism, end, latch), largest) / latch.strength
+            return jnp.where(torn, end.stretched, largest) / latch.strength
     return jnp.zeros(())
-
-
-def _stretched(mechanism: Assembled, end: EvaluatedState, latch: Latch) -> Scalar:
-    """Return the force to which the mass that a latch holds would stretch it [N]."""
-    at = mechanism.evaluated(end, latch.name)
-    force = latch.force(at, jnp.ones(2))
-    size = jnp.sqrt(force.dot(force) + 1e-24)
-    pull = force * (-1.0 / size)
-    blocks = {P: at.held.along(pull), T: at.opposite.along(-pull)}
-    mass = mechanism.system.effective_mass(end.kin, mechanism.system.direction(blocks))
-    # What already comes back stretches the latches no further.
-    speed = jnp.maximum(at.velocity.dot(pull), 0.0)
-    return jnp.sqrt(size**2 + latch.stiffness * mass * speed**2)
 
 
 def _last(log: Log) -> Int[Array, ""]:

@@ -46,7 +46,11 @@ def drawing(design: Design, bodies: tuple[str, ...] = ()) -> Drawing:
     front, rear = float(masses.front), float(masses.rear)
     tip, half = float(design.probe.tip_radius), float(design.buffer.cylinder_length) / 2.0
     tall, hinge = 0.5 * CYLINDER_WIDTH * tip, Spot(B, half)
-    stop = [_stop(design, half, tall)] if design.buffer.has("stop_stiffness") else []
+    # The rear end of the rod meets the end stop (M28) that far before its place at rest, and the rebound stop (M174)
+    # that far behind it, which is nearly at the hinge.
+    places = {"end stop": -design.buffer.end} if design.buffer.has("stop_stiffness") else {}
+    places |= {"rebound stop": design.buffer.rebound_gap} if design.buffer.has("rebound_stiffness") else {}
+    stops = [_stop(half + float(place), tall, part) for part, place in places.items()]
     wide, bending = ROD_WIDTH * tip, masses.bending
     rod = RodShape(Spot(P, -rear), Spot(TIP), wide, "probe")
     bent = Band(stations(TIP + 1), wide, "probe", clamped=True)
@@ -56,7 +60,7 @@ def drawing(design: Design, bodies: tuple[str, ...] = ()) -> Drawing:
         active(design),
         *passive(design),
         Outline(B, box(-half, half, -tall, tall), part="cylinder"),
-        *stop,
+        *stops,
         Spring(Spot(B, -half), Spot(P, -rear), 1.4 * tall, "axial spring and damper"),
         Coil(hinge, 1.5 * tall, "hinge with torsional spring and damper"),
         rod if bending is None else bent,
@@ -168,10 +172,9 @@ def flanks(design: Design) -> tuple[Touch, ...]:
     )
 
 
-def _stop(design: Design, half: float, tall: float) -> Outline:
-    """Return the line where the rear end of the rod meets the end stop (M28)."""
-    place = half - float(design.buffer.end)
-    return Outline(B, np.array([[place, -tall], [place, tall]]), filled=False, part="end stop")
+def _stop(place: float, tall: float, part: str) -> Outline:
+    """Return the line where the rear end of the rod meets a stop, at x = ``place`` of the cylinder [m]."""
+    return Outline(B, np.array([[place, -tall], [place, tall]]), filled=False, part=part)
 
 
 def _vehicle(design: Design, reach: float, square: float, least: float) -> tuple[np.ndarray, str]:

@@ -1,6 +1,7 @@
 """Whether an answer lies within what the model is good for: small penetrations, materials that do not yield, latches
 that add little energy, and what the elements know of themselves."""
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import jax.numpy as jnp
@@ -49,9 +50,10 @@ def validity(design: Design, penetration: np.ndarray, peak_force: np.ndarray) ->
     return Validity(depth, np.asarray(pressure(design, peak_force)) / np.asarray(limit))
 
 
-def limits(design: Design, peak_force: Any, penetration: Any = None) -> list[ValidityLimit]:
-    """Return both limits with what lies beyond them in words; the ``penetration`` follows from the peak force [N] if it
-    is not given."""
+def limits(design: Design, quantities: Mapping[str, Any]) -> list[ValidityLimit]:
+    """Return both limits with what lies beyond them in words; a penetration that is not known follows from the peak
+    force."""
+    peak_force, penetration = quantities["peak_force"], quantities.get("penetration")
     if penetration is None:
         # As a run reports it: where the spring alone exerts the force (M72).
         penetration = tip_on_flanks(design).law.depth(peak_force)

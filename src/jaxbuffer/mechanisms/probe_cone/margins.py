@@ -4,16 +4,16 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from ..._types import Scalar
-from ...elements import BufferForce, EndStop, Latch
+from ...elements import Latch
 from ...hybrid import Log
 from ..assembled import Assembled
-from ..layout import EvaluatedState
 from .docking import PlaneCrossing
+from .reading import CaptureReading
 from .throat import ThroatState
 
 
 def throat(
-    mechanism: Assembled, log: Log, at_end: EvaluatedState, cross: PlaneCrossing, duration: Scalar
+    mechanism: Assembled, log: Log, at_end: CaptureReading, cross: PlaneCrossing, duration: Scalar
 ) -> tuple[Array, Array]:
     """Return how far the tip centre is before the capture plane at the end of the run [m], and how far beyond that
     plane it would be at ``duration``, going on from the end, or from its crossing of the plane, as fast as it goes
@@ -22,13 +22,12 @@ def throat(
     Its value and slope are continuous where capture, or escape, happens just at ``duration``; grazing the plane without
     crossing it is a jump.
     """
-    last = jnp.maximum(log.count - 1, 0)
-    end = mechanism.evaluated(at_end, "throat")
+    end = at_end.throat
     # With latches a run goes on beyond the plane: how the tip crossed it counts, not where the latches hold it.
-    if not mechanism.all_of(Latch):
-        return end.before, _through(mechanism, end, -(end.before + end.receding * (duration - log.time[last])))
-    there = mechanism.evaluated(cross.at, "throat")
-    return end.before, _through(mechanism, end, -(there.before + there.receding * (duration - cross.time)))
+    there, time = end, log.time[jnp.maximum(log.count - 1, 0)]
+    if mechanism.all_of(Latch):
+        there, time = cross.at.throat, cross.time
+    return jnp.asarray(end.before), _through(mechanism, end, -(there.before + there.receding * (duration - time)))
 
 
 def _through(mechanism: Assembled, end: ThroatState, beyond: Array) -> Array:
@@ -40,27 +39,15 @@ def _through(mechanism: Assembled, end: ThroatState, beyond: Array) -> Array:
 
 
 def stroke_margin(
-    mechanism: Assembled, log: Log, at: EvaluatedState, stroke: Float[Array, ""], bottomed: Bool[Array, ""]
+    mechanism: Assembled, end: CaptureReading, stroke: Float[Array, ""], bottomed: Bool[Array, ""]
 ) -> Float[Array, ""]:
-    """Return how much stroke is left before the buffer's end [m]; less than zero for a bottomed run. ``at``: the state
-    at its end.
+    """Return how much stroke is left before the buffer's end [m]; less than zero for a bottomed run. ``end``: of
+    the run.
 
     There it is -½ m ṡ²/F, the way on which the buffer's force at its end would stop the mass m that its ends meet
     through the joints. So the margin is continuous, and zero, where a run just reaches the end, and its slope leads out
     of it. It is no measure of the stroke that is missing: m is hardly more than the probe, and the vehicles behind it
     push on in later impacts. Runs with a longer stroke need 1 to 1000 times as much.
     """
-    last = jnp.maximum(log.count - 1, 0)
-    buffer, axial = mechanism.parts.design.buffer, mechanism.element("buffer").force
-    mass = mechanism.system.effective_mass(at.kin, mechanism.system.direction(axial.springs(at.kin)[0].blocks))
-    speed = jnp.maximum(mechanism.evaluated(at, "buffer").stroke_rate, 0.0)
-    if isinstance(axial, BufferForce):
-        force = -axial.tension(at.kin)
-    else:
-        force = buffer.k_A * buffer.longest_stroke + buffer.c_A * speed
-    for stop in mechanism.all_of(EndStop):
-        # A rebound stop is at the other end of the stroke, and does not push there.
-        if not stop.rebound:
-            closed = mechanism.closed_switches(log.active[last], stop.name)
-            force = force + stop.force(mechanism.evaluated(at, stop.name), closed)
-    return jnp.where(bottomed, -0.5 * mass * speed**2 / force, buffer.longest_stroke - stroke)
+    speed, longest = jnp.maximum(end.stroke_rate, 0.0), mechanism.parts.design.buffer.longest_stroke
+    return jnp.where(bottomed, -0.5 * end.axial_mass * speed**2 / end.push, longest - stroke)

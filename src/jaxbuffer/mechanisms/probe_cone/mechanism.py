@@ -5,11 +5,12 @@ from ...fields import replace
 from ..mechanism import Defaults, LowerBound, Mechanism, RequiredEnd, TuningRules
 from ..registry import register
 from .assembly import assemble
-from .closed_form import first_impact
+from .closed_form import first_impact, first_impact_elasticities
 from .design import Design, Scenario, check_fit, valid
 from .outcome import Outcome
 from .problem import check_problem, left_open, unfinished
 from .quantities import QUANTITIES
+from .reading import READER
 from .solved import capture
 from .view import VIEW
 
@@ -47,6 +48,7 @@ PROBE_CONE = register(
         check_fit=check_fit,
         valid=valid,
         run=capture,
+        reader=READER,
         view=VIEW,
         tuning=TuningRules(
             # No buffer may come to its end, and no latch may tear.
@@ -59,7 +61,12 @@ PROBE_CONE = register(
             ),
             unfinished=unfinished,
             left_open=left_open,
-            lower_bound=LowerBound(first_impact, tuple(f"buffer.{name}" for name in COMPLIANT_PARTS)),
+            lower_bound=LowerBound(
+                first_impact,
+                tuple(f"buffer.{name}" for name in COMPLIANT_PARTS),
+                first_impact_elasticities,
+                ("peak_hinge_force", "peak_vehicle_force", "peak_active_acceleration"),
+            ),
         ),
         defaults=Defaults(
             duration=8.0,

@@ -90,6 +90,8 @@ def _stroke(capture: Capture) -> Panel:
         end = 1e3 * float(place)
         if largest > 0.5 * end:
             levels.append(Level(f"{what}, {end:.4g} mm", end, limit=True))
+    if (out := 1e3 * float(capture.extension)) > 0.1 * largest:
+        levels.append(Level(f"farthest out, {out:.4g} mm", -out))
     stroke = PanelCurve("", 1e3 * capture.history.stroke)  # type: ignore[union-attr]
     return Panel("Buffer stroke", "stroke [mm]", (stroke,), (*levels, Level("", 0.0)))
 

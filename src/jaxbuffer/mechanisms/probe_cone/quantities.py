@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ..quantity import CONTACT_TIME, DISSIPATED, PEAK_FORCE, PEAK_TIME, PENETRATION, Quantity
+from ..quantity import CONTACT_TIME, DISSIPATED, END_TIME, PEAK_FORCE, PEAK_TIME, PENETRATION, Quantity
 from .latch_energy import closing_energy, closing_share, reference_share
 from .law_validity import pressure
 from .shock import SLOTS, VEHICLES
@@ -79,6 +79,15 @@ QUANTITIES: dict[str, Quantity] = {
         tuned=True,
         shown=MILLIMETRES,
     ),
+    "extension": Quantity(
+        "m",
+        lambda c: c.extension,
+        "how far the buffer's rod goes out beyond its free position; 0 where it never does",
+        "buffer extension",
+        swept=True,
+        tuned=True,
+        shown=MILLIMETRES,
+    ),
     "hinge_angle": Quantity(
         "rad",
         lambda c: c.hinge_angle,
@@ -98,14 +107,7 @@ QUANTITIES: dict[str, Quantity] = {
         shown=MILLIMETRES,
         part="probe.bending_stiffness",
     ),
-    "end_time": Quantity(
-        "s",
-        lambda c: c.end_time,
-        "end of the run: of a captured one, the capture time",
-        "end time",
-        swept=True,
-        tuned=True,
-    ),
+    "end_time": END_TIME._replace(description="end of the run: of a captured one, the capture time"),
     "peak_stop_force": Quantity(
         "N",
         lambda c: c.peak_stop_force,
@@ -261,6 +263,7 @@ QUANTITIES: dict[str, Quantity] = {
         shown=("deg/s", 180.0 / math.pi),
     ),
     "stroke_time": _time_of("stroke", "the buffer's stroke"),
+    "extension_time": _time_of("extension", "the buffer's extension"),
     "hinge_angle_time": _time_of("hinge_angle", "the hinge angle"),
     "peak_hinge_force_time": _time_of("hinge_force", "the reaction in the hinge"),
     "peak_buffer_force_time": _time_of("buffer_force", "the force of the axial spring-damper"),

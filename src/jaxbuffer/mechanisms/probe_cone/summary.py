@@ -4,6 +4,7 @@ import jax
 import numpy as np
 
 from ...elements import Buffer, Element, EndStop, Latch, Thrust
+from ...elements.buffer import extension_text
 from ...elements.telling import when
 from ...labelled.record import heading
 from ...value_text import percent_text
@@ -38,6 +39,7 @@ def summary(capture: Capture) -> str:
         f"  peak hinge force     {_force(capture, 'hinge_force', at)}",
         f"  peak buffer force    {_force(capture, 'buffer_force', at)}{_stop(capture)}",
         f"  stroke               {_stroke(capture, at)}",
+        *(f"  extension            {text}" for text in (extension_text(capture),) if text),
         f"  hinge angle          {np.degrees(float(capture.hinge_angle)):.6g} deg{when(at['hinge_angle'])}",
         *(line for element in capture.elements for line in _of_part(capture, element)),
         f"  penetration          at most {1e6 * float(capture.penetration):.3g} µm into a flank",

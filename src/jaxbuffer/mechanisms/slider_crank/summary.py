@@ -1,5 +1,6 @@
 """A slider-crank's run in words: what it lies beyond, and means over turns."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -29,9 +30,10 @@ def loose(design: SliderCrank) -> tuple[PinInBush, ...]:
     return tuple(pin for pin in (design.piston_pin, design.crank_pin) if pin.joint == "clearance")
 
 
-def validity(design: SliderCrank, peak_force: Any, penetration: Any = None) -> list[ValidityLimit]:
-    """Return how near the peak forces [N] come to the contact laws' limits, and the rod's modes to being too few."""
-    few = bending_validity(design, peak_force, penetration) if loose(design) else []
+def validity(design: SliderCrank, quantities: Mapping[str, Any]) -> list[ValidityLimit]:
+    """Return how near the peak forces come to the contact laws' limits, and the rod's modes to being too few."""
+    peak_force = quantities["peak_force"]
+    few = bending_validity(design, peak_force, quantities.get("penetration")) if loose(design) else []
     return contact_validity(design, peak_force) + few
 
 

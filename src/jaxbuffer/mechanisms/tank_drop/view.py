@@ -1,6 +1,7 @@
 """What is told of a drop onto a tank and drawn of it."""
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -80,11 +81,11 @@ def names(design: TankDrop) -> Names:
     return Names(bodies=("slider",), contacts=("cushion" if design.cushion.kind == "layer" else "wall",), others=others)
 
 
-def validity(design: TankDrop, peak_force: Any, penetration: Any = None) -> list[ValidityLimit]:
+def validity(design: TankDrop, quantities: Mapping[str, Any]) -> list[ValidityLimit]:
     """Return how near cushions come to being solid."""
-    if penetration is None:
+    if "penetration" not in quantities:
         return []
-    used = np.asarray(penetration) / (SOLID * np.asarray(design.cushion.thickness))
+    used = np.asarray(quantities["penetration"]) / (SOLID * np.asarray(design.cushion.thickness))
     return [ValidityLimit("the cushion is solid: more than 80 % of its thickness are used up", used)]
 
 

@@ -1,0 +1,69 @@
+"""Motion in space broken on purpose, and which checks ought to notice."""
+
+from .breakage import Breakage
+
+EULER = "tests/space/test_free_body.py::test_the_spin_follows_eulers_equations"
+TURNING = "tests/space/test_rotations.py::test_the_position_rate_turns_the_frames_with_their_spins"
+WORK = "tests/space/test_rotations.py::test_moments_of_the_rotation_vector_are_those_of_its_potential"
+ROWS = "tests/multibody/test_space_joints.py::test_rows_are_derivatives_of_the_constraint"
+GEOMETRY = "tests/multibody/test_space_joints.py::test_an_assembled_joint_holds_its_geometry"
+NEWTON = "tests/hybrid/test_in_space.py::test_newtons_matrix_solves_with_the_stiff_part"
+
+
+def _no_gyroscopic_moment() -> None:
+    from jaxbuffer.space import Space
+
+    moment = Space.gyroscopic_moment
+    Space.gyroscopic_moment = lambda self, frame, inertia: moment(self, frame, inertia) * 0.0
+
+
+def _spin_of_the_body() -> None:
+    from jaxbuffer.space import Quaternion
+
+    Quaternion.rate = lambda self, spin: self.after(Quaternion(0.0, 0.5 * spin.x, 0.5 * spin.y, 0.5 * spin.z))
+
+
+def _sine_for_the_angle() -> None:
+    from jaxbuffer.space import Quaternion
+
+    Quaternion.rotation_vector = lambda self: self.vector * (2.0 / self.squared**0.5)
+
+
+def _swapped_cross() -> None:
+    from jaxbuffer.multibody import CoincidentPoints, PerpendicularVectors, Universal
+
+    Universal.primitives = lambda self, basis: (
+        CoincidentPoints(),
+        PerpendicularVectors(self.second_axis, self.first_axis),
+    )
+
+
+def _no_coriolis() -> None:
+    from jaxbuffer.multibody import PerpendicularVectors
+
+    rows = PerpendicularVectors.rows
+
+    def broken(self, basis, i, j):
+        (row,) = rows(self, basis, i, j)
+        a = i.turn(basis.vector(*self.first))
+        rate = j.velocity - i.velocity if self.second is None else j.frame.rate_of(j.turn(basis.vector(*self.second)))
+        return (row._replace(gamma=row.gamma + 2.0 * i.frame.rate_of(a).dot(rate)),)
+
+    PerpendicularVectors.rows = broken
+
+
+def _quaternions_as_spins() -> None:
+    from jaxbuffer.space.basis import TurningRate
+
+    velocity = TurningRate.velocity
+    TurningRate.velocity = lambda self, rate: 0.5 * velocity(self, rate)
+
+
+SPACE = (
+    Breakage("gyroscopic moment", "a free body's spin stays as it is", _no_gyroscopic_moment, (EULER,)),
+    Breakage("quaternion's rate", "the spin taken in the body's axes", _spin_of_the_body, (TURNING, ROWS)),
+    Breakage("rotation vector", "twice the sine of half the angle for the angle", _sine_for_the_angle, (WORK,)),
+    Breakage("universal joint", "each axis of the cross in the other body", _swapped_cross, (GEOMETRY,)),
+    Breakage("perpendicular vectors", "the product of both vectors' rates lost in γ", _no_coriolis, (ROWS,)),
+    Breakage("spin of a rate", "half the angular velocity from a quaternion's rate", _quaternions_as_spins, (NEWTON,)),
+)
