@@ -75,28 +75,26 @@ def programs(case: Case) -> dict[str, tuple[Callable[..., Any], tuple[Any, ...]]
         moved = given._replace(parameters=(design, *given.parameters[1:]))
         return run_of(moved, stepped(moved)).peak_force
 
-    addresses = Static(mechanism.parameters(case.design))
-    values = np.array([float(jb.get(case.design, path)) for path in addresses.value])
-    numbers = (case.design, case.scenario, float(given.duration), 1e-6)
-    inputs = jax.tree.map(lambda x: np.asarray(x, float), numbers)
-    derivatives = (mechanism, inputs, values, addresses, given.options.solver, None)
-    made = {
+    made: dict[str, tuple[Callable[..., Any], tuple[Any, ...]]] = {
         "run, stepping": (lambda given: stepped(given, CHECKED), (given,)),
         "run, reading off": (run_of, (given, between)),
         "jax.grad": (jax.grad(peak), (given.parameters[0],)),
     }
-    if addresses.value:
-        moving = jax.eval_shape(
-            lambda inputs, values: _stepped(mechanism, inputs, values, *derivatives[3:]), inputs, values
-        )
-        made["derivatives, stepping"] = (
-            lambda inputs, values: _stepped(mechanism, inputs, values, *derivatives[3:]),
-            (inputs, values),
-        )
-        made["derivatives, reading off"] = (
-            lambda inputs, values, result: _gradients.last(mechanism, inputs, values, *derivatives[3:], result),
-            (inputs, values, moving),
-        )
+    addresses = Static(mechanism.parameters(case.design))
+    if not addresses.value:
+        return made
+    values = np.array([float(jb.get(case.design, path)) for path in addresses.value])
+    numbers = (case.design, case.scenario, float(given.duration), 1e-6)
+    inputs = jax.tree.map(lambda x: np.asarray(x, float), numbers)
+
+    def moved(inputs: Any, values: Any) -> Any:
+        return _stepped(mechanism, inputs, values, addresses, given.options.solver, None)
+
+    def read(inputs: Any, values: Any, result: Any) -> Any:
+        return _gradients.last(mechanism, inputs, values, addresses, given.options.solver, None, result)
+
+    made["derivatives, stepping"] = (moved, (inputs, values))
+    made["derivatives, reading off"] = (read, (inputs, values, jax.eval_shape(moved, inputs, values)))
     return made
 
 

@@ -199,6 +199,8 @@ def _maxima_from_zero() -> None:
 
 
 def _release_stands_still() -> None:
+    import jax.numpy as jnp
+
     from jaxbuffer.run import readings
 
     readings.largest_at_event = lambda system, kind: jnp.zeros(kind.shape, bool)

@@ -12,10 +12,10 @@ import jaxbuffer as jb
 from benchmarks.equations import Case, Size, cases, programs, size_of
 
 MOST = {  # outside of the loop: a run's two programs together, and one of jax.grad
-    "capture": (5_400, 9_600),
-    "docking": (7_100, 15_900),
-    "slider_crank": (4_100, 7_400),
-    "bar_drop": (2_200, 4_000),
+    "capture": (5_000, 9_150),
+    "docking": (6_600, 15_300),
+    "slider_crank": (4_050, 7_050),
+    "bar_drop": (2_200, 3_800),
 }
 
 

@@ -170,13 +170,11 @@ def _of_state(result: Result) -> Result:
 
 def _moved(result: Result, values: list[Array], moves: list[Array]) -> Result:
     """Return how the result changes with ``moves`` of the values."""
-    chosen = [k for k, move in enumerate(moves) if move is not None]
-    sizes = _sizes(values)[np.array(chosen, int)]
-    shares = jnp.stack([jnp.asarray(moves[k], float) for k in chosen]) / sizes
+    shares = jnp.stack([jnp.zeros(()) if move is None else move for move in moves]) / _sizes(values)
 
     def moved(rows: Array) -> Array:
-        # A product of arrays is one operation for all values, and so is its transpose.
-        return jnp.einsum("k,ski->si", shares, rows[:, 1 + np.array(chosen, int)])[:, None]
+        # One operation for all values, and so is its transpose: a sum of products, since each array is large.
+        return jnp.sum(rows[:, 1:] * shares[None, :, None], axis=1, keepdims=True)
 
     none, change = jax.tree.map(lambda _: None, result), _with_rows(result, moved)
     return none._replace(

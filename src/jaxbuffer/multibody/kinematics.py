@@ -143,7 +143,7 @@ class Kinematics(eqx.Module):
         self.frames = basis.frames(q, v, len(modes) if modes else q.shape[0] // basis.positions)
 
     def moving(self, v: Float[Array, " coordinates"]) -> "Kinematics":
-        """Return the same positions with other velocities."""
+        """Return the same positions with other velocities, in the plane."""
         frames = tuple(
             frame._replace(velocity=Coordinates.translation(v, body), spin=Coordinates.angle(v, body))
             for body, frame in enumerate(self.frames)
