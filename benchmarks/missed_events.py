@@ -148,7 +148,7 @@ def assembled(name: str, p: Any, mark: Any, touches: bool) -> Assembled:
     pair = BallPair(
         RADIUS, WALLS[name](mark + RADIUS), side=-1.0, law=Hertz(1e9), friction=RegularisedCoulomb(0.0, 1e-3)
     )
-    return Assembled(system, **start, contacts=(BallContact(0, GROUND, pair),), size=(1e-2, 1.0))
+    return Assembled(system, **start, elements=(BallContact(0, GROUND, pair),), size=(1e-2, 1.0))
 
 
 def program(name: str, touches: bool) -> Callable[..., Any]:

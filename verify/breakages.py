@@ -97,8 +97,8 @@ def _gap_of_flat_plate() -> None:
 
     evaluate = BallContact.evaluate
 
-    def broken(self, kin, spin=None):
-        at = evaluate(self, kin, spin)
+    def broken(self, kin, own=None):
+        at = evaluate(self, kin, own)
         if self.carrier == GROUND:
             return at
         origin, moved = kin.frame(self.carrier).origin, kin.point(self.carrier, self.carrier_point).place
@@ -141,7 +141,7 @@ def _lose_multiplier() -> None:
 def _freeze_arm() -> None:
     from jaxbuffer.elements import BallContact
 
-    loads = BallContact.loads
+    loads = BallContact.loads_of
 
     def broken(self, at, forces):
         on_ball, on_carrier = loads(self, at, forces)
@@ -151,7 +151,7 @@ def _freeze_arm() -> None:
         force_x, force_y = self._force_of_segments(at.approach, forces)
         return on_ball, on_carrier._replace(moment=-(arm_x * force_y - arm_y * force_x).sum())
 
-    BallContact.loads = broken
+    BallContact.loads_of = broken
 
 
 def _drop_spin() -> None:
@@ -222,13 +222,13 @@ def _hysteresis() -> None:
 def _no_reaction_moment() -> None:
     from jaxbuffer.elements import BallContact
 
-    loads = BallContact.loads
+    loads = BallContact.loads_of
 
     def broken(self, at, forces):
         on_ball, on_carrier = loads(self, at, forces)
         return on_ball, on_carrier._replace(moment=0.0)
 
-    BallContact.loads = broken
+    BallContact.loads_of = broken
 
 
 def _no_friction_moment() -> None:

@@ -106,8 +106,8 @@ def _constant_mass() -> None:
 def _no_modal_push() -> None:
     from jaxbuffer.mechanisms.assembled import BallContact
 
-    loads = BallContact.loads
-    BallContact.loads = lambda self, *at: tuple(load._replace(modal=()) for load in loads(self, *at))
+    loads = BallContact.loads_of
+    BallContact.loads_of = lambda self, *at: tuple(load._replace(modal=()) for load in loads(self, *at))
 
 
 def _unturned_mesh() -> None:

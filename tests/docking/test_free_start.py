@@ -6,7 +6,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from docking.states import LATCH, mechanism
-from jaxbuffer.mechanisms.system import SLOWEST_TOUCHDOWN
+from jaxbuffer.elements.ball_contact import SLOWEST_TOUCHDOWN
 
 FREE = {
     "start": "free",
@@ -54,7 +54,7 @@ def test_it_is_on_the_constraints_and_the_spring_at_rest():
     assert_allclose(constraints.phi, 0.0, atol=2e-16)
     assert_allclose(np.asarray(constraints.jacobian) @ np.asarray(at.kin.v), 0.0, atol=1e-16)
     assert_allclose(assembled.evaluated(at, "buffer")[1:], 0.0, atol=1e-16)
-    assert np.all(np.asarray(at.contacts[0].approach.gap) > 0.0)
+    assert np.all(np.asarray(at.elements[0].approach.gap) > 0.0)
 
 
 def test_the_tip_stands_before_the_mouth_and_off_the_axis():

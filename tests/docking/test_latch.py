@@ -29,7 +29,7 @@ def latched(since, values=None, **scenario):
 def test_force_and_moment_by_hand(since):
     instant = latched(since, {"latch.depth": 0.0004})
     at = instant.at
-    centre = at.contacts[0].centre
+    centre = at.elements[0].centre
     tip, cone, probe = np.array(centre.place), at.kin.frame(T), at.kin.frame(P)
     turn = np.array([[np.cos(0.05), -np.sin(0.05)], [np.sin(0.05), np.cos(0.05)]])
     origin = np.array(cone.origin)

@@ -74,15 +74,15 @@ ELEMENTS = {
 }
 
 
-def ball(body, carrier, spin_inertia):
+def ball(body, carrier, spin_inertia, name="contact"):
     wall = Segment(0.0, -3.0, 0.0, 1.0, 6.0)
     pair = BallPair(1.2, wall, -1.0, HuntCrossley(1e3, 0.7), RegularisedCoulomb(0.3, 0.1))
-    return BallContact(body, carrier, pair, spin_inertia=spin_inertia)
+    return BallContact(body, carrier, pair, spin_inertia=spin_inertia, name=name)
 
 
-def mechanism(elements=(), contacts=()):
+def mechanism(elements=()):
     system = System((Body(2.0, 0.3), Body(3.0, 0.5), Body(1.0, 0.1)))
-    return Assembled(system, Q, V, contacts, elements=elements, energy_size=1.0, momentum_size=1.0)
+    return Assembled(system, Q, V, elements, energy_size=1.0, momentum_size=1.0)
 
 
 def conserved(assembled, state, active):
@@ -115,8 +115,8 @@ def of_one_entry(part):
 
 @pytest.mark.parametrize("name", ELEMENTS)
 def test_arrays_of_one_entry_are_the_numbers_that_they_hold(name):
-    contact = ball(1, 2, 0.2)
-    one, other = mechanism(ELEMENTS[name], (contact,)), mechanism(*of_one_entry((ELEMENTS[name], (contact,))))
+    elements = (*ELEMENTS[name], ball(1, 2, 0.2))
+    one, other = mechanism(elements), mechanism(of_one_entry(elements))
     for single, array in zip(jax.tree.leaves(one), jax.tree.leaves(other), strict=True):
         assert np.shape(single) == np.shape(array) and np.all(np.asarray(single) == np.asarray(array))
 
@@ -129,7 +129,7 @@ def test_arrays_of_one_entry_are_numbers_in_a_system_too():
 
 @pytest.mark.parametrize("spins", [(None, None), (0.2, None), (None, 0.3), (0.2, 0.3)], ids=str)
 def test_balls_that_spin_freely_or_not_in_any_order(spins):
-    assembled = mechanism(contacts=(ball(0, 1, spins[0]), ball(2, 1, spins[1])))
+    assembled = mechanism((ball(0, 1, spins[0], "first"), ball(2, 1, spins[1], "second")))
     state, _ = assembled.start()
     turning = jnp.asarray([1.5, -0.7][: assembled.spins])
     state = state.at[assembled.layout.places["spins"]].set(turning)
@@ -142,7 +142,7 @@ def test_balls_that_spin_freely_or_not_in_any_order(spins):
     velocities = state[9 : 18 + assembled.spins]
     speeds = stiff.directions.T @ velocities
     assert_allclose(speeds[:2], assembled.gaps_at(at)[1], rtol=1e-12)
-    assert_allclose(speeds[2:], [it.approach.slip[0] for it in at.contacts], rtol=1e-12)
+    assert_allclose(speeds[2:], [it.approach.slip[0] for it in at.elements], rtol=1e-12)
 
 
 def test_the_stiff_part_is_that_of_the_equations():
@@ -191,8 +191,8 @@ def test_a_switch_is_closed_at_the_start_where_the_start_is_beyond_its_place():
 
 def test_what_would_mislead_is_refused():
     system = System((Body(2.0, 0.3),))
-    with pytest.raises(InputError, match="quiet is of bodies that nothing holds to the ground: give momentum_size"):
-        Assembled(system, Q[:3], V[:3], quiet=1e-3)
+    with pytest.raises(InputError, match="rest_threshold is of bodies that nothing holds to the ground: give"):
+        Assembled(system, Q[:3], V[:3], rest_threshold=1e-3)
     with pytest.raises(InputError, match="there are several Oscillators"):
         mechanism((Oscillators((0,), (3.0,), ("first",)), Oscillators((1,), (8.0,), ("second",), name="more")))
     with pytest.raises(InputError, match="an oscillator is on the ground"):
@@ -249,20 +249,20 @@ def test_sensors_see_motion_accelerations_and_depths_and_integrals_add_up():
         Sensor(speed_of, 0, watched=False, name="shown"),
         Integral(speed_of, 2, scale=1e-3, name="way"),
     )
-    assembled = mechanism((Buffer(AXIAL), *sensors), (touching,))
+    assembled = mechanism((touching, Buffer(AXIAL), *sensors))
     at, closed = assembled.first_evaluation()
     rate = assembled.derivative(0.0, at.state, closed)
-    assert assembled.observed == ("contact 1", "buffer_force", "stroke", "speed", "jolt", "depth", "way")
-    assert assembled.rate_observables() == (False, False, False, False, True, False, False)
-    assert assembled.least_maxima == {"depth": 0.0}
+    assert assembled.observed == ("contact", "buffer_force", "stroke", "extension", "speed", "jolt", "depth", "way")
+    assert assembled.rate_observables() == (False, False, False, False, False, True, False, False)
+    assert assembled.lower_bounds == {"extension": 0.0, "depth": 0.0}
     seen = dict(zip(assembled.observed, assembled.observables_at(at, rate, closed), strict=True))
     assert_allclose([seen["speed"], seen["way"]], [-0.1, 0.0])
     assert_allclose([seen["jolt"], seen["depth"]], [rate[13], -assembled.gaps_at(at)[0][0]])
-    assert_allclose(assembled.part(rate, "element 5"), 0.05, err_msg="the integrand")
+    assert_allclose(assembled.part(rate, "element 6"), 0.05, err_msg="the integrand")
     others = assembled.snapshot_at(at, closed).others
     assert_allclose([others["shown"], others["speed"], others["jolt"]], [0.2, -0.1, rate[13]])
-    assert_allclose(assembled.negligible()[3:5], [-np.inf, 1e-12])
-    assert_allclose(assembled.scales()[assembled.layout.places["element 5"]], 1e-3)
+    assert_allclose(assembled.roundoff()[4:6], [-np.inf, 1e-12])
+    assert_allclose(assembled.scales()[assembled.layout.places["element 6"]], 1e-3)
 
 
 def test_a_joint_that_moves_by_itself_is_no_joint_of_the_system():

@@ -19,7 +19,12 @@ SMOOTH = RegularisedCoulomb(0.0, 1.0)
 def test_balls_flanks_holes_and_springs_where_they_are():
     flanks = Segment(jnp.array([0.0, 1.0]), jnp.array([0.0, 2.0]), jnp.array([1.0, 0.0]), jnp.array([0.0, 1.0]), 0.5)
     tip = BallContact(
-        0, 1, BallPair(0.02, flanks, jnp.array([1.0, -1.0]), Hertz(1.0), SMOOTH), (0.1, 0.2), names=("a", "b")
+        0,
+        1,
+        BallPair(0.02, flanks, jnp.array([1.0, -1.0]), Hertz(1.0), SMOOTH),
+        (0.1, 0.2),
+        names=("a", "b"),
+        name="tip",
     )
     pin = BallContact(
         1, GROUND, BallPair(0.01, Hole(0.3, 0.0, 0.011), 1.0, Hertz(1.0), SMOOTH), carrier_point=(1.0, 2.0)
@@ -29,7 +34,7 @@ def test_balls_flanks_holes_and_springs_where_they_are():
         AxialSpringDamper(GROUND, 1, (0.0, 0.0), (0.5, 0.0), 1.0, 0.0, 1.0),
     )
     system = System((Body(1.0, 1.0), Body(1.0, 1.0)), forces=springs[:1])
-    made = Assembled(system, jnp.zeros(6), jnp.zeros(6), (tip, pin), elements=(Buffer(springs[1]),))
+    made = Assembled(system, jnp.zeros(6), jnp.zeros(6), (tip, pin, Buffer(springs[1])))
     drawing = assembled_drawing(made, ("ball", "box"))
     discs = {(shape.centre, shape.radius, shape.filled) for shape in drawing.shapes if isinstance(shape, Disc)}
     assert discs == {(Spot(0, 0.1, 0.2), 0.02, True), (Spot(1), 0.01, True), (Spot(GROUND, 1.3, 2.0), 0.011, False)}
@@ -80,11 +85,11 @@ def test_a_picture_is_taken_when_a_latch_is_closed_and_a_stop_is_pressed_most():
         maximum_times={"stop_force": 0.15},
         switch_times={"latch": 0.1, "latch closed": 0.4},
     )
-    assert EndStop(spring, KelvinVoigt(1e4, 0.0), place=0.03).moments(run) == {"end stop pressed most": 0.15}
+    assert EndStop(spring, KelvinVoigt(1e4, 0.0), place=0.03).report.moments(run) == {"end stop pressed most": 0.15}
     slow, fast = (Latch(0, GROUND, (0.0, 0.0), 0.031, (0.028, 0.0), 5e3, closing_time=time) for time in (0.3, 0.0))
-    assert slow.moments(run) == {"latch closed": 0.4} and fast.moments(run) == {"latch closed": 0.1}
+    assert slow.report.moments(run) == {"latch closed": 0.4} and fast.report.moments(run) == {"latch closed": 0.1}
     run.switch_times = {"latch": 0.1}  # the run ends while it closes
-    assert np.isnan(slow.moments(run)["latch closed"])
+    assert np.isnan(slow.report.moments(run)["latch closed"])
 
 
 def test_a_flank_of_arrays_with_one_entry_is_drawn_as_one_of_numbers():

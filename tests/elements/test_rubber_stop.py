@@ -69,5 +69,5 @@ def test_a_docking_has_it_by_its_thickness():
 def test_beyond_half_of_its_thickness_it_warns(share):
     law, most = RubberBlock(STIFFNESS, 0.0, THICKNESS), share * force(0.5 * THICKNESS)
     run = SimpleNamespace(mechanism=SimpleNamespace(quantities={}), maxima={"stop_force": most})
-    lines = EndStop(None, law, 0.01).warnings(run)
+    lines = EndStop(None, law, 0.01).report.warnings(run)
     assert [line.startswith("the rubber of the end stop takes") for line in lines] == [True] * (share > 1.0)

@@ -36,33 +36,33 @@ def run(**quantities):
 
 
 def test_each_element_has_lines_with_headings_of_its_own_name():
-    assert BUFFER.summary(run()) == [("peak left arm force", "12.5 N"), ("left stroke", "40 mm at 1.5 s")]
-    assert STOP.summary(run()) == [("left stop", "from 50 mm on, at most 7 N")]
-    assert LATCH.summary(run()) == [
+    assert BUFFER.report.summary(run()) == [("peak left arm force", "12.5 N"), ("left stroke", "40 mm at 1.5 s")]
+    assert STOP.report.summary(run()) == [("left stop", "from 50 mm on, at most 7 N")]
+    assert LATCH.report.summary(run()) == [
         ("latched", "at 2 s, held 3 s later; latch force at most 31 N of 40 N strength"),
     ]
-    assert Thrust(0, 2.0, 0.5).summary(run()) == [("thrust", "2 N for 0.5 s, which put in 0.3 J")]
-    assert Oscillators((0,), (8.0,), ("rack",)).summary(run()) == [("shock", "rack 3 m/s² at 8 Hz")]
+    assert Thrust(0, 2.0, 0.5).report.summary(run()) == [("thrust", "2 N for 0.5 s, which put in 0.3 J")]
+    assert Oscillators((0,), (8.0,), ("rack",)).report.summary(run()) == [("shock", "rack 3 m/s² at 8 Hz")]
 
 
 def test_quantities_of_the_mechanism_come_before_observables():
     """They may know more, as of a latch that never closed, or of a log without room for it."""
-    ((_, text),) = LATCH.summary(run(latch_time=1.0, peak_latch_force=30.0))
+    ((_, text),) = LATCH.report.summary(run(latch_time=1.0, peak_latch_force=30.0))
     assert text.startswith("at 1 s") and "at most 30 N" in text
-    assert LATCH.summary(run(latch_time=np.nan)) == []
+    assert LATCH.report.summary(run(latch_time=np.nan)) == []
 
 
 def test_what_an_element_draws_and_has_of_the_energy():
-    (stroke,), (force,) = BUFFER.panels(run()), LATCH.panels(run())
+    (stroke,), (force,) = BUFFER.report.panels(run()), LATCH.report.panels(run())
     assert stroke.title == "Left stroke" and not stroke.to_end
     np.testing.assert_allclose(stroke.curves[0].values, [0.0, 40.0])
     assert force.to_end and [level.label for level in force.levels] == ["largest, 31 N", "strength, 40 N", ""]
-    assert STOP.shares == (EnergyShare("left stop", "in the left stop", ("left_stop", "left_stop_damper")),)
+    assert STOP.report.shares == (EnergyShare("left stop", "in the left stop", ("left_stop", "left_stop_damper")),)
 
 
 def test_an_element_without_words_says_nothing():
-    spring = SpringDamper(TorsionalSpringDamper(0, 1, 5.0, 0.3))
-    assert (spring.summary(run()), spring.panels(run()), spring.warnings(run()), spring.shares) == ([], [], [], ())
+    said = SpringDamper(TorsionalSpringDamper(0, 1, 5.0, 0.3)).report
+    assert (said.summary(run()), said.panels(run()), said.warnings(run()), said.shares) == ([], [], [], ())
 
 
 def test_a_rig_s_summary_says_each_number_once_and_no_part_that_exceeds_its_whole():

@@ -35,7 +35,7 @@ def test_accelerations_and_multipliers(place, tip, seed):
     assembled, state, active, exact, at = both(tip, place, seed)
     acceleration, multipliers, touches = exact.motion(*at)
     assert max(touch.normal_force for touch in touches) > 10.0
-    motion = assembled.exerted(assembled.evaluate(state), active).motion
+    motion = assembled.forces(assembled.evaluate(state), active).motion
     close(motion.multipliers, multipliers, 5e-11)
     rate = assembled.derivative(0.0, state, active)
     close(rate[12 : 24 + assembled.spins], acceleration, 5e-11)

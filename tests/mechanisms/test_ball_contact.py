@@ -29,7 +29,7 @@ def place(k, point):
 @pytest.mark.parametrize("points", [{}, {"point": (0.2, -0.1)}, {"carrier_point": (0.3, 0.4)}])
 def test_the_gap_is_the_height_above_the_plane(points):
     """Points are the bodies' origins unless they are given."""
-    approach, centre, origin, _ = contact(1, **points).evaluate(Kinematics(Q, V))
+    approach, centre, origin, *_ = contact(1, **points).evaluate(Kinematics(Q, V))
     ball, base = place(0, points.get("point", (0.0, 0.0))), place(1, points.get("carrier_point", (0.0, 0.0)))
     normal = np.array([-np.sin(TURN), np.cos(TURN)])
     np.testing.assert_allclose(centre.place, ball, rtol=1e-14)
@@ -51,7 +51,7 @@ def test_loads_at_the_foot_balance(normal, friction):
     kin = Kinematics(Q, V)
     at = made.evaluate(kin)
     approach = at.approach
-    on_ball, on_carrier = made.loads(at, ContactForces(jnp.array([normal]), jnp.array([friction])))
+    on_ball, on_carrier = made.loads_of(at, ContactForces(jnp.array([normal]), jnp.array([friction])))
     np.testing.assert_allclose(np.add(on_ball.force, on_carrier.force), 0.0, atol=1e-15)
     assert np.hypot(*on_ball.force) == pytest.approx(np.hypot(normal, friction))
     across = [-np.sin(TURN), np.cos(TURN)]

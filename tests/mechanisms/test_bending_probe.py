@@ -199,4 +199,4 @@ def test_undamped_bending_is_said_to_let_errors_grow(ratio, said):
     run = SimpleNamespace(
         design=soft(50.0, damping_ratio=ratio), bending=0.0, first_impact=SimpleNamespace(duration=1.0)
     )
-    assert any("errors may grow" in line for line in Bending().warnings(run)) == said
+    assert any("errors may grow" in line for line in Bending().report.warnings(run)) == said

@@ -98,7 +98,7 @@ def test_published_arms_conserve_no_angular_momentum(place, seed):
     assert_allclose(linear, 0.0, atol=2e-15 * largest)
 
     at = assembled.evaluate(state)
-    kin, ball, forces = at.kin, at.contacts[0], assembled.contact_forces(at, active)[0]
+    kin, ball, forces = at.kin, at.elements[0], assembled.contact_forces(at, active)[0]
     k = PLACES.index(place)
     a = ball.approach
     push = np.array(

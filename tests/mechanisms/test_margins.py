@@ -39,26 +39,21 @@ def test_the_pin_may_touch_a_small_area_of_its_bush(share, told):
     pin, bush = float(design.hinge.pin_radius), float(design.hinge.bush_radius)
     limit = float(pin_law(design).elastic(0.1 * pin * 2e-4 / bush))
     run = SimpleNamespace(mechanism=SimpleNamespace(quantities={}), maxima={"hinge_force": jnp.asarray(share * limit)})
-    grows, *beyond = pin_in_bush(design).warnings(run)
+    grows, *beyond = pin_in_bush(design).report.warnings(run)
     assert "errors may grow" in grows and len(beyond) == told
     run.maxima.clear()
-    assert pin_in_bush(design).warnings(run) == [grows], "where the force is not watched nothing is known of its area"
-
-
-def log(rows, times, count):
-    rows = jnp.stack([jnp.asarray(rows), jnp.full_like(jnp.asarray(rows), 99.0)], axis=1)  # a tangent beside each
-    return SimpleNamespace(count=jnp.asarray(count), rows=rows, time=jnp.asarray(times))
+    assert pin_in_bush(design).report.warnings(run) == [grows], (
+        "where the force is not watched nothing is known of its area"
+    )
 
 
 def test_the_way_beyond_the_capture_plane_goes_on_at_the_last_speed():
     """0.3 m before it, and 0.1 m/s nearer: 4 s later 0.1 m beyond."""
     mechanism = SimpleNamespace(
-        parts=SimpleNamespace(scenario=SimpleNamespace(start="contact")),
-        all_of=lambda kind: [],
-        evaluate=lambda state: state,
-        evaluated=lambda at, name: SimpleNamespace(before=at[0], receding=at[1]),
+        parts=SimpleNamespace(scenario=SimpleNamespace(start="contact")), all_of=lambda kind: []
     )
-    ended = log([[9.0, 9.0], [0.3, -0.1], [7.0, 7.0]], [0.0, 6.0, 1.0], 2)
-    before, beyond = throat(mechanism, ended, ended.rows[1, 0], None, 10.0)
+    ended = SimpleNamespace(count=jnp.asarray(2), time=jnp.asarray([0.0, 6.0, 1.0]))
+    at_end = SimpleNamespace(throat=SimpleNamespace(before=0.3, receding=-0.1))
+    before, beyond = throat(mechanism, ended, at_end, None, 10.0)
     assert float(before) == pytest.approx(0.3)
     assert float(beyond) == pytest.approx(0.1)

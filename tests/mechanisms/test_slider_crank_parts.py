@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from jaxbuffer import InputError, SliderCrank, SliderCrankScenario, replace
+from jaxbuffer.elements import BallContact
 from jaxbuffer.mechanisms.slider_crank import SLIDER_CRANK
 from jaxbuffer.mechanisms.slider_crank.assembly import flanks, ideal_motion, slider_crank
 from jaxbuffer.mechanisms.slider_crank.design import check_fit
@@ -46,8 +47,9 @@ def test_a_round_bush_is_seen_along_a_unit_tangent():
     """And what the drive puts in stands after nine coordinates, nine velocities and three losses."""
     design = replace(SliderCrank(), {"piston_pin.joint": "clearance", "crank_pin.joint": "clearance"})
     mechanism = slider_crank(design, SliderCrankScenario())
-    assert [float(contact.pair.side) for contact in mechanism.contacts] == [1.0, 1.0]
-    assert mechanism.layout.places["element 0"].start == 9 + 9 + 3
+    assert [float(contact.pair.side) for contact in mechanism.all_of(BallContact)] == [1.0, 1.0]
+    drive = mechanism.elements.index(mechanism.element("drive"))
+    assert mechanism.layout.places[f"element {drive}"].start == 9 + 9 + 3
 
 
 def test_it_turns_at_5000_revolutions_a_minute():

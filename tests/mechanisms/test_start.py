@@ -6,8 +6,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from jaxbuffer import InputError, Problem, Scenario, replace, sensitivity, simulate, sweep, table2
+from jaxbuffer.elements.ball_contact import SLOWEST_TOUCHDOWN
 from jaxbuffer.mechanisms.probe_cone.assembly import assemble
-from jaxbuffer.mechanisms.system import SLOWEST_TOUCHDOWN
 
 LOWER, UPPER = 0, 1
 SCENARIOS = {
@@ -43,9 +43,9 @@ def test_start_satisfies_the_constraints(name, free):
 @each_tip
 def test_tip_just_touches_the_lower_flank_at_the_slant_distance(name, free):
     mechanism, state, active, _ = start(name, free)
-    approach = mechanism.evaluate(state).contacts[0].approach
+    approach = mechanism.evaluate(state).elements[0].approach
     assert abs(float(approach.gap[LOWER])) < 1e-16
-    cone, edge = mechanism.parts.scenario, mechanism.contacts[0].pair.shape
+    cone, edge = mechanism.parts.scenario, mechanism.elements[0].pair.shape
     angle = cone.misalignment
     cos, sin = np.cos(angle), np.sin(angle)
     edge_x = cos * edge.start_x - sin * edge.start_y[LOWER]
@@ -63,7 +63,7 @@ def test_tip_lies_where_the_model_says(name):
     half, s = np.sqrt(0.5), mechanism.parts.scenario
     local = np.array([-0.096 - (s.contact_distance + 0.015) * half, -0.015 + (0.015 - s.contact_distance) * half])
     cos, sin = np.cos(s.misalignment), np.sin(s.misalignment)
-    ball = mechanism.evaluate(state).contacts[0].centre.place
+    ball = mechanism.evaluate(state).elements[0].centre.place
     assert_allclose([ball.x, ball.y], np.array([[cos, -sin], [sin, cos]]) @ local, atol=1e-16)
     assert_allclose(kin.q[9:12], [0.0, 0.0, s.misalignment], atol=0.0)
 
@@ -73,7 +73,7 @@ def test_tip_lies_where_the_model_says(name):
 def test_spring_is_at_rest_and_everything_behind_the_tip_is_in_line(name, free):
     mechanism, state, _, kin = start(name, free)
     axial = mechanism.element("buffer").force
-    ball = mechanism.evaluate(state).contacts[0].centre.place
+    ball = mechanism.evaluate(state).elements[0].centre.place
     assert_allclose(axial.state(kin).length, 0.1365, rtol=1e-15)
     assert_allclose([kin.q[1], kin.q[4], kin.q[7]], float(ball.y), atol=0.0)
     assert_allclose([kin.q[2], kin.q[5], kin.q[8]], 0.0, atol=0.0)
@@ -109,7 +109,7 @@ def test_memory_has_a_floor():
     """A cone turning away faster than the tip follows: the contact starts open, with δ̇⁻ at its least value."""
     mechanism = assemble(table2(), Scenario(approach_speed=0.01, passive_rate=1.0))
     state, active = mechanism.start()
-    assert float(mechanism.evaluate(state).contacts[0].approach.approach_speed[LOWER]) < -0.1
+    assert float(mechanism.evaluate(state).elements[0].approach.approach_speed[LOWER]) < -0.1
     assert float(mechanism.memory(state)[LOWER]) == SLOWEST_TOUCHDOWN
     assert_allclose(active, [0.0, 0.0])
 

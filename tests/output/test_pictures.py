@@ -27,6 +27,7 @@ from jaxbuffer.mechanisms.drawing import (
 )
 from jaxbuffer.mechanisms.registry import mechanism_of
 from jaxbuffer.mechanisms.view import View
+from jaxbuffer.multibody import Coordinates
 from jaxbuffer.multibody.flexible import Bar, pinned_bar
 from jaxbuffer.output import animation
 from jaxbuffer.output.motion import draw, telling_times
@@ -192,9 +193,10 @@ def test_a_pulse_ends_where_its_force_does():
 def test_a_bending_body_is_drawn_along_its_shape():
     """Half a sine wave between two pins, on a body that is turned by a right angle."""
     bar = pinned_bar(Bar.rectangle(2.0, 0.1, 0.1, 7850.0, 2e11), 1)
+    order = Coordinates(1, (bar.modes.size,))
     position = np.array([[[3.0, 4.0, np.pi / 2.0]]])
     history = types.SimpleNamespace(position=position, state=np.array([[3.0, 4.0, np.pi / 2.0, 0.01]]))
-    frames = with_stations(position, history, 1, bar, 0)[0]
+    frames = with_stations(position, history, order, bar, 0)[0]
     band = Band(stations(1), 0.1, "bar")
     xi = np.linspace(0.0, 1.0, len(band.stations))
     expected = np.stack([3.0 - 0.01 * np.sin(np.pi * xi), 3.0 + 2.0 * xi], axis=1)
@@ -202,5 +204,5 @@ def test_a_bending_body_is_drawn_along_its_shape():
     np.testing.assert_allclose(frames[1, 2], np.pi / 2.0 + 0.01 * np.pi / 2.0, rtol=1e-9)  # the slope at the pin
     larger = np.stack([3.0 - 0.5 * np.sin(np.pi * xi), 3.0 + 2.0 * xi], axis=1)
     np.testing.assert_allclose(band.bent(frames, 50.0), larger, atol=2e-3)  # stations are apart along the bent line
-    straight = with_stations(position, types.SimpleNamespace(state=None), 1, bar, 0)[0]
+    straight = with_stations(position, types.SimpleNamespace(state=None), order, bar, 0)[0]
     np.testing.assert_allclose(straight[1:, 0], 3.0, atol=1e-12)

@@ -8,6 +8,7 @@ import pytest
 
 import jaxbuffer.run.history as module
 from jaxbuffer.hybrid import Steps
+from jaxbuffer.multibody import Kinematics
 
 
 @pytest.mark.parametrize(("taken", "expected"), [
@@ -35,7 +36,7 @@ def test_trimmed_to_what_was_kept():
 def test_of_bodies_that_bend_the_frames_are_shown():
     """Three numbers a body come first; what is left of the coordinates are modes."""
     q, v = jnp.arange(8.0), 10.0 + jnp.arange(8.0)
-    posture = SimpleNamespace(kin=SimpleNamespace(q=q, v=v, frames=(None, None)))
+    posture = SimpleNamespace(kin=Kinematics(q, v, modes=(1, 1)))
     shown = SimpleNamespace(multipliers=jnp.zeros(3), gap=jnp.array([0.1]), approach_speed=jnp.array([0.2]),
                             slip=jnp.array([0.3]), normal=jnp.array([4.0]), friction=jnp.array([5.0]),
                             others={"own": 6.0}, acceleration=20.0 + jnp.arange(8.0))  # fmt: skip

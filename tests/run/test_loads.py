@@ -23,12 +23,12 @@ RADIUS = 0.01
 BOTH = jnp.array([True, True])
 
 
-def ball_on(carrier, x, y, angle, point=(0.0, 0.0)):
+def ball_on(carrier, x, y, angle, point=(0.0, 0.0), name="contact"):
     """A ball on body 0 against a long segment through a point, its direction at an angle from the x-axis."""
     cos, sin = math.cos(angle), math.sin(angle)
     plane = Segment(x - cos, y - sin, cos, sin, 2.0)
     pair = BallPair(RADIUS, plane, -jnp.ones(()), Hertz(1e8), RegularisedCoulomb(0.0, 1e-3))
-    return BallContact(0, carrier, pair, point)
+    return BallContact(0, carrier, pair, point, name=name)
 
 
 def two_masses(first, second, speeds):
@@ -41,7 +41,7 @@ def two_masses(first, second, speeds):
 def wedge(half_angle, velocity, mass=2.0, inertia=0.3, spin=4.0):
     """A ball at rest in a V of planes on the ground, each ``half_angle`` from the vertical; it moves."""
     rise = 0.5 * math.pi - half_angle
-    contacts = (ball_on(GROUND, 0.0, 0.0, rise), ball_on(GROUND, 0.0, 0.0, -rise))
+    contacts = (ball_on(GROUND, 0.0, 0.0, rise, name="left"), ball_on(GROUND, 0.0, 0.0, -rise, name="right"))
     q, v = jnp.array([0.0, RADIUS / math.sin(half_angle), 0.0]), jnp.array([*velocity, spin])
     return Assembled(System((Body(mass, inertia),)), q, v, contacts)
 

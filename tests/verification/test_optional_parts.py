@@ -26,7 +26,7 @@ def test_thresholds_and_scales_are_numbers_with_every_optional_part(title, part)
     study = with_part(title, part)
     for design, scenario in study.drawn(2, 0):
         assembled = mechanism_of(design).system(design, scenario, 20.0)
-        assert not np.any(np.isnan(np.asarray(assembled.negligible())))
+        assert not np.any(np.isnan(np.asarray(assembled.roundoff())))
         assert np.all(np.isfinite(np.asarray(assembled.scales())))
 
 
@@ -36,7 +36,7 @@ def test_a_threshold_that_is_no_number_is_refused(monkeypatch):
 
     monkeypatch.setattr(Buffer, "stiffness_at_rest", float("nan"))
     design = with_part("docking, any parts", "spring curve").design
-    with pytest.raises(InputError, match="negligible of hinge_force"):
+    with pytest.raises(InputError, match="roundoff of hinge_force"):
         mechanism_of(design).system(design, jb.Scenario(), 20.0)
 
 

@@ -12,8 +12,9 @@ import jax.numpy as jnp
 from .._types import Scalar
 from ..fields import MonotoneCubic
 from ..multibody import AxialSpringDamper, Kinematics, Load, SpringDirection, load_at
-from .element import ROUNDED_LENGTH, Closed, Element, EnergyShare, Own
+from .element import ROUNDED_LENGTH, Closed, Element, Own
 from .picture import Level, Panel, PanelCurve
+from .report import EnergyShare, Report
 from .telling import largest, reached
 
 
@@ -145,7 +146,8 @@ class Buffer(Element):
         return "extension" if self.stroke == "stroke" else f"{self.stroke.removesuffix('_stroke')}_extension"
 
     @property
-    def _rubs(self) -> bool:
+    def rubs(self) -> bool:
+        """Return whether it has friction."""
         return isinstance(self.force, BufferForce) and self.force.friction is not None
 
     def evaluate(self, kin: Kinematics, own: Own) -> BufferState:
@@ -160,7 +162,7 @@ class Buffer(Element):
 
     @property
     def loss_names(self) -> tuple[str, ...]:
-        return (self.lost_in, self.rubbed_in) if self._rubs else (self.lost_in,)
+        return (self.lost_in, self.rubbed_in) if self.rubs else (self.lost_in,)
 
     def losses(self, at: BufferState, closed: Closed) -> dict[str, Scalar]:
         lost = self.force.dissipation(at.kin)
@@ -186,10 +188,10 @@ class Buffer(Element):
         return {f"{self.name}_force": force, self.stroke: at.stroke, self.extension: -at.stroke}
 
     @property
-    def least_maxima(self) -> dict[str, float]:
+    def lower_bounds(self) -> dict[str, float]:
         return {self.extension: 0.0}  # of a rod that never goes out beyond its free position
 
-    def negligible(self) -> dict[str, Scalar]:
+    def roundoff(self) -> dict[str, Scalar]:
         lengths = dict.fromkeys((self.stroke, self.extension), ROUNDED_LENGTH)
         return {f"{self.name}_force": ROUNDED_LENGTH * self.stiffness_at_rest, **lengths}
 
@@ -202,31 +204,42 @@ class Buffer(Element):
     def stiff_force(self, at: BufferState, closed: Closed) -> Scalar:
         return jnp.abs(self.force.tension(at.kin))
 
-    def summary(self, run: Any) -> list[tuple[str, str]]:
-        force, of = f"{self.name}_force", "" if self.longest_stroke is None else f" of {_mm(self.longest_stroke)}"
-        return [
-            (f"peak {self.words} force", f"{largest(run, force):.6g} N{reached(run, force)}"),
-            (self.stroke.replace("_", " "), f"{_mm(largest(run, self.stroke))}{of}{reached(run, self.stroke)}"),
-            *((self.extension.replace("_", " "), text) for text in (extension_text(run, self.extension),) if text),
-        ]
-
-    def panels(self, run: Any) -> list[Panel]:
-        most = largest(run, self.stroke)
-        curve = PanelCurve("", 1e3 * run.history.others[self.stroke])
-        title = self.stroke.replace("_", " ").capitalize()
-        return [Panel(title, "stroke [mm]", (curve,), (Level(f"largest, {_mm(most, 4)}", 1e3 * most), Level("", 0.0)))]
-
-    @property
-    def shares(self) -> tuple[EnergyShare, ...]:
-        friction = f"{self.words}'s friction"
-        return (EnergyShare(friction, f"lost in the {friction}", (self.rubbed_in,)),) if self._rubs else ()
-
     @property
     def tolerance_share(self) -> float:
         """Return less than one with measured curves: between two of their pieces the second derivative jumps."""
         force = self.force
         measured = isinstance(force, BufferForce) and not (force.spring_curve is None and force.damper_curve is None)
         return PIECES if measured else 1.0
+
+    @property
+    def report(self) -> "BufferReport":
+        return BufferReport(self)
+
+
+class BufferReport(Report[Buffer]):
+    """What is said and drawn of a buffer."""
+
+    def summary(self, run: Any) -> list[tuple[str, str]]:
+        buffer = self.element
+        force, of = f"{buffer.name}_force", "" if buffer.longest_stroke is None else f" of {_mm(buffer.longest_stroke)}"
+        return [
+            (f"peak {self.words} force", f"{largest(run, force):.6g} N{reached(run, force)}"),
+            (buffer.stroke.replace("_", " "), f"{_mm(largest(run, buffer.stroke))}{of}{reached(run, buffer.stroke)}"),
+            *((buffer.extension.replace("_", " "), text) for text in (extension_text(run, buffer.extension),) if text),
+        ]
+
+    def panels(self, run: Any) -> list[Panel]:
+        buffer = self.element
+        most = largest(run, buffer.stroke)
+        curve = PanelCurve("", 1e3 * run.history.others[buffer.stroke])
+        title = buffer.stroke.replace("_", " ").capitalize()
+        return [Panel(title, "stroke [mm]", (curve,), (Level(f"largest, {_mm(most, 4)}", 1e3 * most), Level("", 0.0)))]
+
+    @property
+    def shares(self) -> tuple[EnergyShare, ...]:
+        buffer = self.element
+        friction = f"{self.words}'s friction"
+        return (EnergyShare(friction, f"lost in the {friction}", (buffer.rubbed_in,)),) if buffer.rubs else ()
 
 
 def extension_text(run: Any, name: str = "extension") -> str:

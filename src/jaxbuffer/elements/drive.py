@@ -85,7 +85,7 @@ class Drive(Element):
         torque = jnp.where(turning, own_rate[0] / jnp.where(turning, at.spin, 1.0), 0.0)
         return watched_torque(self.watched, torque)
 
-    def negligible(self) -> dict[str, Scalar]:
+    def roundoff(self) -> dict[str, Scalar]:
         # A torque may be below zero all the time, and its largest value then counts as well.
         return dict.fromkeys(self.watched, -jnp.inf)
 
@@ -150,7 +150,7 @@ class Motor(Element):
     def observables(self, at: Kinematics, closed: Closed) -> dict[str, Scalar]:
         return watched_torque(self.watched, self.torque + self.damper.torque(at))
 
-    def negligible(self) -> dict[str, Scalar]:
+    def roundoff(self) -> dict[str, Scalar]:
         return dict.fromkeys(self.watched, -jnp.inf)
 
     def springs(self, at: Kinematics, closed: Closed) -> tuple[SpringDirection, ...]:

@@ -8,16 +8,14 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._types import Scalar
-from ..hybrid import Followers
-from ..multibody import Joint, Kinematics, Load, SpringDirection, System
+from ..multibody import Joint, Kinematics, Load, System
 from ..plane import Vector
-from .picture import Panel
-from .stiff_terms import ContactTerm
+from .report import Report
+from .stepping import Closed as Closed
+from .stepping import Own as Own
+from .stepping import SteppingHints
 
 ROUNDED_LENGTH = 1e-13  # m, rad: what rounding makes of positions of the order of a metre
-
-Own = Float[Array, " variables"]
-Closed = Float[Array, " switches"]
 
 
 class Switch(NamedTuple):
@@ -26,24 +24,20 @@ class Switch(NamedTuple):
     - ``name``: of the switch.
     - ``one_way``: whether it never opens again, as a latch.
     - ``force``: the observable that is its force, which starts to act where it closes; None if there is none.
+    - ``impact``: whether it closes by an impact, which a run lists; `Element.contact_forces` then has its ``force``.
     """
 
     name: str
     one_way: bool = False
     force: str | None = None
+    impact: bool = False
 
 
-class EnergyShare(NamedTuple):
-    """What an element has of a run's energy.
+class ContactForces(NamedTuple):
+    """``normal``: F_n, and ``friction``: F_t along the tangent, an entry a contact [N]."""
 
-    - ``place``: where the energy was lost, in words: "end stop".
-    - ``label``: of a curve of all of it: "in the end stop".
-    - ``names``: of the energies that count, of which the last one is what was lost.
-    """
-
-    place: str
-    label: str
-    names: tuple[str, ...]
+    normal: Float[Array, " contacts"]
+    friction: Float[Array, " contacts"]
 
 
 class Magnitudes(NamedTuple):
@@ -54,7 +48,31 @@ class Magnitudes(NamedTuple):
     momentum: Scalar
 
 
-class Element(eqx.Module):
+class Impacts(eqx.Module):
+    """What an element says of those of its switches that close by an impact; nothing of one that has none."""
+
+    def contact_forces(self, at: Any, closed: Closed) -> ContactForces:
+        """Return the forces of these contacts."""
+        return ContactForces(jnp.zeros(0), jnp.zeros(0))
+
+    def slips(self, at: Any) -> Float[Array, " contacts"]:
+        """Return how fast the surfaces of these contacts slip [m/s]."""
+        return jnp.zeros(0)
+
+    def touchdown_speeds(self, own: Own) -> Float[Array, " contacts"]:
+        """Return the approach speed of each at its last touchdown [m/s]."""
+        return jnp.zeros(0)
+
+    def closing_directions(self, system: System, at: Any) -> Float[Array, "velocities contacts"]:
+        """Return columns b with δ̇ = b·q̇, how fast each contact closes."""
+        return jnp.zeros((system.velocities, 0))
+
+    def penetration(self, force: Scalar) -> Scalar:
+        """Return the depth [m] at which the contact's spring alone exerts a force [N]."""
+        return jnp.zeros(())
+
+
+class Element(Impacts, SteppingHints):
     """A physical part between bodies, such as a buffer, a latch or a drive, or a sensor of their motion.
 
     `jaxbuffer.mechanisms.assembled.Assembled` joins elements to a mechanism. It keeps each element's numbers in the
@@ -71,6 +89,11 @@ class Element(eqx.Module):
         """Return the element's name; each class has a field for it."""
         raise NotImplementedError
 
+    @property
+    def report(self) -> Report[Any]:
+        """Return what a summary, a figure and a page say of the element."""
+        return Report(self)
+
     # --- what it adds to the mechanism's state ------------------------------------------------------------------------
 
     @property
@@ -81,6 +104,15 @@ class Element(eqx.Module):
     def start(self, kin: Kinematics) -> Own:
         """Return the values of `variables` at t = 0."""
         return jnp.zeros(len(self.variables))
+
+    def closed_at_start(self, at: Any) -> list[Scalar]:
+        """Return which switches are closed at t = 0 unless the mechanism says it, 1 or 0 each, or a row of all: those
+        beyond their place, which no event would close."""
+        return [jnp.where(jnp.asarray(gap) < 0.0, 1.0, 0.0) for gap, _ in self.gaps(at)]
+
+    def after_start(self, at: Any, own: Own, closed: Closed) -> tuple[Any, Own]:
+        """Return ``at`` and `variables` at t = 0, where it is known which switches are closed then."""
+        return at, own
 
     def scales(self, size: Magnitudes) -> list[Scalar]:
         """Return the magnitude below which an error does not matter, for each of `variables`."""
@@ -97,6 +129,16 @@ class Element(eqx.Module):
         return bool(self.switches)
 
     @property
+    def spin_inertias(self) -> tuple[Scalar, ...]:
+        """Return the moments of inertia of what of the element turns by itself [kg m²]: the first of `variables` are
+        the spins [rad/s], which count as velocities of the mechanism."""
+        return ()
+
+    def in_mechanism(self, speed: Scalar) -> "Element":
+        """Return the element as a part of a mechanism whose velocities are of the order of ``speed`` [m/s]."""
+        return self
+
+    @property
     def driving_joint(self) -> Joint | None:
         """Return the joint by which the element prescribes a motion over time; None if it prescribes none."""
         return None
@@ -109,8 +151,12 @@ class Element(eqx.Module):
 
     def gaps(self, at: Any) -> list[tuple[Scalar, Scalar]]:
         """Return the gap of each switch [m], and how fast it closes [m/s]; of what is over after some time, the time
-        left [s] and how fast that passes."""
+        left [s] and how fast that passes. One pair of rows may be of all switches together."""
         return []
+
+    def with_forces(self, at: Any, closed: Closed) -> Any:
+        """Return ``at`` with forces that `loads`, `rates` and `losses` would compute each on its own."""
+        return at
 
     def loads(self, at: Any, closed: Closed) -> tuple[Load, ...]:
         """Return the loads on the bodies."""
@@ -125,8 +171,14 @@ class Element(eqx.Module):
         ``multipliers``: that joint's, an entry a row (M16)."""
         return []
 
-    def after_closing(self, at: Any, own: Own, closing: Closed) -> Own:
-        """Return `variables` just after switches have closed. ``closing``: 1 for those that close, 0 for all others."""
+    @property
+    def resets(self) -> bool:
+        """Return whether `variables` may jump where a switch closes."""
+        return type(self).after_closing is not Element.after_closing
+
+    def after_closing(self, at: Any, own: Own, closing: Closed, speed: Scalar) -> Own:
+        """Return `variables` just after a switch has closed. ``closing``: 1 for that switch, 0 for all others;
+        ``speed``: how fast its gap closed [m/s]."""
         return own
 
     # --- energy -------------------------------------------------------------------------------------------------------
@@ -196,11 +248,11 @@ class Element(eqx.Module):
         return {}
 
     @property
-    def least_maxima(self) -> Mapping[str, float]:
+    def lower_bounds(self) -> Mapping[str, float]:
         """Return what the largest values of some of what is watched are at least, by name."""
         return {}
 
-    def negligible(self) -> Mapping[str, Scalar]:
+    def roundoff(self) -> Mapping[str, Scalar]:
         """Return the value that is rounding where nothing acts, of some of what is watched; of all others it is
         zero."""
         return {}
@@ -208,61 +260,3 @@ class Element(eqx.Module):
     def recorded(self, at: Any, closed: Closed) -> Mapping[str, Scalar]:
         """Return what a history shows besides, by name; it replaces an observable of the same name, for a sign, say."""
         return {}
-
-    # --- what people are told and shown of a run ----------------------------------------------------------------------
-
-    @property
-    def words(self) -> str:
-        """Return what the element is called in texts."""
-        return self.name.replace("_", " ")
-
-    def summary(self, run: Any) -> list[tuple[str, str]]:
-        """Return lines of a run's summary, each as its heading and its text."""
-        return []
-
-    def panels(self, run: Any) -> list[Panel]:
-        """Return panels of a figure of a run that has a history."""
-        return []
-
-    def moments(self, run: Any) -> Mapping[str, float]:
-        """Return when the element does something that a picture should show [s], by what happens in words; NaN of what
-        does not happen."""
-        return {}
-
-    def warnings(self, run: Any) -> list[str]:
-        """Return a line for each limit of validity that a run exceeds."""
-        return []
-
-    @property
-    def shares(self) -> tuple[EnergyShare, ...]:
-        """Return what the element has of a run's energy."""
-        return ()
-
-    # --- time stepping ------------------------------------------------------------------------------------------------
-
-    def springs(self, at: Any, closed: Closed) -> tuple[SpringDirection, ...]:
-        """Return the element's spring-dampers with their directions frozen: what implicit steps take for stiff."""
-        return ()
-
-    def contact_term(self, system: System, at: Any, closed: Closed) -> ContactTerm | None:
-        """Return a contact's share of the stiff part; None if the element has no contact."""
-        return None
-
-    def stiff_force(self, at: Any, closed: Closed) -> Scalar:
-        """Return the size of the stiff forces [N], of which rounding of positions makes an error in the energy."""
-        return 0.0
-
-    def followers(self, first: int) -> Followers | None:
-        """Return the element's oscillators for implicit steps; None if it has none. ``first``: where `variables` stand,
-        counted from the end of the velocities."""
-        return None
-
-    @property
-    def sudden(self) -> bool:
-        """Return whether reactions may rise within a step from far below their largest value to above it."""
-        return False
-
-    @property
-    def tolerance_share(self) -> float:
-        """Return the share of a run's tolerance that steps keep to: less where a force is not smooth."""
-        return 1.0

@@ -14,8 +14,9 @@ from jaxtyping import Array, Float
 from .._types import Scalar
 from ..multibody import Kinematics, Load, MaterialPoint, Point, SpringDirection, load_at
 from ..plane import Vector
-from .element import ROUNDED_LENGTH, Closed, Element, EnergyShare, Magnitudes, Own, Switch
+from .element import ROUNDED_LENGTH, Closed, Element, Magnitudes, Own, Switch
 from .picture import Level, Panel, PanelCurve
+from .report import EnergyShare, Report
 from .telling import closed_at, largest, reached
 
 
@@ -129,7 +130,7 @@ class Latch(Element):
         # While the share grows it lets in springs that are already stretched: that work comes from outside (M176).
         return [closed[0], closed[0] * at.share_rate * self._closed_energy(at)]
 
-    def after_closing(self, at: LatchState, own: Own, closing: Closed) -> Own:
+    def after_closing(self, at: LatchState, own: Own, closing: Closed, speed: Scalar) -> Own:
         # Latches that close in no time store their energy at once, and nothing but the closing has put it in.
         at_once = (closing[0] > 0.5) & (jnp.asarray(self.closing_time) == 0.0)
         return own.at[1].add(jnp.where(at_once, at.share * self._closed_energy(at), 0.0))
@@ -201,45 +202,11 @@ class Latch(Element):
     def observables(self, at: LatchState, closed: Closed) -> dict[str, Scalar]:
         return {f"{self.name}_force": _size(self.force(at, closed))}
 
-    def negligible(self) -> dict[str, Scalar]:
+    def roundoff(self) -> dict[str, Scalar]:
         return {f"{self.name}_force": ROUNDED_LENGTH * self.stiffness}
 
     def recorded(self, at: LatchState, closed: Closed) -> dict[str, Scalar]:
         return {f"{self.name}_closed": closed[0] * at.share}
-
-    # --- what people are told and shown -------------------------------------------------------------------------------
-
-    def summary(self, run: Any) -> list[tuple[str, str]]:
-        closed, force = closed_at(run, self.name), f"{self.name}_force"
-        if not math.isfinite(closed):
-            return []
-        held = f", held {float(run.end_time) - closed:.4g} s later" if run.outcome.name == "held" else ""
-        strength = "" if self.strength is None else f" of {float(self.strength):.6g} N strength"
-        most = f"{self.words} force at most {largest(run, force):.6g} N{strength}{reached(run, force)}"
-        heading = "latched" if self.name == "latch" else f"{self.words} closed"
-        return [(heading, f"at {closed:.6g} s{held}; {most}")]
-
-    def moments(self, run: Any) -> dict[str, float]:
-        # With a closing time they are closed some time after the point has crossed the plane.
-        slow = float(np.asarray(self.closing_time)) > 0.0
-        closed = run.switch_times.get(f"{self.name} closed", math.nan) if slow else closed_at(run, self.name)
-        return {f"{self.words} closed": closed}
-
-    def panels(self, run: Any) -> list[Panel]:
-        most = largest(run, f"{self.name}_force")
-        levels = [Level(f"largest, {most:.4g} N", most)]
-        if self.strength is not None and most > 0.5 * float(self.strength):
-            levels.append(Level(f"strength, {float(self.strength):.4g} N", float(self.strength), limit=True))
-        curve = PanelCurve("", run.history.others[f"{self.name}_force"])
-        title = f"{self.words} force"
-        # What is latched comes to rest long after the last impact.
-        shown = Panel(title.capitalize(), f"{title} [N]", (curve,), (*levels, Level("", 0.0)))
-        return [shown._replace(whole=True, to_end=True)]
-
-    @property
-    def shares(self) -> tuple[EnergyShare, ...]:
-        together = "latches" if self.name == "latch" else self.words
-        return (EnergyShare(self.words, f"in the {together}", (self.name, f"{self.name}_damper")),)
 
     # --- time stepping ------------------------------------------------------------------------------------------------
 
@@ -258,6 +225,50 @@ class Latch(Element):
 
     def stiff_force(self, at: LatchState, closed: Closed) -> Scalar:
         return _size(self.force(at, closed))
+
+    @property
+    def report(self) -> "LatchReport":
+        return LatchReport(self)
+
+
+class LatchReport(Report[Latch]):
+    """What is said and drawn of latches."""
+
+    def summary(self, run: Any) -> list[tuple[str, str]]:
+        latch = self.element
+        closed, force = closed_at(run, latch.name), f"{latch.name}_force"
+        if not math.isfinite(closed):
+            return []
+        held = f", held {float(run.end_time) - closed:.4g} s later" if run.outcome.name == "held" else ""
+        strength = "" if latch.strength is None else f" of {float(latch.strength):.6g} N strength"
+        most = f"{self.words} force at most {largest(run, force):.6g} N{strength}{reached(run, force)}"
+        heading = "latched" if latch.name == "latch" else f"{self.words} closed"
+        return [(heading, f"at {closed:.6g} s{held}; {most}")]
+
+    def moments(self, run: Any) -> dict[str, float]:
+        latch = self.element
+        # With a closing time they are closed some time after the point has crossed the plane.
+        slow = float(np.asarray(latch.closing_time)) > 0.0
+        closed = run.switch_times.get(f"{latch.name} closed", math.nan) if slow else closed_at(run, latch.name)
+        return {f"{self.words} closed": closed}
+
+    def panels(self, run: Any) -> list[Panel]:
+        latch = self.element
+        most = largest(run, f"{latch.name}_force")
+        levels = [Level(f"largest, {most:.4g} N", most)]
+        if latch.strength is not None and most > 0.5 * float(latch.strength):
+            levels.append(Level(f"strength, {float(latch.strength):.4g} N", float(latch.strength), limit=True))
+        curve = PanelCurve("", run.history.others[f"{latch.name}_force"])
+        title = f"{self.words} force"
+        # What is latched comes to rest long after the last impact.
+        shown = Panel(title.capitalize(), f"{title} [N]", (curve,), (*levels, Level("", 0.0)))
+        return [shown._replace(whole=True, to_end=True)]
+
+    @property
+    def shares(self) -> tuple[EnergyShare, ...]:
+        latch = self.element
+        together = "latches" if latch.name == "latch" else self.words
+        return (EnergyShare(self.words, f"in the {together}", (latch.name, f"{latch.name}_damper")),)
 
 
 def _size(force: Vector) -> Scalar:

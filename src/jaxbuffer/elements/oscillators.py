@@ -11,9 +11,10 @@ from jaxtyping import Array, Float
 
 from .._types import Scalar, stacked
 from ..errors import InputError
-from ..hybrid import Followers
-from ..multibody import Kinematics
+from ..hybrid import PassiveOscillators
+from ..multibody import Coordinates, Kinematics
 from .element import ROUNDED_LENGTH, Closed, Element, Magnitudes, Own
+from .report import Report
 from .telling import largest
 
 
@@ -74,7 +75,7 @@ class Oscillators(Element):
         return [*(size.speed / self.rates_of_axes), *[size.speed] * self.axes]
 
     def _base(self, kin: Kinematics) -> Float[Array, " axes"]:
-        return jnp.concatenate([kin.v[3 * body : 3 * body + 2] for body in self.bodies])
+        return stacked([speed for body in self.bodies for speed in Coordinates.translation(kin.v, body)])
 
     def evaluate(self, kin: Kinematics, own: Own) -> OscillatorState:
         return OscillatorState(own[: self.axes], own[self.axes :], self._base(kin))
@@ -96,17 +97,26 @@ class Oscillators(Element):
         of = self.acceleration(at)
         return {name: jnp.sqrt(of[2 * k] ** 2 + of[2 * k + 1] ** 2 + 1e-24) for k, name in enumerate(self.names)}
 
-    def negligible(self) -> dict[str, Scalar]:
+    def roundoff(self) -> dict[str, Scalar]:
         sizes = ROUNDED_LENGTH * self.rates_of_axes[::2] ** 2
         return dict(zip(self.names, sizes, strict=True))
 
+    def followers(self, first: int, order: Coordinates) -> PassiveOscillators:
+        shaken_by = tuple(column for body in self.bodies for column in order.columns(body)[:2])
+        return PassiveOscillators(first, shaken_by, self.rates_of_axes, self.damping)
+
+    @property
+    def report(self) -> "OscillatorsReport":
+        return OscillatorsReport(self)
+
+
+class OscillatorsReport(Report[Oscillators]):
+    """What is said and drawn of oscillators."""
+
     def summary(self, run: Any) -> list[tuple[str, str]]:
+        oscillators = self.element
         felt = [
             f"{name.partition('_')[0]} {largest(run, name):.4g} m/s² at {float(frequency):.4g} Hz"
-            for name, frequency in zip(self.names, self.frequencies, strict=True)
+            for name, frequency in zip(oscillators.names, oscillators.frequencies, strict=True)
         ]
         return [("shock", ", ".join(felt))]
-
-    def followers(self, first: int) -> Followers:
-        shaken_by = tuple(3 * body + axis for body in self.bodies for axis in range(2))
-        return Followers(first, shaken_by, self.rates_of_axes, self.damping)

@@ -11,9 +11,10 @@ from .._types import Scalar
 from ..contact import Hole
 from ..contact.laws import BEYOND_LAW
 from ..multibody import Kinematics, Load, System
-from .ball_contact import BallContact, BallState, ContactForces
-from .element import Closed, Element, EnergyShare, Own, Switch
+from .ball_contact import BallContact, BallState
+from .element import Closed, ContactForces, Element, Own, Switch
 from .picture import Level, Panel, PanelCurve
+from .report import EnergyShare, Report
 from .stiff_terms import ContactTerm
 from .telling import BY_HOW_MUCH, largest
 
@@ -44,21 +45,20 @@ class Pin(Element):
         return self.contact.pair.law.jumps
 
     def evaluate(self, kin: Kinematics, own: Own) -> BallState:
-        return self.contact.evaluate(kin)
+        return self.contact.evaluate(kin)  # whose memory means nothing: the law has none
 
     def gaps(self, at: BallState) -> list[tuple[Scalar, Scalar]]:
         return [(at.approach.gap[0], at.approach.approach_speed[0])]
 
     def force(self, at: BallState, closed: Closed) -> Float[Array, " 1"]:
         """Return the force of the bush on the pin [N]."""
-        # The law has no memory: the one that it is given means nothing.
-        return closed * self.contact.pair.normal_force(at.approach, jnp.ones(1))
+        return closed * self.contact.pair.normal_force(at.approach, at.memory)
 
     def loads(self, at: BallState, closed: Closed) -> tuple[Load, ...]:
-        return self.contact.loads(at, ContactForces(self.force(at, closed), jnp.zeros(1)))
+        return self.contact.loads_of(at, ContactForces(self.force(at, closed), jnp.zeros(1)))
 
     def stored(self, at: BallState, closed: Closed) -> dict[str, Scalar]:
-        return {self.stored_in: self.contact.stored(at, closed)}
+        return {self.stored_in: self.contact.elastic_energy(at, closed)}
 
     @property
     def loss_names(self) -> tuple[str, ...]:
@@ -71,10 +71,29 @@ class Pin(Element):
     def recorded(self, at: BallState, closed: Closed) -> dict[str, Scalar]:
         return {f"{self.stored_in}_gap": at.approach.gap[0]}
 
+    def contact_term(self, system: System, at: BallState, closed: Closed) -> ContactTerm:
+        return self.contact.contact_term(system, at, closed)
+
+    def stiff_force(self, at: BallState, closed: Closed) -> Scalar:
+        return self.force(at, closed)[0]
+
+    @property
+    def has_impulsive_reactions(self) -> bool:
+        return True  # where the pin bounces, the reaction rises from nothing within a step
+
+    @property
+    def report(self) -> "PinReport":
+        return PinReport(self)
+
+
+class PinReport(Report[Pin]):
+    """What is said and drawn of a pin with play."""
+
     def _sizes(self, run: Any) -> tuple[float, float, float]:
         """Return the radii of pin and bush, and how deep the largest force presses the pin into it, NaN where that is
         not watched [m]."""
-        pair, force = self.contact.pair, largest(run, f"{self.stored_in}_force")
+        joint = self.element
+        pair, force = joint.contact.pair, largest(run, f"{joint.stored_in}_force")
         assert isinstance(pair.shape, Hole)
         depth = float(pair.law.depth(force)) if math.isfinite(force) else math.nan
         return float(pair.radius), float(pair.shape.radius), depth
@@ -82,12 +101,13 @@ class Pin(Element):
     def summary(self, run: Any) -> list[tuple[str, str]]:
         pin, bush, depth = self._sizes(run)
         into = f"; the pin goes up to {1e6 * depth:.3g} µm into it" if math.isfinite(depth) else ""
-        return [(f"play in the {self.stored_in}", f"{1e3 * (bush - pin):.4g} mm{into}")]
+        return [(f"play in the {self.element.stored_in}", f"{1e3 * (bush - pin):.4g} mm{into}")]
 
     def panels(self, run: Any) -> list[Panel]:
-        gap = PanelCurve("", 1e6 * run.history.others[f"{self.stored_in}_gap"])
+        joint = self.element
+        gap = PanelCurve("", 1e6 * run.history.others[f"{joint.stored_in}_gap"])
         return [
-            Panel(f"{self.stored_in.capitalize()}, from the pin to its bush", "gap [µm]", (gap,), (Level("", 0.0),))
+            Panel(f"{joint.stored_in.capitalize()}, from the pin to its bush", "gap [µm]", (gap,), (Level("", 0.0),))
         ]
 
     def warnings(self, run: Any) -> list[str]:
@@ -95,8 +115,8 @@ class Pin(Element):
         holds while the radius of the area it touches is small against the pin's: √(R δ) ≤ √(0.1) R_pin, with R of
         M54."""
         bounces = (
-            f"errors may grow: the pin bounces in its play, and forces of the {self.stored_in} may be off by far more"
-            f" than the tolerance; {BY_HOW_MUCH}"
+            f"errors may grow: the pin bounces in its play, and forces of the {self.element.stored_in} may be off by"
+            f" far more than the tolerance; {BY_HOW_MUCH}"
         )
         pin, bush, depth = self._sizes(run)
         square = pin * bush / (bush - pin) * depth
@@ -110,16 +130,13 @@ class Pin(Element):
 
     @property
     def shares(self) -> tuple[EnergyShare, ...]:
+        joint = self.element
         return (
-            EnergyShare(f"{self.stored_in}'s play", f"in the {self.stored_in}'s play", (self.stored_in, self.lost_in)),
+            EnergyShare(
+                f"{joint.stored_in}'s play", f"in the {joint.stored_in}'s play", (joint.stored_in, joint.lost_in)
+            ),
         )
 
-    def contact_term(self, system: System, at: BallState, closed: Closed) -> ContactTerm:
-        return self.contact.term(system, at, jnp.ones(1), closed)
-
-    def stiff_force(self, at: BallState, closed: Closed) -> Scalar:
-        return self.force(at, closed)[0]
-
     @property
-    def sudden(self) -> bool:
-        return True  # where the pin bounces, the reaction rises from nothing within a step
+    def balls(self) -> tuple[BallContact, ...]:
+        return (self.element.contact,)

@@ -54,10 +54,10 @@ class Sensor(Element):
         return {} if self.watched else {self.name: self.of(at, self.numbers)}
 
     @property
-    def least_maxima(self) -> dict[str, float]:
+    def lower_bounds(self) -> dict[str, float]:
         return {self.name: self.least} if self.watched else {}
 
-    def negligible(self) -> dict[str, Scalar]:
+    def roundoff(self) -> dict[str, Scalar]:
         return {self.name: -jnp.inf if self.rounding is None else self.rounding}
 
 

@@ -11,7 +11,8 @@ from .._types import Scalar
 from ..contact import ContactLaw, KelvinVoigt
 from ..multibody import AxialSpringDamper, Kinematics, Load, MaterialPoint, SpringDirection, load_at
 from ..plane import Vector
-from .element import Closed, Element, EnergyShare, Own, Switch
+from .element import Closed, Element, Own, Switch
+from .report import EnergyShare, Report
 from .telling import largest, reached
 
 USUAL = {"stop": "end stop", "rebound": "rebound stop"}  # what stops of these names are called
@@ -135,32 +136,6 @@ class EndStop(Element):
     def observables(self, at: StopState, closed: Closed) -> dict[str, Scalar]:
         return {name: self.force(at, closed) for name in self.observed}
 
-    @property
-    def words(self) -> str:
-        return USUAL.get(self.name, super().words)
-
-    def summary(self, run: Any) -> list[tuple[str, str]]:
-        force = f"{self.name}_force"
-        most = f", at most {largest(run, force):.6g} N{reached(run, force)}" if self.watched else ""
-        return [(self.words, f"from {1e3 * float(self.place):.6g} mm on{most}")]
-
-    def moments(self, run: Any) -> dict[str, float]:
-        name = f"{self.name}_force"
-        return {f"{self.words} pressed most": run.maximum_times.get(name, math.nan)} if self.watched else {}
-
-    def warnings(self, run: Any) -> list[str]:
-        if not (self.watched and isinstance(self.law, RubberBlock)):
-            return []
-        most, valid = largest(run, f"{self.name}_force"), float(self.law.force_at_half)
-        if not most > valid:
-            return []
-        beyond = f"more than the {valid:.4g} N at half of its thickness, up to which its law is valid"
-        return [f"the rubber of the {self.words} takes {most:.4g} N, {beyond}"]
-
-    @property
-    def shares(self) -> tuple[EnergyShare, ...]:
-        return (EnergyShare(self.words, f"in the {self.words}", (self.name, f"{self.name}_damper")),)
-
     def springs(self, at: StopState, closed: Closed) -> tuple[SpringDirection, ...]:
         # Where the damper would pull, the force is cut off at zero and answers to nothing.
         pushing = closed[0] * (self.force(at, closed) > 0.0)
@@ -172,3 +147,42 @@ class EndStop(Element):
 
     def stiff_force(self, at: StopState, closed: Closed) -> Scalar:
         return self.force(at, closed)
+
+    @property
+    def report(self) -> "EndStopReport":
+        return EndStopReport(self)
+
+
+class EndStopReport(Report[EndStop]):
+    """What is said and drawn of a stop."""
+
+    @property
+    def words(self) -> str:
+        return USUAL.get(self.element.name, super().words)
+
+    def summary(self, run: Any) -> list[tuple[str, str]]:
+        stop = self.element
+        force = f"{stop.name}_force"
+        most = f", at most {largest(run, force):.6g} N{reached(run, force)}" if stop.watched else ""
+        return [(self.words, f"from {1e3 * float(stop.place):.6g} mm on{most}")]
+
+    def moments(self, run: Any) -> dict[str, float]:
+        name = f"{self.element.name}_force"
+        if not self.element.watched:
+            return {}
+        return {f"{self.words} pressed most": run.maximum_times.get(name, math.nan)}
+
+    def warnings(self, run: Any) -> list[str]:
+        stop = self.element
+        if not (stop.watched and isinstance(stop.law, RubberBlock)):
+            return []
+        most, valid = largest(run, f"{stop.name}_force"), float(stop.law.force_at_half)
+        if not most > valid:
+            return []
+        beyond = f"more than the {valid:.4g} N at half of its thickness, up to which its law is valid"
+        return [f"the rubber of the {self.words} takes {most:.4g} N, {beyond}"]
+
+    @property
+    def shares(self) -> tuple[EnergyShare, ...]:
+        stop = self.element
+        return (EnergyShare(self.words, f"in the {self.words}", (stop.name, f"{stop.name}_damper")),)

@@ -10,6 +10,7 @@ from ..multibody import Kinematics, Load
 from ..plane import Frame, Vector
 from ..plane.unit_vector import check_unit
 from .element import Closed, Element, Magnitudes, Own, Switch
+from .report import Report
 
 
 class ThrustState(NamedTuple):
@@ -76,9 +77,18 @@ class Thrust(Element):
     def impulse(self, own: Own) -> tuple[Vector, Scalar]:
         return Vector(own[2], own[3]), own[4]
 
-    def summary(self, run: Any) -> list[tuple[str, str]]:
-        work = -float(run.energy.stored[self.name])  # what was put in is counted negative
-        return [(self.words, f"{float(self.size):.6g} N for {float(self.time):.6g} s, which put in {work:.6g} J")]
-
     def settled(self, at: ThrustState) -> Scalar:
         return at.time >= self.time
+
+    @property
+    def report(self) -> "ThrustReport":
+        return ThrustReport(self)
+
+
+class ThrustReport(Report[Thrust]):
+    """What is said and drawn of a thrust."""
+
+    def summary(self, run: Any) -> list[tuple[str, str]]:
+        thrust = self.element
+        work = -float(run.energy.stored[thrust.name])  # what was put in is counted negative
+        return [(self.words, f"{float(thrust.size):.6g} N for {float(thrust.time):.6g} s, which put in {work:.6g} J")]

@@ -27,7 +27,7 @@ from .solve import differentiable as differentiable
 from .solve import solve as solve
 from .solve import solve_at_fixed_times as solve_at_fixed_times
 from .solve import solve_with_tangents as solve_with_tangents
-from .system import Followers as Followers
+from .system import EventValues as EventValues
 from .system import HybridSystem as HybridSystem
 from .system import Linearisation as Linearisation
-from .system import Watched as Watched
+from .system import PassiveOscillators as PassiveOscillators

@@ -18,7 +18,7 @@ State = Float[Array, " state"]
 Active = Float[Array, " contacts"]
 
 
-class Followers(eqx.Module):
+class PassiveOscillators(eqx.Module):
     """Oscillators that velocities of the system shake and that do not act back, in what follows these in the state.
 
     Of each, the deflection u and the absolute velocity z: u̇ = z - w, ż = -2ζω(z - w) - ω²u.
@@ -66,7 +66,7 @@ class Linearisation(eqx.Module):
     damping: Float[Array, "rank rank"]
     coordinates: int = eqx.field(static=True)
     decay: Float[Array, " rest"] | None = None
-    followers: Followers | None = None
+    followers: PassiveOscillators | None = None
     position_rate: PositionRate = PositionRate()
 
     @staticmethod
@@ -95,7 +95,7 @@ class Linearisation(eqx.Module):
         return jnp.maximum(fastest, RESOLVED * jnp.max(self.followers.rates))
 
 
-class Watched(NamedTuple):
+class EventValues(NamedTuple):
     """All that is watched of a state for events, looked at together: gaps with their rates, guards of the run's end,
     observables, and `HybridSystem.invariant`."""
 
@@ -193,7 +193,7 @@ class HybridSystem(eqx.Module):
         return any(self.rate_observables())
 
     @property
-    def sudden(self) -> bool:
+    def has_impulsive_reactions(self) -> bool:
         """Return whether an observable of the state's rate may rise within a step from far below its largest value to
         above it, as a reaction does where something rings. It is then followed closely at every step, not only near its
         largest value, which takes two right-hand sides more."""
@@ -204,7 +204,7 @@ class HybridSystem(eqx.Module):
         """Return a name for each of `observables`, in order."""
         return tuple(f"observable_{k}" for k in range(len(self.rate_observables())))
 
-    def negligible(self) -> Float[Array, "..."]:
+    def roundoff(self) -> Float[Array, "..."]:
         """Return the values of the observables below which no maximum matters, one for each or one for all: what
         rounding makes of them where nothing acts."""
         return jnp.asarray(-jnp.inf)
@@ -233,14 +233,14 @@ class HybridSystem(eqx.Module):
         """Return by how much a step may change the `invariant`, as a share of the relative tolerance."""
         return 0.03
 
-    def watched(self, state: State, rate: State, active: Active) -> Watched:
+    def watched(self, state: State, rate: State, active: Active) -> EventValues:
         """Return `gaps` and what follows it, together; a mechanism may look at the state once for all of them. Nothing
         needs to know how the invariant changes: it may be held fixed."""
         # Gaps depend on the coordinates alone, so the velocities are all of the motion that counts.
         gap, gap_rate = jax.jvp(self.gaps, (state,), (self.moving(state),))
         # The push-forward that gives the rates of all else stops here: the invariant's own rate is of no use.
         invariant = self.invariant(jax.lax.stop_gradient(state), active)
-        return Watched(gap, gap_rate, self.terminals(state), self.observables(state, rate, active), invariant)
+        return EventValues(gap, gap_rate, self.terminals(state), self.observables(state, rate, active), invariant)
 
     def event_time(self, state: State, rtol: Scalar) -> Scalar:
         """Return how closely steps of a run from a state end on events [s], at a relative tolerance.

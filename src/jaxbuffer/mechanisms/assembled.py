@@ -1,12 +1,10 @@
-"""Any planar mechanism with contacts: bodies and joints, force elements, balls on flanks and in holes, and elements."""
+"""Any planar mechanism with contacts: bodies, joints, and elements between them."""
 
 import math
-from collections import Counter
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
@@ -14,70 +12,48 @@ from jaxtyping import Array, Float, Int
 from .._types import Scalar, stacked
 from ..elements import BallContact as BallContact
 from ..elements import ContactForces, Element, Magnitudes, Oscillators
-from ..elements.element import ROUNDED_LENGTH
 from ..elements.stiff_terms import inverse_masses
 from ..errors import InputError
 from ..hybrid import Linearisation
-from ..multibody import Kinematics, Motion, System
+from ..multibody import Kinematics, System
 from ..multibody.scalars import with_scalars
-from .assembly_checks import check_constraints, check_magnitudes
+from ..plane import Vector
+from .assembly_checks import check_constraints, check_magnitudes, check_names, known
+from .energies import added, momentum, stored_energies, supplied_energies
 from .energy import Energy
+from .equations import Forces, forces_of, rate_of_state
 from .layout import Closed, EvaluatedState, Layout, State, row
+from .observables import Observable as Observable
+from .observables import element_observables, element_records
 from .relative_energy import rigid_energy
+from .scales import scale_limits, scales
 from .snapshot import Snapshot
 from .stiff_part import stiff_part
-from .system import ONSET, ContactSystem, SmoothMemory
+from .system import ContactSystem
 
-DEEPEST = 0.99  # of a ball's radius
-HYSTERESIS, FRICTION = "hysteresis", "friction"  # where contacts lose energy
+NO_END = ("failed_penetration",)  # time stepping needs an end: where no part has one, it is this, which never comes
 
-FirstContact = Callable[[Array, Scalar], tuple[Array, Array]]
 Quantity = Callable[[System, Kinematics], Scalar]
 E = TypeVar("E", bound=Element)
-
-
-class Shown(NamedTuple):
-    """An observable: its ``name``; ``of``: its value from the mechanism, an evaluated state and the state's rate;
-    ``of_rate``: whether it depends on the rate; ``least``: what its largest value is at least, as a depth is 0 where
-    nothing touches; ``negligible``: from the mechanism, what of it is rounding where nothing acts."""
-
-    name: str
-    of: Callable[["Assembled", EvaluatedState, State], Scalar]
-    of_rate: bool = False
-    least: float = -math.inf
-    negligible: Callable[["Assembled"], Scalar] | None = None
-
-
-class Exerted(NamedTuple):
-    """What acts at one instant: the contacts' forces, accelerations and multipliers of the bodies, and, where it is
-    asked for, the mass that a force along each of some directions meets [kg]."""
-
-    contacts: tuple[ContactForces, ...]
-    motion: Motion
-    masses: Array | None = None
 
 
 class Assembled(ContactSystem):
     """A mechanism ready to be stepped through time from a consistent start.
 
     **Arguments:** ``system``: bodies, joints and force elements; the elements' driving joints are added to its own;
-    ``q``, ``v``: positions and velocities at t = 0, on the constraints; ``contacts``: balls that have impacts;
-    ``elements``: further parts, see `jaxbuffer.elements`; ``closed``: which contacts, and then which of the elements'
-    switches, are closed at t = 0 (default: none); ``ends``: quantities whose crossing of zero upwards ends the run (so
-    do elements, and a ball's centre that comes to its flank: "failed_penetration"); ``end_names``: of each, the name of
-    the outcome that it stands for, among the mechanism's outcomes ("ended" unless given); ``quiet``: if given, the run
-    ends as "held" where all that closes once has closed and the energy of relative motion is below this share of that
-    at t = 0 (M177); ``size``: magnitudes that matter of the coordinates and of the velocities, one for all or one for
-    each; ``speed`` [m/s]: that velocities are of the order of (default: the second of ``size``); ``shown``: further
+    ``q``, ``v``: positions and velocities at t = 0, on the constraints; ``elements``: parts between the bodies, see
+    `jaxbuffer.elements`; ``closed``: which contacts that have impacts, and then which of the elements' other switches,
+    are closed at t = 0 (default: what each element says, see `Element.closed_at_start`); ``ends``: quantities whose
+    crossing of zero upwards ends the run (so do elements); ``end_names``: of each, the name of the outcome that it
+    stands for, among the mechanism's outcomes ("ended" unless given); ``rest_threshold``: if given, the run ends as
+    "held" where all that closes once has closed and the energy of relative motion is below this share of that at t = 0
+    (M177); ``size``: magnitudes that matter of the coordinates and of the velocities, one or one each;
+    ``speed`` [m/s]: that velocities are of the order of (default: the second of ``size``); ``shown``: further
     observables; ``recorded``: what a history shows besides; ``parts``: whatever these need to know; ``energy_size``
     [J]: magnitude of the energy; if given, steps must also keep the energy balance; ``momentum_size`` [kg m/s]: that of
-    the momentum, where the ground takes no part; ``memory_time`` [s]: if given, no event sets the contacts' memory: it
-    follows the approach speed while the contact is open (M61); ``first_contact``: which contacts are
-    closed at t = 0, in place of ``closed``, and their memory there [m/s], from their approach speeds and the least
-    memory [m/s];
-    ``stored_in``, ``lost_in``: names of the energies that the system itself stores and loses (None: it loses none);
-    ``listed``: names of energies, stored and lost, that are listed also where no part has them; ``rings``: whether
-    reactions may rise suddenly, as where a body bends or a pin bounces.
+    the momentum, where the ground takes no part; ``stored_in``, ``lost_in``: names of the energies that the system
+    itself stores and loses (None: it loses none); ``listed``: names of energies, stored and lost, that are listed also
+    where no part has them; ``impulsive_reactions``: whether reactions may rise suddenly, as where a body bends.
 
     Observables are the contacts' normal forces [N], the forces of elements that open and close [N], those shown, and
     what else the elements observe.
@@ -86,29 +62,28 @@ class Assembled(ContactSystem):
     system: System
     q: Float[Array, " coordinates"]
     v: Float[Array, " coordinates"]
-    contacts: tuple[BallContact, ...] = ()
+    elements: tuple[Element, ...] = ()
     closed: Any = ()
     ends: tuple[Quantity, ...] = eqx.field(static=True, default=())
     size: tuple[Any, Any] = (1.0, 1.0)
-    shown: tuple[Shown, ...] = eqx.field(static=True, default=())
-    recorded: tuple[Shown, ...] = eqx.field(static=True, default=())
+    shown: tuple[Observable, ...] = eqx.field(static=True, default=())
+    recorded: tuple[Observable, ...] = eqx.field(static=True, default=())
     parts: Any = None
     energy_size: Scalar | None = None
-    memory_time: Scalar | None = None
     end_names: tuple[str, ...] = eqx.field(static=True, default=())
-    elements: tuple[Element, ...] = ()
-    quiet: Scalar | None = None
+    rest_threshold: Scalar | None = None
     speed: Scalar | None = None
     momentum_size: Scalar | None = None
-    first_contact: FirstContact | None = eqx.field(static=True, default=None)
     stored_in: str = eqx.field(static=True, default="potential")
     lost_in: str | None = eqx.field(static=True, default="dampers")
     listed: tuple[tuple[str, ...], tuple[str, ...]] = eqx.field(static=True, default=((), ()))
-    rings: bool = eqx.field(static=True, default=True)
+    impulsive_reactions: bool = eqx.field(static=True, default=True)
 
     def __post_init__(self) -> None:
-        """Add the elements' driving joints to those of the system, and make numbers of arrays of one entry."""
-        self.contacts, self.elements = with_scalars((self.contacts, self.elements))
+        """Make numbers of the elements' arrays of one entry, tell them the speed of the mechanism, and add their
+        driving joints to those of the system."""
+        elements = with_scalars(self.elements)
+        self.elements = tuple(element.in_mechanism(self.typical_speed) for element in elements)
         mine = tuple(joint for element in self.elements if (joint := element.driving_joint) is not None)
         there = sum(joint.driven for joint in self.system.joints)
         if mine and not there:
@@ -125,50 +100,37 @@ class Assembled(ContactSystem):
         Of two with one name, what one of them shows would hide what the other does. The energy of relative motion means
         nothing where the ground takes part: all of the motion would count as that of the whole.
         """
-        named = {
-            "elements are called": [element.name for element in self.elements],
-            "contacts are called": self.contact_names,
-            "observables are called": self.observed,
-        }
-        for what, names in named.items():
-            for name, count in Counter(names).items():
-                if count > 1:
-                    raise InputError(f"{count} {what} {name!r}: give each a name of its own")
-        if self.quiet is not None and self.momentum_size is None:
-            raise InputError("quiet is of bodies that nothing holds to the ground: give momentum_size [kg m/s] too")
+        check_names("elements", [element.name for element in self.elements])
+        check_names("contacts", self.contact_names)
+        check_names("observables", self.observed)
+        if self.rest_threshold is not None and self.momentum_size is None:
+            raise InputError(
+                "rest_threshold is of bodies that nothing holds to the ground: give momentum_size [kg m/s] too"
+            )
         if sum(isinstance(element, Oscillators) for element in self.elements) > 1:
             raise InputError("there are several Oscillators: put all of them into one, which implicit steps then know")
-        leaves = jax.tree.leaves((self.system, self.q, self.v, self.contacts, self.elements, self.size, self.parts))
-        # Traced numbers have no values to look at.
-        if not any(isinstance(leaf, jax.core.Tracer) or np.ndim(leaf) > np.ndim(self.q) for leaf in leaves):
+        if known((self.system, self.q, self.v, self.elements, self.size, self.parts), dimensions=np.ndim(self.q)):
             check_constraints(self.system, self.q, self.v)
-            check_magnitudes(self._magnitudes())
-
-    def _magnitudes(self) -> dict[str, tuple[Any, bool]]:
-        """Return thresholds, scales and tolerances by name, each with whether it may be infinite."""
-        # A threshold may be -∞, a limit ∞ and a number that nothing stands for None; NaN is wrong everywhere.
-        return {
-            **{f"negligible of {name}": (x, True) for name, x in zip(self.observed, self.negligible(), strict=True)},
-            "scales": (self.scales(), False),
-            "scale_limits": (self.scale_limits(), True),
-            "typical_speed": (self.typical_speed, False),
-            "energy_scale": (self.energy_scale, False),
-            "momentum_scale": (self.momentum_scale, False),
-            "tolerance_share": (self.tolerance_share, False),
-            "quiet": (self.quiet, False),
-            "memory_time": (self.memory_time, False),
-        }
+            check_magnitudes(self, {"rest_threshold": self.rest_threshold})
 
     # --- the state's layout -------------------------------------------------------------------------------------------
 
     @property
     def layout(self) -> Layout:
         """Return where in the state each part's numbers stand."""
-        return Layout(self.coordinates, self.contacts, self.elements, len(self.loss_names), self.quiet is not None)
+        return Layout(self.coordinates, self.elements, len(self.loss_names), self.rest_threshold is not None)
+
+    @property
+    def places(self) -> dict[str, slice]:
+        return self.layout.places
 
     def part(self, state: State, name: str) -> Array:
         """Return a part of the state, by its name in `Layout.places`."""
-        return state[self.layout.places[name]]
+        return state[self.places[name]]
+
+    def acceleration(self, rate: State, body: int) -> Vector:
+        """Return the acceleration of a body's origin [m/s²], from the state's rate."""
+        return self.system.order.translation(self.part(rate, "v"), body)
 
     def element(self, name: str) -> Any:
         """Return the element of a name, None where there is none."""
@@ -194,24 +156,24 @@ class Assembled(ContactSystem):
 
     @property
     def spins(self) -> int:
-        """Return how many balls spin freely, each with a velocity of its own behind the coordinates'."""
+        """Return how many parts of elements turn by themselves, each with a velocity behind the coordinates'."""
         return len(self.layout.spin_inertias)
 
     @property
     def loss_names(self) -> tuple[str, ...]:
-        """Return where energy is lost: in the system, in contacts, and in elements."""
+        """Return where energy is lost: in the system and in elements."""
         own = () if self.lost_in is None else (self.lost_in,)
-        names = [*own, HYSTERESIS, FRICTION, *(name for element in self.elements for name in element.loss_names)]
+        names = [*own, *(name for element in self.elements for name in element.loss_names)]
         return tuple(dict.fromkeys(names))
 
     @property
     def contact_names(self) -> tuple[str, ...]:
-        """Return the names of the contacts' segments, and then of the elements' switches."""
-        return self.layout.contact_names
+        """Return the names of the contacts that have impacts, and then of the elements' other switches."""
+        return self.layout.switch_names
 
     @property
     def impact_contacts(self) -> int:
-        return self.layout.segments
+        return self.layout.impacts
 
     @property
     def contact_count(self) -> int:
@@ -219,7 +181,7 @@ class Assembled(ContactSystem):
 
     @property
     def contact_observables(self) -> int:
-        return self.impact_contacts + len(self.layout.switch_forces)
+        return len(self.layout.switch_forces)
 
     @property
     def one_way(self) -> tuple[bool, ...]:
@@ -228,37 +190,29 @@ class Assembled(ContactSystem):
     # --- what the mechanism says of itself ----------------------------------------------------------------------------
 
     @property
-    def remembers(self) -> bool:
-        return self.memory_time is None
-
-    @property
     def jumps(self) -> bool:
-        laws = (contact.pair.law.jumps for contact in self.contacts)
-        return any(laws) or any(element.jumps for element in self.elements)
+        return any(element.jumps for element in self.elements)
 
     @property
     def observed(self) -> tuple[str, ...]:
-        forces = (*self.layout.segment_names, *self.layout.switch_forces)
+        forces = self.layout.switch_forces
         names = (name for element in self.elements for name in (*element.observed, *element.observed_of_rate))
         others = (name for name in names if name not in forces)
         return (*forces, *(shown.name for shown in self.shown), *others)
 
     @property
-    def least_maxima(self) -> Mapping[str, float]:
+    def lower_bounds(self) -> Mapping[str, float]:
         least = {shown.name: shown.least for shown in self.shown}
         for element in self.elements:
-            least |= element.least_maxima
+            least |= element.lower_bounds
         return {name: value for name, value in least.items() if value > -math.inf}
 
-    def negligible(self) -> Float[Array, " observables"]:
+    def roundoff(self) -> Float[Array, " observables"]:
         sizes: dict[str, Scalar] = {
-            shown.name: -jnp.inf if shown.negligible is None else shown.negligible(self) for shown in self.shown
+            shown.name: -jnp.inf if shown.roundoff is None else shown.roundoff(self) for shown in self.shown
         }
-        for contact, names in zip(self.contacts, self.layout.of_contacts(self.layout.segment_names), strict=True):
-            if contact.onset_length is not None:  # even a flank far away exerts something, which is rounding
-                sizes |= dict.fromkeys(names, contact.pair.law.elastic(jnp.asarray(ROUNDED_LENGTH)))
         for element in self.elements:
-            sizes |= element.negligible()
+            sizes |= element.roundoff()
         return stacked([sizes.get(name, 0.0) for name in self.observed]) if self.observed else jnp.zeros(0)
 
     def rate_observables(self) -> tuple[bool, ...]:
@@ -267,8 +221,8 @@ class Assembled(ContactSystem):
         return tuple(name in rated for name in self.observed)
 
     @property
-    def sudden(self) -> bool:
-        return self.rings or any(element.sudden for element in self.elements)
+    def has_impulsive_reactions(self) -> bool:
+        return self.impulsive_reactions or any(element.has_impulsive_reactions for element in self.elements)
 
     @property
     def typical_speed(self) -> Scalar:
@@ -285,8 +239,7 @@ class Assembled(ContactSystem):
 
     @property
     def balance_complete(self) -> bool:
-        balanced = (*(it.balanced for it in self.contacts), *(it.balanced for it in self.elements))
-        return self.energy_size is not None and all(balanced)
+        return self.energy_size is not None and all(element.balanced for element in self.elements)
 
     @property
     def tolerance_share(self) -> float:
@@ -310,14 +263,12 @@ class Assembled(ContactSystem):
 
     def _evaluated(self, state: State, kin: Kinematics, switching: bool = False) -> EvaluatedState:
         """Return an evaluated state; ``switching``: whether elements without switches are left out."""
-        places, inertias = self.layout.places, self.layout.spin_inertias
-        spins = dict(zip(inertias, state[places["spins"]], strict=True)) if inertias else {}
-        contacts = tuple(contact.evaluate(kin, spins.get(k)) for k, contact in enumerate(self.contacts))
-        elements = tuple(
-            None if switching and not element.switches else element.evaluate(kin, state[places[f"element {k}"]])
+        layout = self.layout
+        elements = (
+            None if switching and not element.switches else element.evaluate(kin, layout.own(state, k))
             for k, element in enumerate(self.elements)
         )
-        return EvaluatedState(state, kin, contacts, elements)
+        return EvaluatedState(state, kin, tuple(elements))
 
     def start(self) -> tuple[State, Closed]:
         at, closed = self.first_evaluation()
@@ -326,341 +277,191 @@ class Assembled(ContactSystem):
     def first_evaluation(self) -> tuple[EvaluatedState, Closed]:
         kin = self.system.kinematics(self.q, self.v)
         own = [element.start(kin) for element in self.elements]
-        spins = [kin.point(self.contacts[k].body, self.contacts[k].point).spin for k in self.layout.spin_inertias]
-        before, time = len(self.loss_names) + int(self.quiet is not None), jnp.zeros(int(self.layout.driven))
-        moving = [self.q, self.v, *([stacked(spins)] if spins else []), jnp.zeros(before)]
-        without_memory = jnp.concatenate([*moving, *own, time])
-        # Nothing that is evaluated depends on the memory, which is known only then.
-        at = self._evaluated(jnp.concatenate([without_memory, jnp.ones(self.impact_contacts)]), kin)
-        closed, memory = self._start_contacts(at)
-        at = at._replace(state=jnp.concatenate([without_memory, memory]))
-        if self.quiet is not None:
+        at = self._evaluated(self._start_state(own), kin)
+        closed = self._start_closed(at)
+        parts = zip(self.elements, at.elements, own, self.layout.of_elements(closed), strict=True)
+        # A state is evaluated once: an element that changes its numbers says what that changes of it.
+        after = [element.after_start(it, mine, active) for element, it, mine, active in parts]
+        state = self._start_state([mine for _, mine in after])
+        at = at._replace(state=state, elements=tuple(it for it, _ in after))
+        if self.rest_threshold is not None:
             # A run ends as held below a share of the first energy (M177), which therefore stands in the state.
             energy = self.relative_energy(at, closed)
-            at = at._replace(state=at.state.at[self.layout.places["first energy"]].set(energy))
+            at = at._replace(state=at.state.at[self.places["first energy"]].set(energy))
         return at, closed
 
-    def _start_contacts(self, at: EvaluatedState) -> tuple[Closed, Float[Array, " contacts"]]:
-        """Return which contacts and switches are closed at t = 0, and the contacts' memory there [m/s]."""
-        speeds = row([it.approach.approach_speed for it in at.contacts])
-        if self.first_contact is not None:
-            touching, memory = self.first_contact(speeds, self.slowest_touchdown)
-            return self._with_switches(touching, at), memory
-        closed = self._with_switches(jnp.asarray(self.closed, float), at)
-        # An open contact's memory only says how fast the first impact may be.
-        touching = closed[: self.impact_contacts] > 0.5
-        return closed, jnp.maximum(speeds, jnp.where(touching, self.slowest_touchdown, self.typical_speed))
+    def _start_state(self, own: list[Array]) -> State:
+        nothing = jnp.zeros(len(self.loss_names))
+        return self.layout.state(q=self.q, v=self.v, lost=nothing, first_energy=0.0, own=own, time=0.0)
 
-    def _with_switches(self, given: Closed, at: EvaluatedState) -> Closed:
-        """Return which contacts and switches are closed at t = 0: those that are said to be. Of the others the contacts
-        are open, and a switch is closed where the start is beyond its place: no event would close it."""
+    def _start_closed(self, at: EvaluatedState) -> Closed:
+        """Return which contacts and switches are closed at t = 0: those that are said to be, and of the others what
+        their elements say."""
+        given = jnp.asarray(self.closed, float)
         if given.shape[0] == self.contact_count:
             return given
-        beyond = jnp.where(self.gaps_at(at)[0][self.impact_contacts :] < 0.0, 1.0, 0.0)
-        default = jnp.concatenate([jnp.zeros(self.impact_contacts), beyond])
+        parts = zip(self.elements, at.elements, strict=True)
+        default = self.layout.of_switches([element.closed_at_start(it) for element, it in parts])
         return jnp.concatenate([given, default[given.shape[0] :]])
 
-    def smooth_memory(self, at: EvaluatedState) -> SmoothMemory | None:
-        """Return how the memory follows the approach speed; None with events, which set it."""
-        if self.memory_time is None:
-            return None
-        # Each contact is let go over the length over which its own force sets in, if it has one.
-        onsets = [
-            jnp.full(contact.segments, ONSET if contact.onset_length is None else contact.onset_length)
-            for contact in self.contacts
-        ]
-        approaches = [it.approach for it in at.contacts]
-        return SmoothMemory.of(
-            self.memory(at.state),
-            row([a.gap for a in approaches]),
-            row([a.approach_speed for a in approaches]),
-            self.memory_time,
-            row(onsets),
-            self.slowest_touchdown,
-        )
-
     def contact_forces(self, at: EvaluatedState, active: Closed) -> tuple[ContactForces, ...]:
-        """Return F_n and F_t of each contact [N]."""
-        memory = self.layout.of_contacts(self.memory(at.state))
-        parts = zip(self.contacts, at.contacts, memory, self.layout.of_contacts(active), strict=True)
-        return tuple(contact.forces(ball, speeds, closed) for contact, ball, speeds, closed in parts)
+        """Return F_n and F_t of the contacts that have impacts, of each element that has some [N]."""
+        closed = self.layout.of_elements(active)
+        return tuple(self.elements[k].contact_forces(at.elements[k], closed[k]) for k in self.layout.impacting)
 
-    def exerted(self, at: EvaluatedState, active: Closed, directions: Array | None = None) -> Exerted:
+    def forces(self, at: EvaluatedState, active: Closed, directions: Array | None = None) -> Forces:
         """Return what acts at an instant. ``directions``: of the masses, a column each."""
-        forces = self.contact_forces(at, active)
-        balls = zip(self.contacts, at.contacts, forces, strict=True)
-        loads = [load for contact, ball, force in balls for load in contact.loads(ball, force)]
-        elements = zip(self.elements, at.elements, self.layout.of_elements(active), strict=True)
-        loads += [load for element, *part in elements for load in element.loads(*part)]
-        if directions is None:
-            return Exerted(forces, self.system.motion(at.kin, tuple(loads)))
-        return Exerted(forces, *self.system.motion_and_masses(at.kin, tuple(loads), directions))
+        return forces_of(self.system, self.layout, at, active, directions)
 
     def rate_at(self, at: EvaluatedState, active: Closed) -> State:
-        return self._rate(at, active, self.exerted(at, active))
+        return self._rate(at, active, self.forces(at, active))
 
     def rate_and_masses(self, at: EvaluatedState, active: Closed, directions: Array) -> tuple[State, Array]:
-        exerted = self.exerted(at, active, directions)
-        assert exerted.masses is not None
-        return self._rate(at, active, exerted), exerted.masses
+        acting = self.forces(at, active, directions)
+        assert acting.masses is not None
+        return self._rate(at, active, acting), acting.masses
 
-    def _rate(self, at: EvaluatedState, active: Closed, exerted: Exerted) -> State:
+    def _rate(self, at: EvaluatedState, active: Closed, acting: Forces) -> State:
         """Return the rate of the state."""
-        spins = [
-            self.contacts[k].spin_moment(at.contacts[k], exerted.contacts[k]) / inertia
-            for k, inertia in self.layout.spin_inertias.items()
-        ]
-        time = [1.0] * self.layout.driven
-        first_energy = [0.0] * (self.quiet is not None)
-        lost = self._losses(at, active, exerted)
-        own = self._element_rates(at, active, exerted)
-        rest = [*spins, *(lost[name] for name in self.loss_names), *first_energy, *own, *time]
-        memory = jnp.zeros(self.impact_contacts) if (smooth := self.smooth_memory(at)) is None else smooth.rate
-        return jnp.concatenate([at.kin.v, exerted.motion.acceleration, stacked(rest), memory])
-
-    def _element_rates(self, at: EvaluatedState, active: Closed, exerted: Exerted) -> list[Scalar]:
-        """Return the rates of the elements' numbers."""
-        rates: list[Scalar] = []
-        # The driving joints stand behind all others, and so do their multipliers.
-        others = [joint for joint in self.system.joints if not joint.driven] if self.layout.driven else []
-        first = sum(len(joint.rows(at.kin)) for joint in others)
-        for element, it, closed in zip(self.elements, at.elements, self.layout.of_elements(active), strict=True):
-            rates += element.rates(it, closed)
-            if element.driving_joint is not None:
-                last = first + len(element.driving_joint.rows(at.kin))
-                rates += element.reaction_rates(it, exerted.motion.multipliers[first:last])
-                first = last
-        return rates
-
-    def _losses(self, at: EvaluatedState, active: Closed, exerted: Exerted) -> dict[str, Scalar]:
-        """Return the power that is lost, by where it is [W]."""
-        lost: dict[str, Scalar] = {HYSTERESIS: jnp.zeros(()), FRICTION: jnp.zeros(())}
-        balls = zip(self.contacts, at.contacts, exerted.contacts, self.layout.of_contacts(active), strict=True)
-        for contact, ball, forces, closed in balls:
-            hysteresis, friction = contact.losses(ball, forces, closed)
-            lost[HYSTERESIS], lost[FRICTION] = lost[HYSTERESIS] + hysteresis, lost[FRICTION] + friction
-        parts = [
-            element.losses(*part)
-            for element, *part in zip(self.elements, at.elements, self.layout.of_elements(active), strict=True)
-        ]
-        own = {} if self.lost_in is None else {self.lost_in: self.system.dissipation(at.kin)}
-        for powers in (own, *parts):
-            lost = _added(lost, powers)
-        return lost
+        return rate_of_state(self.system, self.layout, at.kin, active, acting, (self.loss_names, self.lost_in))
 
     def gaps_at(self, at: EvaluatedState) -> tuple[Closed, Closed]:
         """Return the gap of each contact and each switch [m], and how fast it closes [m/s]; of what is over after some
         time the time left [s], and how fast that passes."""
         parts = zip(self.elements, at.elements, strict=True)
         of = [element.gaps(it) if element.switches else [] for element, it in parts]
-        gaps = self.layout.joined([it.approach.gap for it in at.contacts], [[gap for gap, _ in pairs] for pairs in of])
-        speeds = [[speed for _, speed in pairs] for pairs in of]
-        return gaps, self.layout.joined([it.approach.approach_speed for it in at.contacts], speeds)
+        gaps = self.layout.of_switches([[gap for gap, _ in pairs] for pairs in of])
+        return gaps, self.layout.of_switches([[speed for _, speed in pairs] for pairs in of])
 
     def touchdown(self, state: State, acceleration: Float[Array, ""], contact: Int[Array, ""]) -> State:
-        after = super().touchdown(state, acceleration, contact)
-        # Hardly an element changes its numbers as it closes: without one, the state need not be evaluated once more.
-        if all(type(element).after_closing is Element.after_closing for element in self.elements):
-            return after
-        at, places = self.evaluate(state), self.layout.places
-        closing = self.layout.of_elements(jnp.where(jnp.arange(self.contact_count) == contact, 1.0, 0.0))
-        for k, element in enumerate(self.elements):
-            mine = places[f"element {k}"]
-            after = after.at[mine].set(element.after_closing(at.elements[k], after[mine], closing[k]))
-        return after
+        changed = [k for k, element in enumerate(self.elements) if element.switches and element.resets]
+        if changed:
+            at, before = self.evaluate_contacts(state), state
+            # At the crossing itself, a first-order step away from the located state.
+            late, speed = self.until_contact_at(at, contact)
+            speed = speed + acceleration * late
+            closing = self.layout.of_elements(jnp.where(jnp.arange(self.contact_count) == contact, 1.0, 0.0))
+            for k in changed:
+                own = self.layout.own(before, k)
+                own = self.elements[k].after_closing(at.elements[k], own, closing[k], speed)
+                state = self.layout.with_own(state, k, own)
+        return super().touchdown(state, acceleration, contact)
 
     # --- ends of a run ------------------------------------------------------------------------------------------------
 
     @property
     def end_outcomes(self) -> tuple[str, ...]:
         elements = (name for element in self.elements for name in element.outcomes)
-        held = () if self.quiet is None else ("held",)
-        return (*(self.end_names or ("ended",) * len(self.ends)), *elements, "failed_penetration", *held)
+        held = () if self.rest_threshold is None else ("held",)
+        return (*(self.end_names or ("ended",) * len(self.ends)), *elements, *held) or NO_END
 
     def terminals_at(self, at: EvaluatedState) -> Float[Array, " terminals"]:
-        """Return those of ``ends`` and of elements, whether a ball's centre comes to its flank, where the contact's
-        normal turns over, and whether all is held."""
+        """Return those of ``ends`` and of elements, and whether all is held."""
         ends = [quantity(self.system, at.kin) for quantity in self.ends]
         for element, it in zip(self.elements, at.elements, strict=True):
             ends += element.guards(it)
-        pairs = zip(at.contacts, self.contacts, strict=True)
-        deep = [jnp.max(-it.approach.gap) - DEEPEST * jnp.asarray(contact.pair.radius) for it, contact in pairs]
-        # Without a contact the guard never rises.
-        ends.append(jnp.max(jnp.stack(deep)) if deep else -jnp.ones(()))
-        return stacked([*ends, *([] if self.quiet is None else [self._at_rest(at)])])
+        ends += [] if self.rest_threshold is None else [self._at_rest(at)]
+        return stacked(ends or [-1.0])
 
     def _at_rest(self, at: EvaluatedState) -> Scalar:
         """Return a number above zero where all that closes once has closed and the energy of relative motion is below
-        its quiet share (M177)."""
-        assert self.quiet is not None
+        its threshold (M177)."""
+        assert self.rest_threshold is not None
         parts = list(zip(self.elements, at.elements, strict=True))
         settled = jnp.asarray(True)
         for element, it in parts:
             settled = settled & element.settled(it)
         # No event tells here which contacts are closed: it shows in their gaps, and in what elements know.
-        balls = [jnp.where(it.approach.gap <= 0.0, 1.0, 0.0) for it in at.contacts]
-        active = self.layout.joined(balls, [element.closed_by_state(it) for element, it in parts])
+        active = self.layout.of_switches([element.closed_by_state(it) for element, it in parts])
         left = self.relative_energy(at, active) / self.part(at.state, "first energy")[0]
-        return jnp.where(settled, self.quiet - left, -1.0)
+        return jnp.where(settled, self.rest_threshold - left, -1.0)
 
     # --- what is watched, and the balance -----------------------------------------------------------------------------
 
     def normal_force_at(self, at: EvaluatedState, active: Closed) -> Float[Array, " contacts"]:
         return row([forces.normal for forces in self.contact_forces(at, active)])
 
+    def memory(self, state: State) -> Float[Array, " contacts"]:
+        layout = self.layout
+        return row([self.elements[k].touchdown_speeds(layout.own(state, k)) for k in layout.impacting])
+
     def observables_at(self, at: EvaluatedState, rate: State, active: Closed) -> Float[Array, " observables"]:
-        values = self._element_observables(at, rate, active)
+        values = element_observables(self.layout, at, rate, active)
         values |= {shown.name: shown.of(self, at, rate) for shown in self.shown}
         others = [values[name] for name in self.observed[self.impact_contacts :]]
         return row([self.normal_force_at(at, active), *([stacked(others)] if others else [])])
 
-    def _element_observables(self, at: EvaluatedState, rate: State, active: Closed) -> dict[str, Scalar]:
-        values: dict[str, Scalar] = {}
-        acceleration, closed = self.part(rate, "v"), self.layout.of_elements(active)
-        for k, (element, it) in enumerate(zip(self.elements, at.elements, strict=True)):
-            values |= element.observables(it, closed[k])
-            if element.observed_of_rate:
-                values |= element.observables_of_rate(it, acceleration, self.part(rate, f"element {k}"))
-        return values
-
     def snapshot_at(self, at: EvaluatedState, active: Closed) -> Snapshot:
-        exerted = self.exerted(at, active)
-        rate = self._rate(at, active, exerted)
-        approaches = [it.approach for it in at.contacts]
-        others = self._element_observables(at, rate, active)
-        sources = dict[str, str]()
-        for element, *part in zip(self.elements, at.elements, self.layout.of_elements(active), strict=True):
-            recorded = element.recorded(*part)
-            # An element may record with its sign what it observes without; of two elements one would hide the other.
-            for name in {*element.observed, *element.observed_of_rate, *recorded}:
-                if sources.setdefault(name, element.name) != element.name:
-                    both = f"{sources[name]!r} and {element.name!r}"
-                    raise InputError(f"the elements {both} both show {name!r}: give one of them another name")
-            others |= recorded
+        acting = self.forces(at, active)
+        rate = self._rate(at, active, acting)
+        others = element_observables(self.layout, at, rate, active) | element_records(self.layout, at, active)
         # Those recorded come last: where a size is watched, the history has the value with its sign.
         others |= {shown.name: shown.of(self, at, rate) for shown in (*self.shown, *self.recorded)}
         if self.momentum_size is not None:
             others["relative_energy"] = self.relative_energy(at, active)
         gap, closing = self.gaps_at(at)
+        forces = self.contact_forces(at._replace(elements=acting.elements), active)
         return Snapshot(
             gap=gap[: self.impact_contacts],
             approach_speed=closing[: self.impact_contacts],
-            slip=row([a.slip for a in approaches]),
-            normal=row([forces.normal for forces in exerted.contacts]),
-            friction=row([forces.friction for forces in exerted.contacts]),
-            multipliers=exerted.motion.multipliers,
+            slip=row([self.elements[k].slips(at.elements[k]) for k in self.layout.impacting]),
+            normal=row([it.normal for it in forces]),
+            friction=row([it.friction for it in forces]),
+            multipliers=acting.motion.multipliers,
             others={name: jnp.asarray(value) for name, value in others.items()},
-            acceleration=exerted.motion.acceleration,
+            acceleration=acting.motion.acceleration,
         )
 
     def stored(self, at: EvaluatedState, active: Closed) -> dict[str, Scalar]:
-        """Return the energy in motion, in the system's springs, in contacts and in elements, by name [J] (M76)."""
-        kinetic = self.system.kinetic_energy(at.kin)
-        for k, inertia in self.layout.spin_inertias.items():
-            kinetic = kinetic + 0.5 * inertia * at.contacts[k].spin ** 2
-        balls = zip(self.contacts, at.contacts, self.layout.of_contacts(active), strict=True)
-        elastic = sum((contact.stored(ball, closed) for contact, ball, closed in balls), start=jnp.zeros(()))
-        potential = jnp.asarray(self.system.stored_energy(at.kin))
-        stored = {"kinetic": kinetic, self.stored_in: potential, "contact": elastic}
-        for element, *part in zip(self.elements, at.elements, self.layout.of_elements(active), strict=True):
-            stored = _added(stored, element.stored(*part))
-        return stored
-
-    def supplied(self, state: State) -> dict[str, Scalar]:
-        """Return the energy that elements have put in from outside so far, by name [J]."""
-        supplied: dict[str, Scalar] = {}
-        for k, element in enumerate(self.elements):
-            supplied = _added(supplied, element.supplied(self.part(state, f"element {k}")))
-        return supplied
+        """Return the energy in motion, in the system's springs and in elements, by name [J] (M76)."""
+        return stored_energies(self.system, self.layout, at, active, self.stored_in)
 
     def relative_energy(self, at: EvaluatedState, active: Closed) -> Float[Array, ""]:
         """Return the energy of relative motion [J]: what is stored and in motion beyond the motion of the whole as one
         rigid body (M177)."""
-        spins = [(inertia, at.contacts[k].spin) for k, inertia in self.layout.spin_inertias.items()]
-        return jnp.asarray(sum(self.stored(at, active).values()) - rigid_energy(self.system, at.kin, spins))
+        whole = rigid_energy(self.system, at.kin, self.layout.spinning(at.state))
+        return jnp.asarray(sum(self.stored(at, active).values()) - whole)
 
     def energy_at(self, at: EvaluatedState, active: Closed) -> Energy:
         always_stored, always_lost = (dict.fromkeys(names, jnp.zeros(())) for names in self.listed)
         # What came from outside is counted negative, so that the total stays constant (M76).
-        put_in = {name: -energy for name, energy in self.supplied(at.state).items()}
-        stored = _added(always_stored | self.stored(at, active), put_in)
+        put_in = {name: -energy for name, energy in supplied_energies(self.layout, at.state).items()}
+        stored = added(always_stored | self.stored(at, active), put_in)
         lost = always_lost | dict(zip(self.loss_names, self.part(at.state, "lost"), strict=True))
         return Energy({name: jnp.asarray(energy) for name, energy in stored.items()}, lost)
 
-    def other_forces_at(self, at: EvaluatedState, active: Closed) -> Scalar:
+    def stiff_forces_at(self, at: EvaluatedState, active: Closed) -> Scalar:
         parts = zip(self.elements, at.elements, self.layout.of_elements(active), strict=True)
         return sum((element.stiff_force(*part) for element, *part in parts), start=jnp.zeros(()))
 
     def momentum_at(self, at: EvaluatedState) -> tuple[Float[Array, " 2"], Float[Array, ""]]:
-        kin, state = at.kin, at.state
-        linear, angular = self.system.linear_momentum(kin), self.system.angular_momentum(kin)
-        for inertia, spin in zip(self.layout.spin_inertias.values(), self.part(state, "spins"), strict=True):
-            angular = angular + inertia * spin
-        for k, element in enumerate(self.elements):
-            impulse = element.impulse(self.part(state, f"element {k}"))
-            if impulse is not None:  # what came from outside is no error
-                linear, angular = linear - stacked([impulse[0].x, impulse[0].y]), angular - impulse[1]
-        return linear, angular
+        return momentum(self.system, self.layout, at)
 
     def constraint_errors(self, kin: Kinematics) -> Float[Array, " rows"]:
         return self.system.errors(kin)
 
     def penetration(self, force: Float[Array, ""]) -> Float[Array, ""]:
-        depths = [jnp.asarray(contact.pair.law.depth(force)) for contact in self.contacts]
+        depths = [self.elements[k].penetration(force) for k in self.layout.impacting]
         return jnp.max(jnp.stack(depths)) if depths else jnp.zeros(())
 
     # --- time stepping ------------------------------------------------------------------------------------------------
 
     def scales(self) -> State:
-        n, speed, energy = self.coordinates, self.typical_speed, self.energy_scale
-        place, motion = (jnp.broadcast_to(jnp.asarray(size, float), (n,)) for size in self.size)
         momentum = 1.0 if self.momentum_size is None else self.momentum_size
-        magnitudes = Magnitudes(speed, energy, momentum)
-        # A ball that rolls at the typical speed spins at that over its radius.
-        rest: list[Scalar] = [speed / self.contacts[k].pair.radius for k in self.layout.spin_inertias]
-        rest += [energy] * len(self.loss_names)
-        rest += [energy] * (self.quiet is not None)
-        for element in self.elements:
-            rest += element.scales(magnitudes)
-        rest += [1.0] * self.layout.driven + [speed] * self.impact_contacts
-        return jnp.concatenate([place, motion, stacked(rest)])
+        return scales(self.layout, self.size, Magnitudes(self.typical_speed, self.energy_scale, momentum))
 
     def scale_limits(self) -> State | None:
-        places, spinning = self.layout.places, self.layout.spin_inertias
-        if not spinning:
-            return None
-        spins = stacked([self.contacts[k].spin_scale_limit for k in spinning])
-        behind = places["memory"].stop - places["spins"].stop
-        return jnp.pad(spins, (places["spins"].start, behind), constant_values=jnp.inf)
+        return scale_limits(self.layout)
 
     def impact_step(self, state: State) -> Float[Array, ""]:
-        """Return a fifteenth of the shortest impact of a contact's ball and its body; 1e-6 s without contacts [s]."""
-        # A lossless Hertz impact lasts 3.2 of its law's time scales (M58, M80): a fifth of one is about a fifteenth of
-        # it.
-        memory, steps = self.layout.of_contacts(self.memory(state)), []
-        for contact, speeds in zip(self.contacts, memory, strict=True):
-            speed = jnp.max(speeds)
-            # At its floor, as before the first touchdown of a free start, the memory says nothing of the impact.
-            speed = jnp.where(speed > self.slowest_touchdown, speed, self.typical_speed)
-            steps.append(0.2 * jnp.asarray(contact.pair.law.time_scale(self.system.bodies[contact.body].mass, speed)))
-        return jnp.min(jnp.stack(steps)) if steps else jnp.asarray(1e-6)
+        """Return a fifteenth of the shortest impact; 1e-6 s without contacts [s]."""
+        steps = [element.impact_step(self.system, self.layout.own(state, k)) for k, element in enumerate(self.elements)]
+        of_impacts = [jnp.asarray(step) for step in steps if step is not None]
+        return jnp.min(jnp.stack(of_impacts)) if of_impacts else jnp.asarray(1e-6)
 
     def inverse_masses_at(self, at: EvaluatedState) -> Float[Array, "contacts contacts"]:
-        normals = [
-            # A ball's own spin does not change how fast its contact closes: its rows are zero, and left out.
-            contact.directions(self.system, it)[0][: self.coordinates]
-            for contact, it in zip(self.contacts, at.contacts, strict=True)
-        ]
-        return inverse_masses(self.system, at.kin, jnp.concatenate(normals, axis=1))
+        closing = [self.elements[k].closing_directions(self.system, at.elements[k]) for k in self.layout.impacting]
+        return inverse_masses(self.system, at.kin, jnp.concatenate(closing, axis=1))
 
     def linearisation(self, time: Scalar, state: State, active: Closed) -> Linearisation:
-        at = self.evaluate(state)
-        return stiff_part(self.system, self.layout, at, active, self.smooth_memory(at))
-
-
-def _added(energies: Mapping[str, Scalar], more: Mapping[str, Scalar]) -> dict[str, Scalar]:
-    """Add energies, or powers, of one name."""
-    sums = dict(energies)
-    for name, value in more.items():
-        sums[name] = sums[name] + value if name in sums else value
-    return sums
+        return stiff_part(self.system, self.layout, self.evaluate(state), active)

@@ -1,24 +1,49 @@
-"""What an assembled mechanism whose numbers are known is checked for."""
+"""What an assembled mechanism is checked for: names, and where its numbers are known, magnitudes and constraints."""
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Iterable, Mapping
 from typing import Any
 
+import jax
 import numpy as np
 from jaxtyping import Array, Float
 
+from .._types import Scalar
 from ..errors import InputError, concrete
 from ..multibody import GROUND, Joint, System
+from .system import ContactSystem
 
 DEPENDENT = 1e-10  # singular value of constraint rows of unit length, below which rows are dependent but for rounding
 SHARE = 1e-6  # of a joint's row in a dependence, above which the joint takes part in it
 
 
-def check_magnitudes(magnitudes: Mapping[str, tuple[Any, bool]]) -> None:
-    """Raise `InputError` for a threshold, scale or tolerance that is no number: NaN is below and above nothing, so that
-    what is compared with it is decided without a word.
+def known(numbers: Any, dimensions: int) -> bool:
+    """Return whether numbers have values to look at: none is traced, or has more axes than so many ``dimensions``."""
+    leaves = jax.tree.leaves(numbers)
+    return not any(isinstance(leaf, jax.core.Tracer) or np.ndim(leaf) > dimensions for leaf in leaves)
 
-    **Arguments:** ``magnitudes``: by name, each with whether it may be infinite.
-    """
+
+def check_names(what: str, names: Iterable[str]) -> None:
+    """Raise `InputError` where two have one name. ``what``: what they are, in the plural."""
+    for name, count in Counter(names).items():
+        if count > 1:
+            raise InputError(f"{count} {what} are called {name!r}: give each a name of its own")
+
+
+def check_magnitudes(system: ContactSystem, others: Mapping[str, Scalar | None]) -> None:
+    """Raise `InputError` for a threshold, scale or tolerance that is no number: NaN is below and above nothing, so that
+    what is compared with it is decided without a word. ``others``: magnitudes besides the system's own, by name."""
+    # A threshold may be -∞, a limit ∞ and a number that nothing stands for None; NaN is wrong everywhere.
+    magnitudes: dict[str, tuple[Any, bool]] = {
+        **{f"roundoff of {name}": (x, True) for name, x in zip(system.observed, system.roundoff(), strict=True)},
+        "scales": (system.scales(), False),
+        "scale_limits": (system.scale_limits(), True),
+        "typical_speed": (system.typical_speed, False),
+        "energy_scale": (system.energy_scale, False),
+        "momentum_scale": (system.momentum_scale, False),
+        "tolerance_share": (system.tolerance_share, False),
+        **{name: (value, False) for name, value in others.items()},
+    }
     for name, (value, unbounded) in magnitudes.items():
         array = None if value is None else concrete(value)
         if array is not None and not np.all(~np.isnan(array) if unbounded else np.isfinite(array)):

@@ -8,8 +8,10 @@ from jaxtyping import Float
 
 from ..contact import Shape
 from ..fields import Part
+from ..multibody import Coordinates
 from ..multibody.flexible import FlexibleBar
 from ..programs.cache import stored
+from .layout import positions
 
 GROUND = -1  # the body that does not move
 STATIONS = 25  # along a body that bends
@@ -182,22 +184,19 @@ class Drawing(NamedTuple):
 def with_stations(
     frames: Float[np.ndarray, "steps frames 3"],
     history: Any,
-    bodies: int,
+    order: Coordinates,
     bar: FlexibleBar,
     body: int,
-    modal: int = 0,
 ) -> Float[np.ndarray, "steps more 3"]:
     """Return frames, and behind them those of `STATIONS` stations along a body that bends.
 
     **Arguments:** ``frames``: so far; ``history``: whose states hold the modal coordinates; one without states, read
-    from a file say, shows the body straight; ``bodies``: how many; ``bar``: the body's modes; ``body``: its number;
-    ``modal``: how many modal coordinates of other bodies are before its own.
+    from a file say, shows the body straight; ``order`` of the coordinates; ``bar``: the body's modes; ``body``: its
+    number.
     """
     xi, length = np.linspace(0.0, 1.0, STATIONS), float(bar.bar.length)
-    # In the state the modal coordinates follow the three coordinates of every body.
-    first, size = 3 * bodies + modal, bar.modes.size
-    state = history.state
-    modes = np.zeros((len(frames), size)) if state is None else np.asarray(state)[:, first : first + size]
+    state = np.zeros((len(frames), order.count)) if history.state is None else np.asarray(history.state)
+    modes = positions(state, order)[:, order.modal(body)]
     lateral, axial = modes[:, : bar.lateral], modes[:, bar.lateral :]
     x = length * (xi - float(bar.centre)) + axial @ bar.shapes.axial(xi, 0).T
     y, slope = (lateral @ bar.shapes.lateral(xi, order).T for order in (0, 1))

@@ -1,24 +1,26 @@
 """Where in an assembled mechanism's state each part's numbers stand, and in which order contacts and switches come."""
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from .._types import Scalar
-from ..elements import BallContact, BallState, Element
-from ..multibody import Kinematics
+from .._types import Scalar, stacked
+from ..elements import Element, Switch
+from ..multibody import Coordinates, Kinematics
+from ..multibody.coordinates import Numbers
 
 State = Float[Array, " state"]
 Closed = Float[Array, " contacts"]
+Values = Array | Sequence[Scalar]
 
 
 class EvaluatedState(NamedTuple):
-    """A state looked at once: the bodies' frames, and each contact and each element as it is there."""
+    """A state looked at once: the bodies' frames, and each element as it is there."""
 
     state: State
     kin: Kinematics
-    contacts: tuple[BallState, ...]
     elements: tuple[Any, ...]
 
 
@@ -26,31 +28,31 @@ class Layout(NamedTuple):
     """The order of a mechanism's numbers.
 
     - ``coordinates``: how many there are.
-    - ``contacts``, ``elements``: the parts, in their order.
+    - ``elements``: the parts, in their order.
     - ``losses``: how many energies lost are kept apart.
     - ``held``: whether a run may end as held, for which the first energy is kept.
     """
 
     coordinates: int
-    contacts: tuple[BallContact, ...]
     elements: tuple[Element, ...]
     losses: int
     held: bool
 
     @property
     def places(self) -> dict[str, slice]:
-        """Return where each part of the state stands: coordinates, velocities, spins of balls that spin freely, energy
-        lost, the relative energy at t = 0, each element's numbers, the time where a motion over time is prescribed, and
-        the contacts' memory."""
+        """Return where each part of the state stands: coordinates, velocities, spins of what turns by itself, energy
+        lost, the relative energy at t = 0, each element's other numbers, those of contacts that have impacts last, and
+        before these the time where a motion over time is prescribed."""
+        own = {k: len(it.variables) - len(it.spin_inertias) for k, it in enumerate(self.elements)}
         lengths = {
             "q": self.coordinates,
             "v": self.coordinates,
             "spins": len(self.spin_inertias),
             "lost": self.losses,
             "first energy": int(self.held),
-            **{f"element {k}": len(element.variables) for k, element in enumerate(self.elements)},
+            **{f"element {k}": length for k, length in own.items() if k not in self.impacting},
             "time": int(self.driven),
-            "memory": self.segments,
+            **{f"element {k}": own[k] for k in self.impacting},
         }
         places, first = {}, 0
         for name, length in lengths.items():
@@ -58,76 +60,142 @@ class Layout(NamedTuple):
             first += length
         return places
 
+    def state(
+        self, *, q: Array, v: Array, lost: Values, first_energy: Scalar, own: Sequence[Values], time: Scalar
+    ) -> State:
+        """Return a state, or what has an entry for each of its numbers.
+
+        **Arguments:** ``q``, ``v``: of coordinates and velocities; ``lost``: of each energy lost; ``first_energy``: of
+        the relative energy at t = 0; ``own``: of each element's `variables`; ``time``: of the time.
+        """
+        spins = [len(element.spin_inertias) for element in self.elements]
+        parts: dict[str, list[Values]] = {
+            "q": [q],
+            "v": [v],
+            "spins": [mine[:count] for mine, count in zip(own, spins, strict=True)],
+            "lost": [lost],
+            "first energy": [[first_energy] * self.held],
+            "time": [[time] * self.driven],
+            **{f"element {k}": [mine[count:]] for k, (mine, count) in enumerate(zip(own, spins, strict=True))},
+        }
+        return _joined([part for name in self.places for part in parts[name]])
+
+    def own(self, state: State, k: int) -> Float[Array, " variables"]:
+        """Return the numbers of an element, by its number: its spins, and then the others."""
+        places, count = self.places, len(self.elements[k].spin_inertias)
+        others = state[places[f"element {k}"]]
+        return jnp.concatenate([state[self._spins(k)], others]) if count else others
+
+    def with_own(self, state: State, k: int, own: Float[Array, " variables"]) -> State:
+        """Return the state with other numbers of an element."""
+        count = len(self.elements[k].spin_inertias)
+        for place, values in ((self._spins(k), own[:count]), (self.places[f"element {k}"], own[count:])):
+            if place.stop > place.start:
+                state = jnp.concatenate([state[: place.start], values, state[place.stop :]])
+        return state
+
+    def _spins(self, k: int) -> slice:
+        first = self.places["spins"].start + sum(len(element.spin_inertias) for element in self.elements[:k])
+        return slice(first, first + len(self.elements[k].spin_inertias))
+
     @property
     def driven(self) -> bool:
         """Return whether an element prescribes a motion over time, which therefore stands in the state."""
         return any(element.driving_joint is not None for element in self.elements)
 
     @property
-    def spin_inertias(self) -> dict[int, Scalar]:
-        """Return which contacts have a ball that spins freely, each with its ball's inertia [kg m²]."""
-        inertias = ((k, contact.spin_inertia) for k, contact in enumerate(self.contacts))
-        return {k: inertia for k, inertia in inertias if inertia is not None}
+    def spin_inertias(self) -> tuple[Scalar, ...]:
+        """Return the moment of inertia of all that turns by itself, in the order of the spins [kg m²]."""
+        return tuple(inertia for element in self.elements for inertia in element.spin_inertias)
 
-    @property
-    def segments(self) -> int:
-        """Return how many segments all contacts have, each with impacts of its own."""
-        return sum(contact.segments for contact in self.contacts)
+    def spinning(self, state: State) -> list[tuple[Scalar, Scalar]]:
+        """Return inertia [kg m²] and spin [rad/s] of what turns by itself."""
+        inertias = self.spin_inertias
+        return list(zip(inertias, state[self.places["spins"]], strict=True)) if inertias else []
 
     @property
     def switches(self) -> tuple[tuple[int, int], ...]:
-        """Return element and number of each switch."""
-        all_of = [
-            (k, i, switch.force is None)
-            for k, element in enumerate(self.elements)
-            for i, switch in enumerate(element.switches)
-        ]
-        # The observables begin with contact forces, so that switches whose force is observed come first.
-        return tuple((k, i) for k, i, _ in sorted(all_of, key=lambda it: it[2]))
+        """Return element and number of each switch, in the order of the contacts."""
+        places = [(k, i) for k, element in enumerate(self.elements) for i in range(len(element.switches))]
+        # Contacts that have impacts come first; the observables begin with the contacts' forces, so that of the others
+        # those come first whose force is observed.
+        return tuple(sorted(places, key=lambda at: (not self._switch(at).impact, self._switch(at).force is None)))
+
+    def _switch(self, at: tuple[int, int]) -> Switch:
+        return self.elements[at[0]].switches[at[1]]
+
+    @property
+    def impacts(self) -> int:
+        """Return how many switches close by impacts, the first ones."""
+        return sum(self._switch(at).impact for at in self.switches)
+
+    @property
+    def impacting(self) -> tuple[int, ...]:
+        """Return the numbers of the elements that have impacts."""
+        return tuple(k for k, element in enumerate(self.elements) if any(it.impact for it in element.switches))
 
     @property
     def switch_forces(self) -> tuple[str, ...]:
         """Return the observables that are forces of switches, in the order of these."""
-        forces = (self.elements[k].switches[i].force for k, i in self.switches)
+        forces = (self._switch(at).force for at in self.switches)
         return tuple(force for force in forces if force is not None)
 
     @property
-    def segment_names(self) -> tuple[str, ...]:
-        """Return the names of the contacts' segments."""
-        names: list[str] = []
-        for contact in self.contacts:
-            names += contact.names or [f"contact {len(names) + 1}"]
-        return tuple(names)
-
-    @property
-    def contact_names(self) -> tuple[str, ...]:
-        """Return the names of the contacts' segments, and then of the elements' switches."""
-        return (*self.segment_names, *(self.elements[k].switches[i].name for k, i in self.switches))
+    def switch_names(self) -> tuple[str, ...]:
+        """Return the names of the switches."""
+        return tuple(self._switch(at).name for at in self.switches)
 
     @property
     def one_way(self) -> tuple[bool, ...]:
-        """Return which contacts never open again once they are closed; () for none."""
-        ways = [self.elements[k].switches[i].one_way for k, i in self.switches]
-        return (*[False] * self.segments, *ways) if any(ways) else ()
-
-    def of_contacts(self, values: Any) -> list[Any]:
-        """Split what has an entry for each segment by contacts."""
-        parts, first = [], 0
-        for contact in self.contacts:
-            parts.append(values[first : first + contact.segments])
-            first += contact.segments
-        return parts
+        """Return which switches never open again once they are closed; () for none."""
+        ways = tuple(self._switch(at).one_way for at in self.switches)
+        return ways if any(ways) else ()
 
     def of_elements(self, active: Closed) -> list[Array]:
         """Return which switches of each element are closed."""
-        place = {switch: self.segments + at for at, switch in enumerate(self.switches)}
-        of = [[active[place[k, i]] for i in range(len(element.switches))] for k, element in enumerate(self.elements)]
-        return [jnp.stack(switches) if switches else jnp.zeros(0) for switches in of]
+        place = {switch: at for at, switch in enumerate(self.switches)}
+        return [
+            _entries(active, [place[k, i] for i in range(len(element.switches))])
+            for k, element in enumerate(self.elements)
+        ]
 
-    def joined(self, segments: list[Array], switches: list[list[Scalar]]) -> Float[Array, " contacts"]:
-        """Return one row of what the ``segments`` of each contact and the ``switches`` of each element have."""
-        values = [jnp.reshape(jnp.asarray(switches[k][i], float), (1,)) for k, i in self.switches]
-        return row([*segments, *values])
+    def of_switches(self, values: list[list[Scalar]]) -> Closed:
+        """Return one row of what the switches of each element have: a number for each, or a row of all of them."""
+        parts: list[Values] = []
+        for k, i in self.switches:
+            if all(jnp.ndim(value) == 0 for value in values[k]):
+                parts.append([values[k][i]])
+            elif i == 0:
+                parts += [jnp.asarray(row) for row in values[k]]
+        return _joined(parts)
+
+
+def _joined(parts: list[Values]) -> Array:
+    """Return rows and lists of scalars one after the other; lists that follow each other become one row."""
+    rows: list[Array] = []
+    scalars: list[Scalar] = []
+    for part in parts:
+        if isinstance(part, list | tuple):
+            scalars += part
+        else:
+            rows += [*([stacked(scalars)] if scalars else []), jnp.asarray(part)]
+            scalars = []
+    return row([*rows, *([stacked(scalars)] if scalars else [])])
+
+
+def _entries(values: Array, places: list[int]) -> Array:
+    """Return the entries at some places; a slice of those that follow one another."""
+    if not places:
+        return jnp.zeros(0)
+    first, last = places[0], places[-1]
+    if places == list(range(first, last + 1)):
+        return values[first : last + 1]
+    return jnp.stack([values[place] for place in places])
+
+
+def positions(states: Float[Numbers, "*axes state"], order: Coordinates) -> Float[Numbers, "*axes coordinates"]:
+    """Return the coordinates of states, which begin with them."""
+    return states[..., : order.count]
 
 
 def row(values: list[Array]) -> Float[Array, " n"]:

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from ..contact import Hole, Segment
-from ..elements import BallContact, EndStop, Latch, Pin
+from ..elements import BallContact, EndStop, Latch
 from ..multibody import AxialSpringDamper, Revolute
 from .assembled import Assembled
 from .drawing import Detail, Disc, Drawing, Outline, Spot, Spring, Touch, plain_drawing
@@ -53,14 +53,14 @@ def assembled_drawing(system: Assembled, bodies: tuple[str, ...] = ()) -> Drawin
     body's origin."""
     count = len(system.system.bodies)
     names = (*bodies, *(f"body {k + 1}" for k in range(len(bodies), count)))
-    start = np.asarray(system.q)[: 3 * count].reshape(count, 3)
+    start = system.system.order.placements(np.asarray(system.q))
     size = _size(system, start)
     shapes: list[Any] = []
-    pins = [element.contact for element in system.elements if isinstance(element, Pin)]
+    balls = [ball for element in system.elements for ball in element.report.balls]
     crosses = plain_drawing(None, names, CROSS * size).shapes
     for body in range(-1, count):
         shapes += [cross for cross in crosses if cross.body == body]
-        for contact in (*system.contacts, *pins):
+        for contact in balls:
             shapes += _shapes_on(contact, body)
     shapes += [_spring(force) for force in _springs(system)]
     shapes += _hinges(system, size)
@@ -71,7 +71,8 @@ def assembled_drawing(system: Assembled, bodies: tuple[str, ...] = ()) -> Drawin
     latches = [element for element in system.elements if isinstance(element, Latch)]
     for latch in latches:
         shapes += _latch(latch, size)
-    touches = [touch for contact in system.contacts for touch in _touches(contact)]
+    # A picture shows the forces of those contacts that have impacts.
+    touches = [touch for contact in system.all_of(BallContact) for touch in _touches(contact)]
 
     def frames(history: Any) -> Float[np.ndarray, "steps frames 3"]:
         position = np.asarray(history.position)
@@ -87,7 +88,7 @@ def _size(system: Assembled, start: Float[np.ndarray, "bodies 3"]) -> float:
     points = [*start[:, :2]]
     for force in _springs(system):
         points += [_spot(force.first, force.first_point).at(start), _spot(force.second, force.second_point).at(start)]
-    for contact in system.contacts:
+    for contact in system.all_of(BallContact):
         radius = float(contact.pair.radius)
         centre = _spot(contact.body, contact.point).at(start)
         points += [centre - radius, centre + radius]
@@ -116,7 +117,7 @@ def _marks(stop: EndStop) -> Iterator[tuple[Mark, str]]:
     if isinstance(guide.first_point, tuple) and isinstance(guide.second_point, tuple):
         beyond = float(stop.place) if stop.rebound else -float(stop.place)
         ends = _spot(guide.first, guide.first_point), _spot(guide.second, guide.second_point)
-        yield Mark(*ends, float(guide.free_length) + beyond), stop.words
+        yield Mark(*ends, float(guide.free_length) + beyond), stop.report.words
 
 
 def _latch(latch: Latch, size: float) -> list[Any]:
@@ -125,9 +126,9 @@ def _latch(latch: Latch, size: float) -> list[Any]:
     half, seat = CROSS * size, Spot(latch.second, float(latch.seat[0]), y)
     plane = np.array([[x, y - half], [x, y + half]])
     return [
-        Outline(latch.second, plane, filled=False, part=f"plane of the {latch.words}", dashed=True),
-        Disc(seat, 0.1 * half, filled=False, part=f"seat of the {latch.words}"),
-        Disc(_spot(latch.first, latch.point), 0.05 * half, part=f"point that the {latch.words} holds"),
+        Outline(latch.second, plane, filled=False, part=f"plane of the {latch.report.words}", dashed=True),
+        Disc(seat, 0.1 * half, filled=False, part=f"seat of the {latch.report.words}"),
+        Disc(_spot(latch.first, latch.point), 0.05 * half, part=f"point that the {latch.report.words} holds"),
     ]
 
 
@@ -136,10 +137,10 @@ def _detail(system: Assembled, size: float, first: int) -> Detail | None:
     None where it can be. ``first``: the number of the first stop's frame."""
     for element in system.elements:
         if isinstance(element, EndStop):
-            half, centre, title = ROOM * float(element.place), Spot(first), element.words
+            half, centre, title = ROOM * float(element.place), Spot(first), element.report.words
         elif isinstance(element, Latch):
             seat = Spot(element.second, *(float(x) for x in element.seat))
-            half, centre, title = ROOM * abs(float(element.plane) - seat.x), seat, element.words
+            half, centre, title = ROOM * abs(float(element.plane) - seat.x), seat, element.report.words
         else:
             continue
         return Detail(title, centre, half) if 0.0 < half < CLOSE * size else None

@@ -20,7 +20,7 @@ def plain_summary(run: Any) -> str:
         f"  {'scenario':24} {view.label(run.scenario)}",
         f"  {'impacts':24} {int(run.impact_count)}",
     ]
-    of_elements = dict(line for element in run.elements for line in element.summary(run))
+    of_elements = dict(line for element in run.elements for line in element.report.summary(run))
     for name in mechanism.meant(lambda path: get(run.design, path)):
         quantity = mechanism.quantities[name]
         title = quantity.title or name

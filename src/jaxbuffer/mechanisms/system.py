@@ -1,69 +1,37 @@
 """What every mechanism with contacts shares as a hybrid system: touchdown, saltation, guards, conservation."""
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from .._types import Scalar
-from ..hybrid import HybridSystem, Watched
+from ..hybrid import EventValues, HybridSystem
 from ..multibody import Kinematics
 from .energy import Energy
 from .snapshot import Snapshot
 
-SLOWEST_TOUCHDOWN, SLOWEST_SHARE = 1e-5, 1e-3  # m/s, and of a typical speed: the least δ̇⁻ is the smaller one (M36)
-ONSET = 1e-8  # m, over which a smooth memory is let go where a contact opens (M61)
 ROUNDED = 1e-14  # m, and relative: rounding of positions of the order of a metre, with some to spare
 
 State = Float[Array, " state"]
 Active = Float[Array, " contacts"]
 
 
-def slowest_touchdown(speed: Scalar) -> Scalar:
-    """Return the least memory of a touchdown [m/s] (M36), of a mechanism whose speeds are of the order of ``speed``."""
-    # It bounds a division and is no part of the physics, so nothing is differentiated through it.
-    return jnp.minimum(SLOWEST_TOUCHDOWN, SLOWEST_SHARE * jax.lax.stop_gradient(speed))
-
-
-class SmoothMemory(NamedTuple):
-    """A memory that follows the approach speed while the contact is open (M61): its ``rate`` [m/s²] and how fast that
-    ``decay``s with the memory [1/s]."""
-
-    rate: Float[Array, " contacts"]
-    decay: Float[Array, " contacts"]
-
-    @staticmethod
-    def of(
-        memory: Array,
-        gap: Array,
-        speed: Array,
-        time: Scalar,
-        onset: Scalar = ONSET,
-        slowest: Scalar = SLOWEST_TOUCHDOWN,
-    ) -> "SmoothMemory":
-        """Return the memory's rate and decay, from the ``memory`` [m/s], the ``gap`` [m] and the approach ``speed``
-        [m/s] of each contact, the ``time`` [s] of following, and the ``slowest`` memory [m/s]."""
-        # It follows while the contact is open and stays while it is closed, with a smooth change between the two (M61).
-        decay = 0.5 * (1.0 + jnp.tanh(gap / onset)) / time
-        return SmoothMemory(decay * (jnp.maximum(speed, slowest) - memory), decay)
-
-    def all_decay(self, state: State, before: int) -> Float[Array, " rest"]:
-        """Return the decays of all that follows the first ``before`` numbers in the state, of which the memory is the
-        last."""
-        return jnp.pad(self.decay, (len(state) - before - len(self.decay), 0))
-
-
 class ContactSystem(HybridSystem):
     """A multibody mechanism with contacts.
 
-    The state begins with coordinates and velocities and ends with the memory: the approach speed δ̇⁻ [m/s] at the last
-    touchdown of each contact that has impacts; those contacts come first. A mechanism looks at a state once, by
-    `evaluate`; what is named ``…_at`` takes that.
+    The contacts that have impacts come first. A mechanism looks at a state once, by `evaluate`; what is named ``…_at``
+    takes that.
     """
 
     # --- what a mechanism says of itself ------------------------------------------------------------------------------
+
+    @property
+    def places(self) -> Mapping[str, slice]:
+        """Return where each part of the state stands, by name: "q" the coordinates, "v" the velocities, and others."""
+        raise NotImplementedError
 
     @property
     def observed(self) -> tuple[str, ...]:
@@ -71,7 +39,7 @@ class ContactSystem(HybridSystem):
         raise NotImplementedError
 
     @property
-    def least_maxima(self) -> Mapping[str, float]:
+    def lower_bounds(self) -> Mapping[str, float]:
         """Return what the largest values of some observables are at least, by name."""
         return {}
 
@@ -89,11 +57,6 @@ class ContactSystem(HybridSystem):
     def one_way(self) -> tuple[bool, ...]:
         """Return which contacts never open again once they are closed; () for none."""
         return ()
-
-    @property
-    def remembers(self) -> bool:
-        """Return whether a touchdown sets the memory (with a smooth law, the memory follows by itself)."""
-        return True
 
     def evaluate(self, state: State) -> Any:
         """Return a state evaluated once: it has ``state`` and ``kin``, the bodies' `Kinematics`."""
@@ -155,12 +118,6 @@ class ContactSystem(HybridSystem):
         return 1.0
 
     @property
-    def slowest_touchdown(self) -> Scalar:
-        """Return the least memory of a touchdown [m/s] (M36): small beside the mechanism's own speeds, however slow it
-        is."""
-        return slowest_touchdown(self.typical_speed)
-
-    @property
     def energy_scale(self) -> Scalar:
         """Return the energy [J] that changes of the total energy are compared with."""
         raise NotImplementedError
@@ -170,9 +127,9 @@ class ContactSystem(HybridSystem):
         """Return whether `energy_at` holds the work of all forces."""
         return True
 
-    def other_forces_at(self, at: Any, active: Active) -> Scalar:
-        """Return the sum of the sizes of stiff forces beside the contacts' [N], for the rounding in `invariant`."""
-        return 0.0
+    def stiff_forces_at(self, at: Any, active: Active) -> Scalar:
+        """Return the sum of the sizes of stiff forces [N], for the rounding in `invariant`."""
+        raise NotImplementedError
 
     @property
     def momentum_scale(self) -> Scalar | None:
@@ -199,8 +156,8 @@ class ContactSystem(HybridSystem):
     # --- what follows -------------------------------------------------------------------------------------------------
 
     def memory(self, state: State) -> Float[Array, " contacts"]:
-        """Return δ̇⁻ of each contact that has impacts [m/s]."""
-        return state[len(state) - self.impact_contacts :]
+        """Return δ̇⁻, the approach speed at the last touchdown, of each contact that has impacts [m/s]."""
+        raise NotImplementedError
 
     def derivative(self, time: Scalar, state: State, active: Active) -> State:
         return self.rate_at(self.evaluate(state), active)
@@ -216,14 +173,7 @@ class ContactSystem(HybridSystem):
         return jnp.any(active[: self.impact_contacts] > 0.5)
 
     def touchdown(self, state: State, acceleration: Float[Array, ""], contact: Int[Array, ""]) -> State:
-        """Set δ̇⁻ to the approach speed at the crossing itself, a first-order step away from the located state."""
-        if self.remembers:
-            late, speed = self._until_contact(state, contact)
-            mine = jnp.arange(self.impact_contacts) == contact
-            memory = jnp.where(
-                mine, jnp.maximum(speed + acceleration * late, self.slowest_touchdown), self.memory(state)
-            )
-            state = jnp.concatenate([state[: len(state) - self.impact_contacts], memory])
+        """Make sensitivities jump where a force does; a mechanism that remembers its touchdowns does so first."""
         return state + self.saltation(state, contact) if self.jumps else state
 
     def saltation(self, closed: State, contact: Int[Array, ""]) -> State:
@@ -240,11 +190,11 @@ class ContactSystem(HybridSystem):
 
     def time_to_contact(self, state: State, contact: Int[Array, ""]) -> Float[Array, ""]:
         """Return gap / δ̇ of one contact [s]."""
-        return self._until_contact(state, contact)[0]
+        return self.until_contact_at(self.evaluate_contacts(state), contact)[0]
 
-    def _until_contact(self, state: State, contact: Int[Array, ""]) -> tuple[Array, Array]:
+    def until_contact_at(self, at: Any, contact: Int[Array, ""]) -> tuple[Array, Array]:
         """Return gap / δ̇ [s] and δ̇ [m/s] of one contact."""
-        gaps, closing = self.gaps_at(self.evaluate_contacts(state))
+        gaps, closing = self.gaps_at(at)
         mine = jnp.arange(gaps.shape[0]) == contact
         gap, speed = (jnp.sum(jnp.where(mine, x, 0.0)) for x in (gaps, closing))
         # Where nothing moves there is no such time; a division by zero would make derivatives NaN.
@@ -260,14 +210,14 @@ class ContactSystem(HybridSystem):
     def observables(self, state: State, rate: State, active: Active) -> Float[Array, " observables"]:
         return self.observables_at(self.evaluate(state), rate, active)
 
-    def watched(self, state: State, rate: State, active: Active) -> Watched:
+    def watched(self, state: State, rate: State, active: Active) -> EventValues:
         # One look serves gaps, guards and observables, which a step's end needs together.
         at = self.evaluate(state)
         gap, closing = self.gaps_at(at)
         if any(self.one_way):  # closed, they are far from opening
             closed = jnp.asarray(self.one_way) & (active > 0.5)
             gap, closing = jnp.where(closed, -1.0, gap), jnp.where(closed, 0.0, closing)
-        return Watched(
+        return EventValues(
             gap=gap,
             gap_rate=-closing,
             terminal=self.terminals_at(at),
@@ -285,7 +235,7 @@ class ContactSystem(HybridSystem):
         if not self.balance_complete:
             return jnp.zeros(()), jnp.zeros(())
         scale = self.energy_scale
-        forces = jnp.sum(self.normal_force_at(at, active)) + self.other_forces_at(at, active)
+        forces = self.stiff_forces_at(at, active)
         energy = self.energy_at(at, active)
         size = jnp.maximum(energy.size / scale, 1.0)
         return energy.total / scale, ROUNDED * (size + forces / scale)

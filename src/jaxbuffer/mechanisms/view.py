@@ -72,7 +72,7 @@ def _shown(scenario: Part, name: str) -> str:
 def plain_panels(run: Any) -> list[Panel]:
     """Return what the elements of a run with a history show; where they show nothing, the mechanism's quantities that
     the history has."""
-    if panels := [panel for it in run.elements for panel in it.panels(run)]:
+    if panels := [panel for it in run.elements for panel in it.report.panels(run)]:
         return panels
     others = run.history.others
     for name, quantity in run.mechanism.quantities.items():
@@ -127,7 +127,7 @@ class View:
     contradictions: Callable[[Any, Any], list[str]] = lambda design, scenario: []
     limitations: tuple[str, ...] = ()
     limitations_without: tuple[tuple[str, str], ...] = ()
-    warnings: Callable[[Any], list[str]] = lambda run: [line for it in run.elements for line in it.warnings(run)]
+    warnings: Callable[[Any], list[str]] = lambda run: [line for it in run.elements for line in it.report.warnings(run)]
     validity: Callable[[Any, Mapping[str, Any]], list[ValidityLimit]] = lambda design, quantities: []
     chaotic: bool = False
     panels: Callable[[Any], list[Panel]] = plain_panels

@@ -1,6 +1,7 @@
 """Bodies in the plane and in space: joints, force elements, the augmented index-1 system. Knows no contact."""
 
 from .body import Body as Body
+from .coordinates import Coordinates as Coordinates
 from .cross import CrossSpringDamper as CrossSpringDamper
 from .cross import CrossState as CrossState
 from .flexible_body import FlexibleBody as FlexibleBody

@@ -16,6 +16,7 @@ from .._types import Scalar
 from ..basis import AnyBasis, components, less, times
 from ..errors import InputError
 from ..plane import PLANE, cos_sin
+from .coordinates import Coordinates
 from .flexible.modes import Marker
 
 if TYPE_CHECKING:  # what is said of the plane's holds of space's, which have the same operations
@@ -144,10 +145,20 @@ class Kinematics(eqx.Module):
     def moving(self, v: Float[Array, " coordinates"]) -> "Kinematics":
         """Return the same positions with other velocities, in the plane."""
         frames = tuple(
-            frame._replace(velocity=plane.Vector(v[3 * body], v[3 * body + 1]), spin=v[3 * body + 2])
+            frame._replace(velocity=Coordinates.translation(v, body), spin=Coordinates.angle(v, body))
             for body, frame in enumerate(self.frames)
         )
         return eqx.tree_at(lambda kin: (kin.v, kin.frames), self, (v, frames))
+
+    @property
+    def order(self) -> Coordinates:
+        """Return the order of the positions."""
+        return Coordinates(len(self.frames), self.modes, self.basis.positions)
+
+    @property
+    def velocity_order(self) -> Coordinates:
+        """Return the order of the velocities."""
+        return Coordinates(len(self.frames), self.modes, self.basis.velocities)
 
     def frame(self, body: int) -> Frame:
         """Return the frame of one body. ``body``: its index, or ``GROUND``."""
@@ -155,9 +166,7 @@ class Kinematics(eqx.Module):
 
     def modal(self, body: int) -> tuple[Float[Array, " modes"], Float[Array, " modes"]]:
         """Return the (modes,) modal coordinates of a flexible body [m], and their rates [m/s]. ``body``: its index."""
-        first = self.basis.positions * len(self.modes) + sum(self.modes[:body])
-        mine = slice(first, first + self.modes[body])
-        return self.q[mine], self.v[mine]
+        return self.q[self.order.modal(body)], self.v[self.velocity_order.modal(body)]
 
     def point(self, body: int, point: Point) -> MaterialPoint:
         """Return a material point of a body. ``body``: its index, or ``GROUND``; ``point``: which one."""

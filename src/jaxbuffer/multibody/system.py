@@ -14,6 +14,7 @@ from ..errors import InputError, concrete
 from ..plane import PLANE
 from .augmented import MassMatrix, SparseRows, solve_augmented
 from .body import Body
+from .coordinates import Coordinates
 from .flexible_body import FlexibleBody
 from .forces import ForceElement, Load, SpringDirection
 from .joints import Joint
@@ -101,12 +102,22 @@ class System(eqx.Module):
     @property
     def coordinates(self) -> int:
         """Return the number of coordinates: in the plane three, in space seven for each body, and one for each mode."""
-        return self.basis.positions * len(self.bodies) + sum(self.modes)
+        return self.order.count
 
     @property
     def velocities(self) -> int:
         """Return the number of velocities: in the plane three, in space six for each body, and one for each mode."""
-        return self.basis.velocities * len(self.bodies) + sum(self.modes)
+        return self.velocity_order.count
+
+    @property
+    def order(self) -> Coordinates:
+        """Return the order of the positions."""
+        return Coordinates(len(self.bodies), self.modes, self.basis.positions)
+
+    @property
+    def velocity_order(self) -> Coordinates:
+        """Return the order of the velocities, and so of accelerations and forces."""
+        return Coordinates(len(self.bodies), self.modes, self.basis.velocities)
 
     @property
     def modes(self) -> tuple[int, ...]:
@@ -132,10 +143,7 @@ class System(eqx.Module):
 
     def columns(self, body: int) -> tuple[int, ...]:
         """Return which velocities are a body's: u, v, θ, in space its six, then its modal ones."""
-        each = self.basis.velocities
-        first = each * len(self.bodies) + sum(self.modes[:body])
-        own = self.modes[body] if self.modes else 0
-        return (*range(each * body, each * (body + 1)), *range(first, first + own))
+        return self.velocity_order.columns(body)
 
     def masses(self) -> Float[Array, " velocities"]:
         """Return the (velocities,) diagonal of M of rigid bodies, zero for blocks [kg, kg, kg m², …] (M4)."""

@@ -253,7 +253,7 @@ def telling_times(run: Run, count: int = PANELS) -> Float[np.ndarray, " times"]:
 
 def moments(run: Run) -> dict[str, float]:
     """Return when the elements of a run do something that a picture should show [s], by what happens in words."""
-    each = (it.moments(run) for it in run.elements)
+    each = (it.report.moments(run) for it in run.elements)
     return {words: time for found in each for words, time in found.items() if math.isfinite(time)}
 
 

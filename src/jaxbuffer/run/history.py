@@ -30,11 +30,12 @@ def history_at(system: ContactSystem, time: Array, active: Array, state: Array) 
     """
     at = system.evaluate(state)
     snapshot, kin = system.snapshot_at(at, active), at.kin
+    moving = kin.velocity_order.placements
     return History(
         time=time,
-        position=kin.q[: 3 * len(kin.frames)].reshape(-1, 3),
-        velocity=kin.v[: 3 * len(kin.frames)].reshape(-1, 3),
-        acceleration=snapshot.acceleration[: 3 * len(kin.frames)].reshape(-1, 3),
+        position=kin.order.placements(kin.q),
+        velocity=moving(kin.v),
+        acceleration=moving(snapshot.acceleration),
         multipliers=snapshot.multipliers,
         gap=snapshot.gap,
         approach_speed=snapshot.approach_speed,

@@ -117,12 +117,12 @@ def _within(
     A step that ends at a maximum may be as short as time itself is rounded. The positions' rounding, divided by such a
     length, would be larger than the velocities: there a cubic of the velocities takes the place of the quintic's rate.
     """
-    (y0, f0), (y1, f1), n = start, end, system.coordinates
-    own = slice(n, n + system.velocities)
+    (y0, f0), (y1, f1) = start, end
+    places, own = system.places["q"], system.places["v"]
     state = state_within(system, start, end, length, x)
-    rounded = ROUNDING * jnp.maximum(jnp.abs(y0[:n]), jnp.abs(y1[:n])) / length
+    rounded = ROUNDING * jnp.maximum(jnp.abs(y0[places]), jnp.abs(y1[places])) / length
     # Where velocities are not the positions' rates, each of them may have to do with any position.
-    rounded = rounded if system.velocities == n else jnp.max(rounded)
+    rounded = rounded if system.velocities == system.coordinates else jnp.max(rounded)
     change = jnp.maximum(jnp.abs(y1[own] - y0[own]), length * jnp.maximum(jnp.abs(f0[own]), jnp.abs(f1[own])))
     smooth = cubic(y0[own], y1[own], length * f0[own], length * f1[own], x)
     return state.at[own].set(jnp.where(rounded > SMALL * change, smooth, state[own]))

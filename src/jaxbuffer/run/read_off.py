@@ -44,7 +44,7 @@ def _read_off(request: Request, system: ContactSystem, result: Result) -> Solved
     numbers = {
         "peak_force": top.peak_force,
         "peak_time": jnp.where(touched, top.peak_time, jnp.nan),
-        "maxima": top.others | {n: jnp.maximum(top.others[n], least) for n, least in system.least_maxima.items()},
+        "maxima": top.others | {n: jnp.maximum(top.others[n], least) for n, least in system.lower_bounds.items()},
         "penetration": system.penetration(top.peak_force),
         "end_time": log.time[jnp.maximum(log.count - 1, 0)],
         "contact_time": contact_time(system, log),

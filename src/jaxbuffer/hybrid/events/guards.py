@@ -96,7 +96,7 @@ def near_largest(
     """Return whether an observable of the state's rate is near its largest value so far at a step's end or was at its
     start (its values there: ``before``), or may be so at any time. Its own rate takes the state's second derivative,
     which costs two right-hand sides."""
-    if system.sudden:
+    if system.has_impulsive_reactions:
         return jnp.asarray(True)
     value, near = system.observables(state, rate, active), extremes.below_largest(NEAR_LARGEST)
     # One by one, so that the other observables are not evaluated. A step may lead from the top far down, as where

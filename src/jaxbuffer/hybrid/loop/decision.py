@@ -49,7 +49,7 @@ def decide(task: Task, state: LoopState, trial: Trial) -> Decision:
     before = state.point.guards.falling(state.located)
     guards = signed(trial.guards, state.active)
     # A maximum matters only if it may exceed the largest value so far; the cubic that shows it may miss by `NEARLY`.
-    least = jnp.maximum(state.extremes.below_largest(NEARLY), task.system.negligible())
+    least = jnp.maximum(state.extremes.below_largest(NEARLY), task.system.roundoff())
     maxima = trial.accurate & (bracket.tries < MAX_TRIES_MAXIMUM) & ~state.given_up
     crossing = first_crossing(before, trial.guards, trial.length, state.active, least, bracket.guard, maxima)
     refinement = refine(bracket, trial.length, guards, task.rated, task.event_time, _shortfall(task, state, trial))

@@ -163,7 +163,7 @@ def _with_start(
     begins = state.attempts == 0  # the start of the run is looked at anyway
     highest = jnp.where(begins, trial.guards.value, state.logged)
     falls = unlocated_maximum(point.guards.value, trial.guards.value, highest, state.extremes)
-    falls = falls & (point.guards.value > task.system.negligible())
+    falls = falls & (point.guards.value > task.system.roundoff())
     when = decision.accepted & jnp.any(falls) & ~begins
     which = jnp.argmax(falls)
     log = state.log.append(

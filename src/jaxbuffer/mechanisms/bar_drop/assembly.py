@@ -47,18 +47,17 @@ def bar_drop(design: BarDrop, scenario: BarDropScenario, stabilisation: Scalar =
     modes = sum(body.size for body in bodies if isinstance(body, FlexibleBody))
     q = stacked([*places, *[0.0] * modes])
     weight = AppliedForce(BAR, (0.0, -mass * scenario.gravity), bodies[BAR].centre_of_mass)
-    ball = BallContact(BAR, carrier, ball_on_plate(design), end, middle)
+    time = design.impact.memory_time
+    ball = BallContact(BAR, carrier, ball_on_plate(design), end, middle, memory_time=time, name="plate")
     return Assembled(
         System(tuple(bodies), tuple(joints), (weight,), stabilisation),
         q=q,
         v=jnp.zeros(len(q)),
-        contacts=(ball,),
-        elements=(Sensor(deepest, (ball,), least=0.0, name="penetration"), *bending),
+        elements=(ball, Sensor(deepest, (ball,), least=0.0, name="penetration"), *bending),
         # speed of the bar's middle when it is level
         size=(1e-3, jnp.sqrt(1.5 * scenario.gravity * scenario.height)),
         # The bar's middle falls by half of the height.
         energy_size=0.5 * mass * scenario.gravity * scenario.height,
-        memory_time=design.impact.memory_time,
     )
 
 

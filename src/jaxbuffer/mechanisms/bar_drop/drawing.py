@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from ...multibody import Coordinates
 from ..drawing import (
     GROUND,
     Band,
@@ -60,13 +61,11 @@ def drawing(design: BarDrop, bodies: tuple[str, ...] = ()) -> Drawing:
 
 def with_bending(design: BarDrop, history: Any) -> Float[np.ndarray, "steps frames 3"]:
     """Return the bodies' frames, and those of stations along the bar and along the plate, where they bend."""
-    frames = np.asarray(history.position)
-    bodies = frames.shape[1]
+    frames, parts = np.asarray(history.position), (design.bar, design.plate)
+    order = Coordinates(frames.shape[1], tuple(part.bent.modes.size if part.modes else 0 for part in parts))
     if design.bar.modes:
-        frames = with_stations(frames, history, bodies, design.bar.bent, BAR)
+        frames = with_stations(frames, history, order, design.bar.bent, BAR)
     if design.plate.modes:
-        # A history has all modal coordinates in one row, the bar's first.
-        before = design.bar.bent.modes.size if design.bar.modes else 0
-        frames = with_stations(frames, history, bodies, design.plate.bent, PLATE, before)
+        frames = with_stations(frames, history, order, design.plate.bent, PLATE)
         frames[:, -len(stations(0)) :, 1] -= 0.5 * float(design.plate.thickness)  # the frame lies in the plate's top
     return frames

@@ -25,7 +25,7 @@ from ...elements import (
 from ...multibody import AxialSpringDamper, TorsionalSpringDamper
 from ..assembled import Assembled
 from .bending import Bending, modal_scales
-from .bodies import B, Masses, P, S, T, assemble_system, probe_masses
+from .bodies import TIP, B, Masses, P, S, T, assemble_system, probe_masses
 from .buffer import ProbeBuffer
 from .design import Design, Scenario
 from .observables import NO_STOP, RECORDED, shown_of
@@ -59,7 +59,7 @@ def assemble(design: Design, scenario: Scenario, stabilisation: Scalar = 20.0) -
     **Arguments:** ``design``; ``scenario``; ``stabilisation``: Baumgarte's gain [1/s].
     """
     probe, speed, mass = probe_masses(design), scenario.approach_speed, design.active.mass
-    latched, smooth, bending = design.latch.has("stiffness"), design.contact.memory == "smooth", probe.bending
+    latched, bending = design.latch.has("stiffness"), probe.bending
     system = assemble_system(design, probe, GAIN_WITH_LATCH * stabilisation if latched else stabilisation)
     q, v = start_motion(design, scenario, probe)
     tip = tip_in_cone(design, scenario, probe)
@@ -70,10 +70,8 @@ def assemble(design: Design, scenario: Scenario, stabilisation: Scalar = 20.0) -
         system=system,
         q=q,
         v=v,
-        contacts=(tip,),
-        elements=elements_of(design, scenario, probe),
-        first_contact=nothing_touches if scenario.start == "free" else tip_touches,
-        quiet=design.latch.quiet if latched else None,
+        elements=(tip, *elements_of(design, scenario, probe)),
+        rest_threshold=design.latch.quiet if latched else None,
         # Angles are compared at an arm of 0.1 m.
         size=(
             stacked([length, length, length / 0.1] * 4 + bent),
@@ -82,14 +80,13 @@ def assemble(design: Design, scenario: Scenario, stabilisation: Scalar = 20.0) -
         speed=speed,
         energy_size=0.5 * mass * speed**2,
         momentum_size=mass * speed,
-        memory_time=design.contact.memory_time if smooth else None,
         shown=shown_of(design, scenario),
         recorded=RECORDED if design.buffer.has("stop_stiffness") else (*RECORDED, NO_STOP),
         parts=Parts(design, scenario, probe),
         stored_in="spring",
         lost_in=None if bending is None else "bending",
         listed=LISTED,
-        rings=bending is not None,
+        impulsive_reactions=bending is not None,
     )
 
 
@@ -196,7 +193,7 @@ def tip_on_flanks(design: Design) -> BallPair:
 
 def tip_in_cone(design: Design, scenario: Scenario, probe: Masses) -> BallContact:
     """Return the contact of the tip with both flanks (M29, M30)."""
-    contact = design.contact
+    contact, smooth = design.contact, design.contact.memory == "smooth"
     return BallContact(
         P,
         T,
@@ -204,8 +201,11 @@ def tip_in_cone(design: Design, scenario: Scenario, probe: Masses) -> BallContac
         point=probe.tip_centre,
         names=CONTACTS,
         spin_inertia=probe.tip_inertia if design.probe.free_tip else None,
-        onset_length=contact.onset_length if contact.memory == "smooth" else None,
+        onset_length=contact.onset_length if smooth else None,
         fixed_foot=scenario.contact_distance if contact.arms == "published" else None,
+        memory_time=contact.memory_time if smooth else None,
+        first_contact=nothing_touches if scenario.start == "free" else tip_touches,
+        name=TIP,
     )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..._types import Scalar
-from ...elements import Element, EnergyShare, Panel, PanelCurve
+from ...elements import Element, EnergyShare, Panel, PanelCurve, Report
 from ...elements.telling import BY_HOW_MUCH
 from ...errors import InputError, check_single, check_type
 from ...fields import NON_NEGATIVE, POSITIVE, replace
@@ -109,12 +109,23 @@ class Bending(Element):
 
     name: str = eqx.field(static=True, default="bending")
 
+    @property
+    def report(self) -> "BendingReport":
+        return BendingReport(self)
+
+
+class BendingReport(Report[Bending]):
+    """What is said and drawn of a probe that bends."""
+
     def summary(self, run: Any) -> list[tuple[str, str]]:
         probe, frequencies = run.design.probe, np.asarray(bending_frequencies(run.design))
         damped = percent_text(np.pi * frequencies[0] * float(probe.bending_damping), ".3g")
         modes = f"{probe.bending_modes} modes, {frequencies[0]:.4g} to {frequencies[-1]:.4g} Hz"
         return [
-            (self.name, f"at most {1e3 * float(run.bending):.4g} mm at the tip; {modes}, the first damped to {damped}")
+            (
+                self.element.name,
+                f"at most {1e3 * float(run.bending):.4g} mm at the tip; {modes}, the first damped to {damped}",
+            )
         ]
 
     def panels(self, run: Any) -> list[Panel]:
@@ -147,4 +158,5 @@ class Bending(Element):
 
     @property
     def shares(self) -> tuple[EnergyShare, ...]:
-        return (EnergyShare(self.name, f"lost in {self.name}", (self.name,)),)
+        bending = self.element
+        return (EnergyShare(bending.name, f"lost in {bending.name}", (bending.name,)),)

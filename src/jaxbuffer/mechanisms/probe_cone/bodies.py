@@ -9,6 +9,7 @@ from .bending import bending_probe
 from .design import Design
 
 S, B, P, T = range(4)  # bodies, in the order of the coordinates
+TIP = "tip"  # name of the contact of the tip with both flanks
 
 
 class Masses(NamedTuple):

@@ -16,6 +16,7 @@ from ...programs.cache import stored
 from ..assembled import Assembled
 from ..layout import EvaluatedState
 from .assembly import LOWER, assemble
+from .bodies import TIP
 from .capture import FirstImpact
 from .design import Design, Scenario, check_fit
 from .reading import flank_direction
@@ -89,7 +90,7 @@ def predict(mechanism: Assembled, mass: Float[Array, ""], speed: Float[Array, ""
     **Arguments:** ``mass``: that the flank meets [kg]; ``speed``: of approach [m/s].
     """
     energy = 0.5 * mass * speed**2
-    law = mechanism.contacts[0].pair.law
+    law = mechanism.element(TIP).pair.law
     stiffness = jnp.asarray(mechanism.parts.design.contact_stiffness)
     peak, depth = hertz_peak(stiffness, energy), (2.5 * energy / stiffness) ** 0.4
     factor = loss_factor(law.hysteresis) if isinstance(law, HystereticLaw) else jnp.full((), jnp.nan)

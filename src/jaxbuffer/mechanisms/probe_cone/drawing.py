@@ -7,6 +7,8 @@ import numpy as np
 from jaxtyping import Float
 
 from ...contact import Segment
+from ...multibody import Coordinates
+from ...multibody.flexible import FlexibleBar
 from ..drawing import (
     Band,
     Coil,
@@ -70,10 +72,15 @@ def drawing(design: Design, bodies: tuple[str, ...] = ()) -> Drawing:
 
     def frames(history: Any) -> Float[np.ndarray, "steps frames 3"]:
         poses = with_tip(history, front)
-        poses = poses if bending is None else with_stations(poses, history, TIP, bending, P)
+        poses = poses if bending is None else with_stations(poses, history, _order(bending), bending, P)
         return with_latches(poses, history, _tooth(design)[2]) if latched else poses
 
     return Drawing(shapes, flanks(design), names, detail, frames)
+
+
+def _order(bending: FlexibleBar) -> Coordinates:
+    """Return the order of the coordinates where the probe bends."""
+    return Coordinates(TIP, tuple(bending.modes.size if body == P else 0 for body in range(TIP)))
 
 
 def with_tip(history: Any, front: float) -> Float[np.ndarray, "steps frames 3"]:

@@ -85,5 +85,5 @@ def warnings(capture: Capture) -> list[str]:
             f"{BEYOND_LAW}the materials yield, {1e-6 * reached:.4g} MPa of contact pressure at"
             f" the peak being {float(ratios.pressure):.3g} times where a yield stress of {1e-6 * stress:.4g} MPa allows"
         )
-    of_parts = (line for element in capture.elements for line in element.warnings(capture))
+    of_parts = (line for element in capture.elements for line in element.report.warnings(capture))
     return [*lines, *of_parts, *closing_warnings(capture)]

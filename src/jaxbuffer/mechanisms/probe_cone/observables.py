@@ -3,13 +3,14 @@
 from collections.abc import Callable
 
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array
 
 from ..._types import Scalar
 from ...elements.element import ROUNDED_LENGTH
-from ..assembled import Assembled, Shown
+from ...plane import Vector
+from ..assembled import Assembled, Observable
 from ..layout import EvaluatedState
-from .bodies import B, P, S, T
+from .bodies import TIP, B, P, S, T
 from .design import Design, Scenario
 
 ROUNDED_ACCELERATION = 1e-12  # m/s²: what rounding of positions of a metre makes of it by the constraints' correction
@@ -18,18 +19,17 @@ ROUNDED_ACCELERATION = 1e-12  # m/s²: what rounding of positions of a metre mak
 def hinge_force(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
     """Return the size of the force that accelerates the active vehicle [N] (M68)."""
     # The vehicle's acceleration tells the force also where the hinge has play, and so no multipliers (M68).
-    return _size_of(rate[mechanism.coordinates : mechanism.coordinates + 2] * mechanism.parts.design.active.mass)
+    return _size_of(mechanism.acceleration(rate, S) * mechanism.parts.design.active.mass)
 
 
 def passive_force(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
     """Return the size of the force on the passive vehicle [N]."""
-    first = mechanism.coordinates + 3 * T
-    return _size_of(rate[first : first + 2] * mechanism.parts.design.passive.mass)
+    return _size_of(mechanism.acceleration(rate, T) * mechanism.parts.design.passive.mass)
 
 
-def _size_of(force: Float[Array, " 2"]) -> Scalar:
+def _size_of(force: Vector) -> Scalar:
     """Return a force's size, with a derivative also where it is zero."""
-    return jnp.sqrt(force[0] ** 2 + force[1] ** 2 + 1e-24)
+    return jnp.sqrt(force.x**2 + force.y**2 + 1e-24)
 
 
 def hinge_angle(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
@@ -57,20 +57,20 @@ def _rounded_length(mechanism: Assembled) -> Scalar:
     return ROUNDED_LENGTH
 
 
-HINGE_FORCE = Shown("hinge_force", hinge_force, of_rate=True, negligible=_rounded_force("active"))
-PASSIVE_FORCE = Shown("passive_force", passive_force, of_rate=True, negligible=_rounded_force("passive"))
-HINGE_ANGLE = Shown("hinge_angle", lambda *at: jnp.abs(hinge_angle(*at)), negligible=_rounded_length)
-BENDING = Shown("bending", lambda *at: jnp.abs(bending_of_tip(*at)), negligible=_rounded_length)
+HINGE_FORCE = Observable("hinge_force", hinge_force, of_rate=True, roundoff=_rounded_force("active"))
+PASSIVE_FORCE = Observable("passive_force", passive_force, of_rate=True, roundoff=_rounded_force("passive"))
+HINGE_ANGLE = Observable("hinge_angle", lambda *at: jnp.abs(hinge_angle(*at)), roundoff=_rounded_length)
+BENDING = Observable("bending", lambda *at: jnp.abs(bending_of_tip(*at)), roundoff=_rounded_length)
 # Of a history; those of which the largest size is watched have their sign there.
 RECORDED = (
-    Shown("tip_spin", lambda mechanism, at, rate: at.contacts[0].spin),
-    Shown("hinge_angle", hinge_angle),
-    Shown("bending", bending_of_tip),
+    Observable("tip_spin", lambda mechanism, at, rate: mechanism.evaluated(at, TIP).spin),
+    Observable("hinge_angle", hinge_angle),
+    Observable("bending", bending_of_tip),
 )
-NO_STOP = Shown("stop_force", lambda mechanism, at, rate: jnp.zeros(()))  # a history has that force in any case
+NO_STOP = Observable("stop_force", lambda mechanism, at, rate: jnp.zeros(()))  # a history has that force in any case
 
 
-def shown_of(design: Design, scenario: Scenario) -> tuple[Shown, ...]:
+def shown_of(design: Design, scenario: Scenario) -> tuple[Observable, ...]:
     """Return what is watched beside the elements' own observables."""
     bending = (BENDING,) if design.probe.has("bending_stiffness") else ()
     # Without a latch, and from the touch, nothing but the tip acts on the passive vehicle.

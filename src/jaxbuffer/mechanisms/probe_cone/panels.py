@@ -20,7 +20,7 @@ def panels(capture: Capture) -> list[Panel]:
     history: Any = capture.history
     # A buffer and its stops share a panel; of the others those come first that tell of the time after the impacts.
     others = (it for it in capture.elements if not isinstance(it, (Buffer, EndStop)))
-    more = sorted((panel for it in others for panel in it.panels(capture)), key=lambda panel: not panel.to_end)
+    more = sorted((panel for it in others for panel in it.report.panels(capture)), key=lambda panel: not panel.to_end)
     gaps = Panel(
         "Gap and distance to capture",
         "distance [mm]",
@@ -68,7 +68,7 @@ def _energy(capture: Capture) -> Panel:
 
 def energy_shares(capture: Capture) -> list[EnergyShare]:
     """Return what the parts have of a capture's energy: first what every capture lists, in that order."""
-    shares = [share for element in capture.elements for share in element.shares]
+    shares = [share for element in capture.elements for share in element.report.shares]
     order = dict(zip(LISTED[1], range(len(LISTED[1])), strict=True))
     return sorted(shares, key=lambda share: order.get(share.names[-1], len(order)))
 

@@ -13,7 +13,7 @@ from ..assembled import Assembled
 from ..layout import Closed, EvaluatedState
 from ..reading import Reader
 from .assembly import LOWER
-from .bodies import P, T
+from .bodies import TIP, P, T
 from .throat import ThroatState
 
 
@@ -50,7 +50,7 @@ def _look(mechanism: Assembled, at: EvaluatedState, active: Closed, masses: Floa
     flank_mass, axial_mass, *held = masses
     return CaptureReading(
         throat=mechanism.evaluated(at, "throat"),
-        tip_rate=_tip_rate(at),
+        tip_rate=_tip_rate(mechanism, at),
         attitude=probe.angle - cone.angle,
         attitude_rate=probe.spin - cone.spin,
         passive_velocity=cone.velocity,
@@ -92,13 +92,13 @@ def crossings(mechanism: Assembled, log: Log) -> Bool[Array, " slots"]:
 
 def flank_direction(mechanism: Assembled, at: EvaluatedState) -> Float[Array, " coordinates"]:
     """Return A of the lower flank, where A q̇ is the approach speed (M79)."""
-    return mechanism.contacts[0].directions(mechanism.system, at.contacts[0])[0][: mechanism.coordinates, LOWER]
+    return mechanism.element(TIP).closing_directions(mechanism.system, mechanism.evaluated(at, TIP))[:, LOWER]
 
 
-def _tip_rate(at: EvaluatedState) -> Scalar:
+def _tip_rate(mechanism: Assembled, at: EvaluatedState) -> Scalar:
     """Return how fast the tip's y in the axes of T changes [m/s]."""
     cone = at.kin.frame(T)
-    centre = at.contacts[0].centre
+    centre = mechanism.evaluated(at, TIP).centre
     return cone.unturn(centre.velocity - cone.velocity_at(centre.place - cone.origin)).y
 
 

@@ -98,7 +98,7 @@ def _of_part(capture: Capture, element: Element) -> list[str]:
     """Return the lines of one part; buffer, stops and thrust are told of in lines of the whole."""
     if isinstance(element, (Buffer, EndStop, Thrust)):
         return []
-    lines = element.summary(capture)
+    lines = element.report.summary(capture)
     if lines and isinstance(element, Latch):
         lines += _at_the_latches(capture)
     return [f"  {heading:20} {text}" for heading, text in lines]
@@ -151,11 +151,11 @@ def _which_impact(capture: Capture) -> str:
 
 
 def _stop(capture: Capture) -> str:
-    return "".join(f", {stop.words} {float(capture.peak_stop_force):.6g} N" for stop in end_stops(capture))
+    return "".join(f", {stop.report.words} {float(capture.peak_stop_force):.6g} N" for stop in end_stops(capture))
 
 
 def _stroke_limits(capture: Capture) -> str:
-    stops = (f", {stop.words} from {1e3 * float(stop.place):.6g} mm on" for stop in end_stops(capture))
+    stops = (f", {stop.report.words} from {1e3 * float(stop.place):.6g} mm on" for stop in end_stops(capture))
     return f" of {1e3 * float(capture.design.buffer.longest_stroke):.6g} mm{''.join(stops)}"
 
 

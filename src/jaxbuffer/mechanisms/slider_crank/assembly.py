@@ -48,7 +48,7 @@ def slider_crank(design: SliderCrank, scenario: SliderCrankScenario, stabilisati
         if pin.joint == "pinned":
             joints.append(Revolute(body, ROD, first_point=point, second_point=end))
         else:
-            contacts += pin_in_bush(pin, body, point, end)
+            contacts += pin_in_bush(pin, body, point, end, design.piston_pin.memory_time)
             recorded += eccentricity(pin, contacts[-1])
     q, v = ideal_motion(design, scenario)
     turning = design.drive.kind == "torque"
@@ -59,10 +59,8 @@ def slider_crank(design: SliderCrank, scenario: SliderCrankScenario, stabilisati
         System(bodies, tuple(joints), weights, stabilisation),
         q=q,
         v=v,
-        contacts=tuple(contacts),
-        elements=(drive(design, scenario), *sensors(design, tuple(contacts)), *recorded),
+        elements=(*contacts, drive(design, scenario), *sensors(design, tuple(contacts)), *recorded),
         size=(1e-4, speed),
-        memory_time=design.piston_pin.memory_time,
         energy_size=0.5 * block.mass * speed**2 + (0.5 * crank.inertia * fastest**2 if turning else 0.0),
     )
 
@@ -75,13 +73,17 @@ def drive(design: SliderCrank, scenario: SliderCrankScenario) -> Element:
     return Motor(CRANK, motor.torque, motor.no_load_speed, scenario.crank_angle, lost_in="dampers")
 
 
-def pin_in_bush(pin: PinInBush, body: int, point: Point, end: Point) -> list[BallContact]:
+def pin_in_bush(pin: PinInBush, body: int, point: Point, end: Point, memory_time: Scalar | None) -> list[BallContact]:
     """Return the contact of a pin with play: round, the ball on ``body`` at ``point`` in the bush at the rod's ``end``,
     or by components, the rod's end between the four sides of a square on the body."""
     # A square hole has the slider's directions, and so is on the slider; the round bush is on the rod.
     if pin.by_components:
-        return [BallContact(ROD, body, in_contact(pin, side, -1.0), end, point) for side in flanks(pin.bush_radius)]
-    return [BallContact(body, ROD, in_contact(pin, Hole(0.0, 0.0, pin.bush_radius), 1.0), point, end)]
+        return [
+            BallContact(ROD, body, in_contact(pin, side, -1.0), end, point, memory_time=memory_time, name=name)
+            for name, side in zip(pin.contacts, flanks(pin.bush_radius), strict=True)
+        ]
+    hole, (name,) = Hole(0.0, 0.0, pin.bush_radius), pin.contacts
+    return [BallContact(body, ROD, in_contact(pin, hole, 1.0), point, end, memory_time=memory_time, name=name)]
 
 
 def rod_body(rod: Rod) -> tuple[Body, Point, Point]:

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from ...contact import Hole
+from ...multibody import Coordinates
 from ..drawing import (
     GROUND,
     Band,
@@ -82,7 +83,8 @@ def bent(design: SliderCrank) -> Motion:
     bar = design.rod.bent if bends(design) else None
     if bar is None or isinstance(bar, PlanarBody):
         return as_they_are
-    return lambda history: with_stations(as_they_are(history), history, BODIES, bar, ROD)
+    order = Coordinates(BODIES, (0, bar.modes.size, 0))
+    return lambda history: with_stations(as_they_are(history), history, order, bar, ROD)
 
 
 def bends(design: SliderCrank) -> bool:

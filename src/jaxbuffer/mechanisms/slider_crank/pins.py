@@ -24,6 +24,7 @@ from .blunt_impact import BluntImpact
 
 ADAMS = "adams"
 SPHERE_EXPONENT = 1.5  # -
+SIDES = ("right of piston", "left of piston", "above piston", "below piston")
 PLAY = chosen("joint", "clearance")  # without it there is no contact
 LAWS_WITH_LENGTH = tuple(name for name in PIN_IN_HOLE_LAWS if name != "sphere")
 
@@ -121,6 +122,13 @@ class PinInBush(Part):
     def by_components(self) -> bool:
         """Return whether the pin's contact is one for each direction."""
         return False
+
+    @property
+    def contacts(self) -> tuple[str, ...]:
+        """Return the names of the pin's contacts, by their places."""
+        if self.joint == "pinned":
+            return ()
+        return SIDES if self.by_components else (self.section.removesuffix("_pin"),)
 
     @property
     def radius(self) -> Scalar:

@@ -7,13 +7,14 @@ from jaxtyping import Array
 
 from ..._types import Scalar
 from ...elements import BallContact, Element, Sensor, deepest
-from ...multibody import Kinematics
+from ...multibody import Coordinates, Kinematics
 from ...multibody.flexible import FlexibleBar, Marker, deflection, stress
 from .design import SliderCrank
 from .pins import PinInBush
 from .shapes import PlanarBody
 
 CRANK, ROD, SLIDER = range(3)
+BODIES = Coordinates(3)  # the modal coordinates come behind those of the bodies
 
 
 class Seat(NamedTuple):
@@ -55,7 +56,7 @@ def eccentricity(pin: PinInBush, contact: BallContact) -> list[Element]:
 def slider_acceleration(kin: Kinematics, acceleration: Array, numbers: None) -> Scalar:
     """Return the size of the slider's acceleration [m/s²]."""
     # The guide lets the slider move along its line alone.
-    return jnp.abs(acceleration[3 * SLIDER])
+    return jnp.abs(Coordinates.translation(acceleration, SLIDER).x)
 
 
 def off_centre_along(kin: Kinematics, pin: tuple[float, BallContact]) -> Scalar:

@@ -9,8 +9,11 @@ from jaxtyping import Float
 
 from ...errors import InputError
 from ...hybrid import Kind
+from ...multibody import Coordinates
 from ...value_text import with_unit
+from ..layout import positions
 from ..run import Run
+from .sensors import BODIES, CRANK
 
 LEAST_TURNS = 4
 LEAST_BLOCKS = 8
@@ -102,8 +105,11 @@ def turn_starts(run: Run) -> Float[np.ndarray, " turns"]:
     count = min(int(log.count), log.room)
     # The spline needs times that rise: of several events at one instant the first is taken.
     time, first = np.unique(np.append(0.0, np.asarray(log.time)[:count]), return_index=True)
-    angle = np.append(float(np.asarray(scenario.crank_angle)), np.asarray(log.rows)[:count, 0, 2])[first]
-    speed = np.append(float(np.asarray(scenario.crank_speed)), np.asarray(log.rates)[:count, 0, 2])[first]
+    angles, speeds = (
+        Coordinates.angle(positions(np.asarray(it)[:count, 0], BODIES), CRANK) for it in (log.rows, log.rates)
+    )
+    angle = np.append(float(np.asarray(scenario.crank_angle)), angles)[first]
+    speed = np.append(float(np.asarray(scenario.crank_speed)), speeds)[first]
     between = np.linspace(0.0, 1.0, POINTS_BETWEEN, endpoint=False)
     times = np.append((time[:-1, None] + np.diff(time)[:, None] * between).ravel(), time[-1])
     # A crank may turn either way.

@@ -6,18 +6,13 @@ from .drawing import drawing
 from .picture import panels
 from .summary import label, summary, validity, warnings
 
-SIDES = ("right of piston", "left of piston", "above piston", "below piston")
 OTHERS = {"drive_torque": "N m", "braking_torque": "N m", "slider_acceleration": "m/s²"}
 
 
 def names(design: SliderCrank) -> Names:
     """Return what the contacts of a design are called, in order, and its observables."""
-    # Contacts are named by their places, in the order in which `slider_crank` puts them together.
-    contacts: tuple[str, ...] = ()
-    if design.piston_pin.joint == "clearance":
-        contacts += SIDES if design.piston_pin.by_components else ("piston",)
-    if design.crank_pin.joint == "clearance":
-        contacts += ("crank",)
+    # In the order in which `slider_crank` puts them together.
+    contacts = (*design.piston_pin.contacts, *design.crank_pin.contacts)
     pins = [pin for pin in (design.piston_pin, design.crank_pin) if pin.joint == "clearance"]
     places = {f"{pin.section}_{axis}": "m" for pin in pins for axis in ("x", "y")}
     depth = {"penetration": "m"} if design.piston_pin.by_components else {}
