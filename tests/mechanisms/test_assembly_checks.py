@@ -36,6 +36,7 @@ def assembled(joints):
     return Assembled(System((Body(1.0, 0.1), Body(2.0, 0.3)), joints), q, jnp.zeros(6))
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("name", REDUNDANT)
 def test_joints_that_hold_one_motion_twice_are_named(name):
     joints, places, superfluous = REDUNDANT[name]
@@ -46,6 +47,7 @@ def test_joints_that_hold_one_motion_twice_are_named(name):
     assert f"constraints {superfluous} can be left out" in str(error.value) and "(ground, body 0)" in str(error.value)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("name", ENOUGH)
 def test_joints_that_hold_each_motion_once_are_accepted(name):
     assert assembled(ENOUGH[name]).system.joints == ENOUGH[name]

@@ -31,6 +31,7 @@ def mechanism(order):
     return Assembled(system, jnp.zeros(6), jnp.zeros(6), elements, momentum_size=1.0, rest_threshold=1e-3)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("order", ORDERS, ids=str)
 def test_each_number_has_a_place_of_its_own(order):
     made = mechanism(order)
@@ -55,6 +56,7 @@ def test_each_number_has_a_place_of_its_own(order):
         assert int(np.sum(np.asarray(other != state))) == len(mine), "no other number has changed"
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("order", ORDERS, ids=str)
 def test_contacts_with_impacts_come_first_and_each_element_finds_its_own(order):
     made = mechanism(order)
@@ -67,6 +69,7 @@ def test_contacts_with_impacts_come_first_and_each_element_finds_its_own(order):
         assert float(made.closed_switches(closed, owner.name)[place]) == made.contact_names.index(name)
 
 
+@pytest.mark.quick
 def test_a_memory_that_follows_in_no_time_is_refused():
     with pytest.raises(InputError, match="memory_time of the contact 'contact' is nan s"):
         BallContact(0, 1, PAIR, memory_time=float("nan"))

@@ -43,7 +43,7 @@ def frames_of(run: Run) -> Frames:
     assert run.history is not None
     end, busy = float(np.asarray(run.history.time)[-1]), last_contact(run)
     even = busy / EVEN
-    slow: list[tuple[float, float]] = []
+    slow: list[tuple[float, float, float]] = []
     for pulse in sorted(pulses(run), key=lambda pulse: -pulse.force):
         room = ROOM * (pulse.end - pulse.start)
         window = max(pulse.start - room, 0.0), min(pulse.end + room, busy)
@@ -51,10 +51,12 @@ def frames_of(run: Run) -> Frames:
         apart = all(window[1] < other[0] or window[0] > other[1] for other in slow)
         # Slow motion must show at least twice as many frames as even ones would.
         if len(slow) < IMPACTS and apart and 0.0 < window[1] - window[0] < 0.5 * SLOW * even:
-            slow.append(window)
+            slow.append((*window, pulse.peak))
     times, steps, at = [], [], 0.0
-    for start, stop in [*sorted(slow), (busy, busy)]:
+    for start, stop, peak in [*sorted(slow), (busy, busy, busy)]:
         for first, last, step in ((at, start, even), (start, stop, (stop - start) / SLOW)):
+            if first + step < peak < last:  # in even steps that lead to it, so that a frame shows the largest force
+                step = (peak - first) / round((peak - first) / step)
             # The last pair is no impact: its step of zero would be none of a range.
             part = np.arange(first, last, step) if last > first else np.zeros(0)
             times.append(part)
