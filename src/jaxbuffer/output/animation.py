@@ -54,9 +54,10 @@ def frames_of(run: Run) -> Frames:
             slow.append((*window, pulse.peak))
     times, steps, at = [], [], 0.0
     for start, stop, peak in [*sorted(slow), (busy, busy, busy)]:
-        for first, last, step in ((at, start, even), (start, stop, (stop - start) / SLOW)):
-            if first + step < peak < last:  # in even steps that lead to it, so that a frame shows the largest force
-                step = (peak - first) / round((peak - first) / step)
+        fine = (stop - start) / SLOW
+        if start + fine < peak:  # even steps that lead to the largest force, so that a frame shows it
+            fine = (peak - start) / round((peak - start) / fine)
+        for first, last, step in ((at, start, even), (start, stop, fine)):
             # The last pair is no impact: its step of zero would be none of a range.
             part = np.arange(first, last, step) if last > first else np.zeros(0)
             times.append(part)
