@@ -13,17 +13,19 @@ from hypothesis import strategies as st
 from jaxtyping import Array, Float
 
 import jaxbuffer as jb
-from jaxbuffer.hybrid import Options, StepTolerance, solve
+from jaxbuffer.hybrid import Options, Status, StepTolerance, solve
 from jaxbuffer.mechanisms.assembled import Assembled
 from jaxbuffer.mechanisms.energy import Balance
 from jaxbuffer.mechanisms.history import History
 from jaxbuffer.mechanisms.impacts import Impacts
+from jaxbuffer.mechanisms.outcome import outcome_code
 from jaxbuffer.mechanisms.probe_cone.assembly import assemble
 from jaxbuffer.mechanisms.run import Maxima
 from jaxbuffer.run.conservation import balance
 from jaxbuffer.run.history import history
 from jaxbuffer.run.impacts import impacts
-from jaxbuffer.run.maxima import maxima
+from jaxbuffer.run.maxima import maxima, places_of
+from jaxbuffer.run.readings import readings
 from jaxbuffer.run.stepper import HISTORY_STEPS
 from jaxbuffer.run.survey import survey
 
@@ -43,9 +45,9 @@ class Started(Assembled):
 
 
 class Seen(NamedTuple):
-    """What a run shows: its status, largest values, impacts, conservation, and its accepted steps."""
+    """What a run shows: its outcome, largest values, impacts, conservation, and its accepted steps."""
 
-    status: Array
+    outcome: Array
     end: Array
     maxima: Maxima
     impacts: Impacts
@@ -65,14 +67,15 @@ def _watch(parameters, duration, rtol) -> Seen:
     )
     result = solve(started, parameters, duration, options)
     mechanism = started(*parameters)
-    log, seen = result.log, survey(mechanism, result.log)
-    state, closed = mechanism.start()
+    log, places, by_guard = result.log, places_of(mechanism, result.log), result.status < Status.TIMEOUT
+    read, last = readings(mechanism, None, result.start, log, places.slots, by_guard), jnp.maximum(log.count - 1, 0)
+    seen = survey(mechanism, log).with_forces(jnp.append(places.slots, last), read.observables)
     return Seen(
-        result.status,
-        log.time[jnp.maximum(log.count - 1, 0)],
-        maxima(mechanism, log, (mechanism.evaluate(state), closed)),
+        outcome_code(jb.Outcome, mechanism.end_outcomes, result.status),
+        log.time[last],
+        maxima(mechanism, log, places, read),
         impacts(mechanism, log, seen),
-        balance(mechanism, (mechanism.evaluate(state), closed), log, seen.drift)[1],
+        balance(mechanism, read, log, seen.drift)[1],
         history(mechanism, result.steps),
         result.accepted,
     )
@@ -93,7 +96,8 @@ def watch(design, scenario, start=None, duration=8.0, stabilisation=20.0, rtol=R
     """Run a capture from ``start`` (state, closed contacts; default: the scenario's) and show it."""
     parameters = (design, scenario, stabilisation, *(start_of(design, scenario) if start is None else start))
     seen = _watch(_arrays(parameters), jnp.asarray(duration, float), jnp.asarray(rtol, float))
-    assert int(seen.status) in (0, 1, 100), "the run failed"
+    ended = (jb.Outcome["captured"], jb.Outcome["escaped"], jb.Outcome["timeout"])
+    assert int(seen.outcome) in map(int, ended), "the run failed"
     return seen._replace(steps=jax.tree.map(lambda x: np.asarray(x)[: int(seen.count)], seen.steps))
 
 
@@ -141,7 +145,7 @@ def difference(seen: Seen, expected: Seen, delay=0.0, swapped=False, units=(1.0,
     flank = np.asarray(expected.impacts.contact[:n])
     told = np.asarray(seen.impacts.contact[:n])
     if (
-        int(seen.status) != int(expected.status)
+        int(seen.outcome) != int(expected.outcome)
         or int(seen.impacts.count) != n
         or not np.array_equal(told, 1 - flank if swapped else flank)
     ):

@@ -103,7 +103,7 @@ def assert_close(derivative, difference, values, name):
 OTHERS = (*EXACT, *WITHOUT_LATCH, "maxima")
 NUMBERS = [
     *(f.name for f in dataclasses.fields(jb.Capture) if "Float" in str(f.type) and f.name not in OTHERS),
-    *(f"maxima.{name}" for name in ("hinge_force", "buffer_force", "stroke", "hinge_angle")),
+    *(f"maxima.{name}" for name in ("hinge_force", "buffer_force", "stroke", "extension", "hinge_angle")),
     "log.latest",
     "log.missed_time",
     "log.missed_values",
