@@ -350,16 +350,21 @@ class Assembled(ContactSystem):
     # --- ends of a run ------------------------------------------------------------------------------------------------
 
     @property
+    def _ending(self) -> list[int]:
+        """Return the elements in the order of their ends: contacts, which end a run that failed, are the last."""
+        return sorted(range(len(self.elements)), key=lambda k: k in self.layout.impacting)
+
+    @property
     def end_outcomes(self) -> tuple[str, ...]:
-        elements = (name for element in self.elements for name in element.outcomes)
+        elements = (name for k in self._ending for name in self.elements[k].outcomes)
         held = () if self.rest_threshold is None else ("held",)
         return (*(self.end_names or ("ended",) * len(self.ends)), *elements, *held) or NO_END
 
     def terminals_at(self, at: EvaluatedState) -> Float[Array, " terminals"]:
         """Return those of ``ends`` and of elements, and whether all is held."""
         ends = [quantity(self.system, at.kin) for quantity in self.ends]
-        for element, it in zip(self.elements, at.elements, strict=True):
-            ends += element.guards(it)
+        for k in self._ending:
+            ends += self.elements[k].guards(at.elements[k])
         ends += [] if self.rest_threshold is None else [self._at_rest(at)]
         return stacked(ends or [-1.0])
 
