@@ -125,7 +125,7 @@ def test_rows_weigh_as_hubers_loss_has_it():
 
 def test_rows_that_are_many_are_no_outliers():
     values = np.zeros((1, 1000))
-    values[0, :20] = 9.0
-    assert np.sum(outliers(values)) == 20 and mean_squares(values, values > -1.0)[0] == 0.0
+    values[0, :10] = 9.0
+    assert np.sum(outliers(values)) == 10 and mean_squares(values, values > -1.0)[0] == 0.0
     values[0, :100] = 9.0
     assert not np.any(outliers(values)) and mean_squares(values, values > -1.0)[0] == pytest.approx(8.1)

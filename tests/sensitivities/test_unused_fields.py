@@ -40,6 +40,10 @@ def outputs(name, values):
     return jnp.stack([run.quantity(quantity) for quantity in QUANTITIES])
 
 
+# It stands in the height of the fall and in the gap alike, so that it moves a run by rounding, or not at all.
+ROUNDING = {"bar.ball_radius"}
+
+
 @functools.cache
 def changing(name):
     """Which numbers change a run's quantities, each moved by a thousandth."""
@@ -48,7 +52,9 @@ def changing(name):
     before = np.asarray(of(values))
     assert np.all(np.isfinite(before))
     after = {path: np.asarray(of(values | {path: value * 1.001 + 1e-6})) for path, value in values.items()}
-    return {path: not np.array_equal(changed, before) for path, changed in after.items()}
+    np.testing.assert_allclose([after[path] for path in ROUNDING & after.keys()] or [before], [before], rtol=1e-10)
+    changes = {path: not np.array_equal(changed, before) for path, changed in after.items()}
+    return {path: them for path, them in changes.items() if path not in ROUNDING}
 
 
 def moved(name, chosen):

@@ -13,7 +13,7 @@ SETTLED = -2  # SciPy's status of a search that its callback ended
 INSIDE = 1e-9  # of the range of an unknown: SciPy begins strictly within bounds
 WIDEST = 1.0  # deviation of an unknown on which the data say nothing, as a share of its range
 STICKS_OUT = 5.0  # deviations of the noise, from which on a row weighs less and counts as an outlier
-OUTLIERS = 0.03  # share of a column's rows, from which on they are no outliers but what a model does not describe
+OUTLIERS = 0.015  # share of a column's rows, from which on they are no outliers but what a model does not describe
 LEFT = 1e-3  # by which a sum of squares may still fall where a search ends: 1 is a deviation of an unknown
 FALL = 1e-2  # of a last step, above what a run's own error makes of the sum: it moves only what is hardly known
 
@@ -63,13 +63,13 @@ def robust(block: Block) -> Block:
     return Block(values, block.slopes * np.where(out, STICKS_OUT / root, 1.0)[..., None])
 
 
-def smoothed(block: Block, width: float) -> tuple[np.ndarray, np.ndarray]:
+def smoothed(block: Block, width: float, squares: bool = False) -> tuple[np.ndarray, np.ndarray]:
     """Return residuals and slopes as rows, averaged over a Gaussian window of a ``width`` in rows; 0 leaves them.
 
-    Rows that stick out weigh less. They are scaled so that white noise of one keeps its information. An impact that
-    comes a window too early or too late still shows which way to go.
+    Rows that stick out weigh less, unless ``squares`` are asked for. They are scaled so that white noise of one keeps
+    its information. An impact that comes a window too early or too late still shows which way to go.
     """
-    block = robust(block)
+    block = block if squares else robust(block)
     rows = np.concatenate([block.values[..., None], block.slopes], axis=2)
     if width > 0.0:
         # Rows within one width say nearly the same: few of them are kept, and each counts for those that it stands for.
@@ -114,6 +114,7 @@ def minimum(
     share: float,
     width: float = 0.0,
     *,
+    squares: bool = False,
     pull: float = 0.0,
     tolerance: float = 1e-4,
     most: int = 12,
@@ -121,7 +122,8 @@ def minimum(
     """Return the least squares of records up to a share of their rows, near ``x``.
 
     **Arguments:** ``residuals``; ``x``: scaled unknowns, between 0 and 1; ``share`` [-] of each record; ``width``: of
-    the window that residuals are averaged over [rows]; ``pull``: weight of staying at ``x``, for what the rows do not
+    the window that residuals are averaged over [rows]; ``squares``: whether rows that stick out weigh like all
+    others; ``pull``: weight of staying at ``x``, for what the rows do not
     tell [-]; ``tolerance``: relative change of the sum of squares at which the search ends [-]; ``most`` evaluations.
     """
     known: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
@@ -131,7 +133,7 @@ def minimum(
         key = point.tobytes()
         if key not in known:
             known.clear()  # SciPy asks for the slopes at the point whose residuals it asked for last
-            parts = [smoothed(block, width) for block in residuals(point, share)]
+            parts = [smoothed(block, width, squares) for block in residuals(point, share)]
             values, slopes = (np.concatenate(them) for them in zip(*parts, strict=True))
             if pull > 0.0:
                 values = np.concatenate([values, pull * (point - start)])

@@ -107,8 +107,10 @@ class StagedSearch:
         enough = SLACK if self.level > 1.0 else 1.0
         if best[1] > enough:
             self.check(best[0], share)
-            for start in self._further(x, before):
-                best = min(best, self._descent(start, share, WIDTHS), key=lambda it: it[1])
+            for start in (x, *self._further(x, before)):
+                # By squares first: a loss that forgives spikes also forgives each impact that is missed.
+                near = self._descent(start, share, WIDTHS, squares=True)[0]
+                best = min(best, self._descent(near, share, WIDTHS[-1:]), key=lambda it: it[1])
                 if best[1] <= enough:
                     break
         # Where no start meets the noise the model does not: further stages are held to what it comes to.
@@ -126,11 +128,13 @@ class StagedSearch:
         for k, offset in enumerate(qmc.Sobol(len(x), seed=0).random(STARTS)):
             yield np.clip(x + NEAR * (k + 1) / STARTS * (2.0 * offset - 1.0), 0.0, 1.0)
 
-    def _descent(self, x: np.ndarray, share: float, widths: tuple[float, ...]) -> tuple[np.ndarray, float]:
+    def _descent(
+        self, x: np.ndarray, share: float, widths: tuple[float, ...], squares: bool = False
+    ) -> tuple[np.ndarray, float]:
         """Return the minimum that smaller and smaller windows lead to, and its excess."""
         for width in widths:
             # Over whole records nothing may hold an unknown where it began: a pull would bias its estimate.
-            x = minimum(self.residuals, x, share, width, pull=PULL if share < 1.0 else 0.0).x
+            x = minimum(self.residuals, x, share, width, squares=squares, pull=PULL if share < 1.0 else 0.0).x
         return x, self.excess(self.residuals(x, share))
 
     def excess(self, blocks: list[Block]) -> float:
