@@ -27,7 +27,7 @@ from jaxbuffer import (
     table2,
     tune,
 )
-from jaxbuffer.mechanisms.probe_cone.buffer import ProbeBuffer
+from jaxbuffer.mechanisms.probe_cone.parts import ProbeBuffer
 from jaxbuffer.mechanisms.probe_cone.contact import Contact
 from jaxbuffer.mechanisms.probe_cone.parts import Cone, Passive
 from jaxbuffer.tuning import Distribution, Scatter, grid

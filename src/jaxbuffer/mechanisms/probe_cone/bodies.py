@@ -5,10 +5,13 @@ from typing import NamedTuple
 from ..._types import Scalar
 from ...multibody import Body, FlexibleBody, Point, Prismatic, Revolute, System
 from ...multibody.flexible import FlexibleBar, Marker
-from .bending import bending_probe
 from .design import Design
+from .parts.bending import bending_probe
+from .parts.part import B as B
+from .parts.part import P as P
+from .parts.part import S as S
+from .parts.part import T as T
 
-S, B, P, T = range(4)  # bodies, in the order of the coordinates
 TIP = "tip"  # name of the contact of the tip with both flanks
 
 

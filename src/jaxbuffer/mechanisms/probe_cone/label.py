@@ -7,6 +7,7 @@ import numpy as np
 from ...fields import as_typed, unit
 from ...value_text import degrees_text, with_unit
 from .design import Scenario
+from .parts import PARTS
 
 OF_FREE_START = {  # the unit in which each is shown
     "offset": "mm",
@@ -20,7 +21,7 @@ OF_FREE_START = {  # the unit in which each is shown
 
 def scenario_label(scenario: Scenario, among: Sequence[Scenario] = ()) -> str:
     """Return what people call a scenario: "0.1 m/s, +3°", its approach speed and misalignment; contact distance and
-    passive rate too where those differ ``among`` several. Of a free start and a thrust, what is not at its default."""
+    passive rate too where those differ ``among`` several. Of a free start and of parts, what is not at its default."""
     angle = np.degrees(float(scenario.misalignment))
     speed = float(scenario.approach_speed)
     # Two speeds that are alike in four digits are told apart by nine.
@@ -29,7 +30,8 @@ def scenario_label(scenario: Scenario, among: Sequence[Scenario] = ()) -> str:
     for name, shown in (("contact_distance", "mm"), ("passive_rate", "deg/s")):
         if name not in scenario.without_effect and len({float(getattr(other, name)) for other in among}) > 1:
             label += _field(scenario, name, shown)
-    return label + _free_start(scenario) + _thrust(scenario)
+    of_parts = (part.label(scenario) for part in PARTS if part.present(None, scenario))
+    return label + _free_start(scenario) + "".join(of_parts)
 
 
 def _free_start(scenario: Scenario) -> str:
@@ -44,9 +46,3 @@ def _field(scenario: Scenario, name: str, shown: str) -> str:
     """Return a field behind others, in the unit in which it is shown: ", offset -20 mm"."""
     number = as_typed(float(getattr(scenario, name)), unit(scenario, name), shown)
     return f", {name.replace('_', ' ')} {with_unit(*number)}"
-
-
-def _thrust(scenario: Scenario) -> str:
-    if not scenario.has("thrust"):
-        return ""
-    return f", thrust {float(scenario.thrust):.4g} N for {float(scenario.thrust_time):.4g} s"
