@@ -87,7 +87,7 @@ def elements_of(design: Design, scenario: Scenario, probe: Masses) -> tuple[Elem
         cone_body=T,
         holder=None if holder is None else holder.name,
     )
-    joined = Joined(design, scenario, probe.tip_centre, axial_force(buffer, probe), throat.plane)
+    joined = Joined(design, scenario, probe.tip_centre, axial_force(buffer, probe), throat)
     return (
         throat,
         Buffer(joined.axial, buffer.longest_stroke),

@@ -107,13 +107,13 @@ class LatchPart(ProbePart):
     """The latches."""
 
     def elements(self, joined: Joined) -> tuple[Element, ...]:
-        latch = joined.design.latch
+        latch, plane = joined.design.latch, joined.plane
         held = Latch(
             first=P,
             second=T,
             point=joined.tip,
-            plane=joined.plane,
-            seat=(joined.plane + latch.depth, 0.0),
+            plane=plane,
+            seat=(plane + latch.depth, 0.0),
             stiffness=latch.stiffness,
             damping=latch.damping,
             turn_stiffness=latch.turn_stiffness,

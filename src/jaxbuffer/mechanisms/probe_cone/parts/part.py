@@ -30,14 +30,19 @@ class Joined(NamedTuple):
     - ``design``, ``scenario``.
     - ``tip``: the tip's centre on the probe.
     - ``axial``: the buffer's axial force, by which stops measure their stroke too, so that all of them agree on it.
-    - ``plane``: the capture plane along the axis of the passive vehicle [m].
+    - ``throat``: the element with the capture plane.
     """
 
     design: Any
     scenario: Any
     tip: Any
     axial: AxialSpringDamper
-    plane: Scalar
+    throat: Any
+
+    @property
+    def plane(self) -> Scalar:
+        """Return where the capture plane is along the axis of the passive vehicle [m]."""
+        return self.throat.plane
 
 
 class Supply(NamedTuple):
