@@ -9,9 +9,9 @@ import pytest
 
 from jaxbuffer import InputError, Scenario, rigid_probe, simulate, table2
 from jaxbuffer.fields import get, paths, replace, unit
-from jaxbuffer.mechanisms.probe_cone.parts import ProbeBuffer
 from jaxbuffer.mechanisms.probe_cone.contact import Contact
 from jaxbuffer.mechanisms.probe_cone.design import Design, check_fit, valid
+from jaxbuffer.mechanisms.probe_cone.parts import ProbeBuffer
 
 OUT_OF_RANGE = [
     ("probe.tip_mass", -0.1, "probe.tip_mass = -0.1 kg is out of range; allowed: (0, inf) kg"),
@@ -69,7 +69,7 @@ def test_input_errors_are_value_errors():
     [
         ({"buffer.kA": 1.0}, "buffer.kA is unknown; did you mean buffer.k_A?"),
         ({"probe.tipmass": 1.0}, "probe.tipmass is unknown; did you mean probe.tip_mass?"),
-        ({"zzz": 1.0}, "zzz is unknown; known: active, passive, buffer, probe, cone, contact, hinge, latch, shock"),
+        ({"zzz": 1.0}, "zzz is unknown; known: active, passive, buffer, probe, cone, contact, hinge, latch, lockout, shock"),
         ({"buffer": 1.0}, "buffer is a section; name one of its fields"),
         (
             {"contact.memory": "evnt"},

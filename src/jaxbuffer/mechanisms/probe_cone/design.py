@@ -16,7 +16,7 @@ from ...fields import NON_NEGATIVE, POSITIVE, Number, Part, all_of, choice, numb
 from ..run import DesignOf
 from .capture import Capture
 from .contact import Contact
-from .parts import Active, Cone, Hinge, Latches, Passive, Probe, ProbeBuffer, Shock, ThrustFields
+from .parts import Active, Cone, Hinge, Latches, LockoutFields, Passive, Probe, ProbeBuffer, Shock, ThrustFields
 
 
 class Design(DesignOf[Capture]):
@@ -29,6 +29,7 @@ class Design(DesignOf[Capture]):
     - ``cone``: on the passive vehicle.
     - ``contact``: tip against flank.
     - ``latch``: what holds the vehicles together after capture, if anything does.
+    - ``lockout``: what holds the buffer's stroke after capture, if anything does.
     - ``shock``: frequencies at which shocks on the vehicles are wanted, if any.
 
     **Raises:** `InputError` where a number is out of its range, and for a tip that does not pass the cone's mouth.
@@ -48,6 +49,7 @@ class Design(DesignOf[Capture]):
     contact: Contact = Contact()
     hinge: Hinge = Hinge()
     latch: Latches = Latches()
+    lockout: LockoutFields = LockoutFields()
     shock: Shock = Shock()
 
     def check_together(self) -> None:
