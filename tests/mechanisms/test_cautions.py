@@ -51,6 +51,7 @@ def test_each_number_that_needs_another_is_named_with_what_it_needs(mechanism):
         ({"latch.stiffness": 2e3, "latch.preload_length": 1e-3}, "latch.preload_length", "latch.preload"),
         ({"shock.damping": 0.1}, "shock.damping", "shock.active_1"),
         ({"buffer.rebound_gap": 1e-3}, "buffer.rebound_gap", "buffer.rebound_stiffness"),
+        ({"lockout.stiffness": 1e4}, "lockout.stiffness", "latch.stiffness"),
         ({"buffer.friction": 0.0, "buffer.friction_speed": 0.01}, "buffer.friction_speed", "buffer.friction"),
         ({"hinge.bush_radius": 0.004}, "hinge.bush_radius", "hinge.play"),
         ({"probe.bending_modes": 5}, "probe.bending_modes = 5", "probe.bending_stiffness"),

@@ -259,7 +259,7 @@ class Mechanism:
         return self.successes[0] if self.successes else None
 
     def success_of(self, design: Part) -> str | None:
-        """Return how a run of a design should end, in a word: one with a latch "latched" rather than "captured"."""
+        """Return how a run of a design should end, in a word: a part of it may ask for an end of its own."""
         return self.defaults_for(design).success or self.success
 
     def required_end(self, names: Collection[str], quantities: Iterable[str] = ()) -> RequiredEnd | None:

@@ -140,7 +140,7 @@ class Config:
     def selection(self) -> Selection:
         """Read what parts are chosen by: without [problem.variables] nothing else is to be tuned."""
         given, then, table = self.table.objective, self.table.then, self.table
-        # Some part may bring a latch, with which runs last longer: then all combinations are run for as long.
+        # With some part runs may last longer: then all combinations are run for as long.
         study = self.varying([path for catalogue in self.parts for path in catalogue.paths])
         # No run has a price or a mass: the choice adds them to what the runs of a combination give.
         if self.parts:

@@ -13,6 +13,7 @@ from ..._types import Scalar
 from ...contact import hertz_stiffness
 from ...errors import InputError, check_entries, check_type, concrete, inside, same_shape
 from ...fields import NON_NEGATIVE, POSITIVE, Number, Part, all_of, choice, number
+from ...suggestions import same_name, same_word
 from ..run import DesignOf
 from .capture import Capture
 from .contact import Contact
@@ -83,6 +84,8 @@ class Design(DesignOf[Capture]):
         return tip.young_modulus, tip.poisson_ratio, modulus, ratio
 
 
+same_name("offset", "lateral_offset", "miss", "eccentricity")
+same_word("standoff", "gap")
 OF_FREE_START = ("offset", "standoff", "active_angle", "active_rate", "lateral_speed")
 
 

@@ -11,6 +11,7 @@ from ...._types import Scalar
 from ....elements import Element, Latch
 from ....errors import InputError, concrete, inside
 from ....fields import NON_NEGATIVE, POSITIVE, Number, Part, number, on
+from ....suggestions import same_name, same_word
 from ...drawing import Outline
 from ...mechanism import RequiredEnd
 from ...quantity import Quantity
@@ -19,6 +20,8 @@ from .part import DrawnPart, Joined, P, ProbePart, Supply, T, loss, time_of
 from .rod import ROD_WIDTH
 
 HOOK, GRIP = 1.05, 0.6  # of a tooth: distance behind the ball's centre and length, of the tip's radius; assumed
+same_name("strength", "max_force", "peak_force", "limit")
+same_word("latch", "latches", "lock", "clamp")
 
 
 class Latches(Part):
