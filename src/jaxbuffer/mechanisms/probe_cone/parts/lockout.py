@@ -56,11 +56,6 @@ class LockoutPart(ProbePart):
             f" the spring has pushed the rod out by {softest / (softest + stiffness):.0%} of the stroke that is held"
         ]
 
-    def contradictions(self, design: Any, scenario: Any) -> list[str]:
-        if design.latch.has("stiffness"):
-            return []
-        return ["lockout.stiffness without latch.stiffness: the run ends where the lockout would engage"]
-
     def drawn(self, design: Any, first: int) -> DrawnPart:
         # Two pads at the front end of the cylinder, from its wall to the rod (M184 says what they exert, not what they
         # are).
