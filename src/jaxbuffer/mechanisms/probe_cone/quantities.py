@@ -14,9 +14,6 @@ from .law_validity import pressure
 from .shock import SLOTS, VEHICLES
 from .vehicle_forces import peak_vehicle_force
 
-MILLIMETRES = ("mm", 1e3)
-DEGREES = ("deg", 180.0 / math.pi)
-
 
 def _loss(name: str) -> Callable[[Any], Any]:
     """Return how the energy lost in a place is read off, which not every design has."""
@@ -77,7 +74,6 @@ QUANTITIES: dict[str, Quantity] = {
         "buffer stroke",
         swept=True,
         tuned=True,
-        shown=MILLIMETRES,
     ),
     "extension": Quantity(
         "m",
@@ -86,7 +82,6 @@ QUANTITIES: dict[str, Quantity] = {
         "buffer extension",
         swept=True,
         tuned=True,
-        shown=MILLIMETRES,
     ),
     "hinge_angle": Quantity(
         "rad",
@@ -95,7 +90,6 @@ QUANTITIES: dict[str, Quantity] = {
         "hinge angle",
         swept=True,
         tuned=True,
-        shown=DEGREES,
     ),
     "bending": Quantity(
         "m",
@@ -104,7 +98,6 @@ QUANTITIES: dict[str, Quantity] = {
         "bending of the probe",
         swept=True,
         tuned=True,
-        shown=MILLIMETRES,
         part="probe.bending_stiffness",
     ),
     "end_time": END_TIME._replace(description="end of the run: of a captured one, the capture time"),
@@ -131,7 +124,6 @@ QUANTITIES: dict[str, Quantity] = {
         "stroke margin",
         signed=True,
         swept=True,
-        shown=MILLIMETRES,
     ),
     "peak_latch_force": Quantity(
         "N",
@@ -217,7 +209,6 @@ QUANTITIES: dict[str, Quantity] = {
         "arrest stroke",
         swept=True,
         tuned=True,
-        shown=MILLIMETRES,
     ),
     "peak_active_acceleration": Quantity(
         "m/s²",
@@ -242,7 +233,6 @@ QUANTITIES: dict[str, Quantity] = {
         "of the tip from the cone's axis where it crosses the capture plane",
         "lateral miss",
         signed=True,
-        shown=MILLIMETRES,
     ),
     "lateral_miss_rate": Quantity(
         "m/s", lambda c: c.docking.lateral_miss_rate, "how fast that changes there", signed=True, shown=("mm/s", 1e3)
@@ -253,14 +243,12 @@ QUANTITIES: dict[str, Quantity] = {
         "angle of the probe against the cone's axis where the tip crosses the capture plane",
         "attitude miss",
         signed=True,
-        shown=DEGREES,
     ),
     "attitude_miss_rate": Quantity(
         "rad/s",
         lambda c: c.docking.attitude_miss_rate,
         "how fast that changes there",
         signed=True,
-        shown=("deg/s", 180.0 / math.pi),
     ),
     "stroke_time": _time_of("stroke", "the buffer's stroke"),
     "extension_time": _time_of("extension", "the buffer's extension"),
@@ -277,7 +265,6 @@ QUANTITIES: dict[str, Quantity] = {
         "distance to the capture plane",
         signed=True,
         swept=True,
-        shown=MILLIMETRES,
     ),
     "capture_margin": Quantity(
         "m",
@@ -286,7 +273,6 @@ QUANTITIES: dict[str, Quantity] = {
         "capture margin",
         signed=True,
         swept=True,
-        shown=MILLIMETRES,
     ),
     "capture_share": Quantity(
         "-",
