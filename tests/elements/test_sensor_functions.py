@@ -23,7 +23,9 @@ def test_a_function_that_cannot_be_called_is_refused_with_how_it_is_called():
         Sensor(spin_alone, name="speed")
     with pytest.raises(jb.InputError, match=r"spin\(kin, acceleration, numbers\)$"):
         Sensor(spin, 0, of_acceleration=True)
-    with pytest.raises(jb.InputError, match=r"^turned: of = rate\(kin, acceleration, body\) is called as rate\(kin, num"):
+    with pytest.raises(
+        jb.InputError, match=r"^turned: of = rate\(kin, acceleration, body\) is called as rate\(kin, num"
+    ):
         Integral(rate, 0, name="turned")
     with pytest.raises(jb.InputError, match=r"^sensor: of = 3\.0 is no function; it is called as of\(kin, numbers\)$"):
         Sensor(3.0)
