@@ -14,7 +14,7 @@ ROOT2 = np.sqrt(2.0)
 
 
 def said(changes, scenario=None, **varied):
-    return cautions(jb.replace(jb.table2(), changes), (scenario or jb.Scenario(),), **varied)
+    return cautions([(jb.replace(jb.table2(), changes), scenario or jb.Scenario())], **varied)
 
 
 def other_value(part, path):
@@ -117,8 +117,29 @@ def test_an_approach_that_misses_the_cone_is_said(numbers, miss):
 
 def test_one_of_several_scenarios_that_misses_is_numbered():
     scenarios = [jb.Scenario(start="free", offset=x) for x in (0.01, 0.3, 0.02)]
-    (line,) = cautions(jb.table2(), scenarios)
+    (line,) = cautions([(jb.table2(), it) for it in scenarios])
     assert line.endswith("(scenario 2 of 3)")
+
+
+def test_one_line_says_what_several_scenarios_have_with_other_figures():
+    scenarios = [jb.Scenario(start="free", offset=x) for x in (0.3, 0.5)]
+    (line,) = cautions([(jb.table2(), it) for it in scenarios])
+    assert "300 mm off the axis" in line and line.endswith("(scenario 1 and 1 more of 2)")
+    (line,) = cautions([(jb.table2(), scenarios[0])] * 2)
+    assert not line.endswith(")")
+
+
+def test_check_looks_at_every_scenario_of_a_grid(tmp_path, capsys):
+    """½ k_t φ² = 10 kN m/rad (1°)² = 3.05 J of ½ 4 t (5 cm/s)² = 5 J, at each of both angles."""
+    study = tmp_path / "study.toml"
+    study.write_text(
+        'active.mass = "8 t"\npassive.mass = "8 t"\nlatch.stiffness = 4000\nlatch.turn_stiffness = 20000\n'
+        '[problem.grid]\napproach_speed = ["5 cm/s", "20 cm/s"]\nmisalignment = ["-1 deg", "0 deg", "1 deg"]\n'
+    )
+    assert command(["check", str(study)]) == 0
+    told = " ".join(capsys.readouterr().out.split())
+    assert "adds up to 3.046 J by turning the probe, at the start's angle of 1 deg, 61 % of what" in told
+    assert "adds less (scenario 1 and 1 more of 6)" in told
 
 
 def test_check_says_them(tmp_path, capsys):

@@ -44,12 +44,16 @@ def test_a_lower_limit_and_a_low_bound():
 
 def test_a_weak_variable_at_its_bound_is_named_if_no_other_is_strong():
     """h = 15 (y/4)^-0.09 at y = 4: 1 % of y brings -0.09 % only, and 10 N are reached at 4 · 1.5^(1/0.09) = 362, which
-    is beyond guessing; from 11 N on it is 4 · 1.1^(1/0.09) = 11.5."""
+    is beyond guessing: ten times the bound has 15 · 10^-0.09 = 12.2 N; from 11 N on it is 4 · 1.1^(1/0.09) = 11.5."""
     at = lambda least: broken(  # noqa: E731
         Limits(at_most={"peak_hinge_force": 10.0}), lambda x: least * (x[1] / 4.0) ** -0.09, [5.0, 4.0]
     )
     _, _, (limit,) = at(15.0)
-    assert limit.reason == "it would fall with buffer.c_A above its bound of 4 N s/m (-0.013 N per 1 %)"
+    assert limit.reason == (
+        "it would fall with buffer.c_A above its bound of 4 N s/m (-0.013 N per 1 %); bounds 10 times as far would"
+        " leave it at about 12 N: numbers that are no variables decide it"
+    )
+    assert limit.at_bounds == ()
     _, _, (limit,) = at(11.0)
     assert limit.at_bounds == ("buffer.c_A",) and ", to about 12 N s/m (-0.0099 N per 1 %)" in limit.reason
 

@@ -187,6 +187,8 @@ def _rows(tuned: Tuned) -> list[QuantityChange]:
         worst = np.min if lowest else np.max
         before, after = (float(worst(tuned.reported(point)[:, k])) for point in (tuned.before, tuned.after))
         title, symbol, factor = shown(problem.catalogue[name])
+        symbol, thousandth = in_thousands(symbol, *(factor * it for it in (before, after, limit or 0.0)))
+        factor *= thousandth
         text = f"{before_and_after(factor * before, factor * after)}{unit_text(symbol)}"
         if limit is not None:
             text += f", {'at least' if lowest else 'limit'} {with_unit(factor * limit, symbol, 4)}"

@@ -41,8 +41,9 @@ class BrokenLimit(NamedTuple):
 
     ``excess``: in the worst load case, relative to the limit [-]; ``heading``: the limit, in how many load cases it is
     broken, the worst of them; ``reason``: which variables stand against it, to first order, "" where no slope tells;
-    ``at_bounds``: paths of those whose bound does; ``beneath``: the lower bound that the limit lies under and what
-    would lower that, "" where it lies under none: no variable within its bounds keeps it then.
+    ``at_bounds``: paths of those whose bound does, if wider bounds may be enough; ``beneath``: the lower bound that the
+    limit lies under and what would lower that, "" where it lies under none: no variable within its bounds keeps it
+    then.
     """
 
     excess: float
@@ -147,8 +148,11 @@ def _of_margin(goal: Goal, point: Evaluation, breach: Breach) -> BrokenLimit:
 
 def _broken(goal: Goal, point: Evaluation, breach: Breach, heading: str, worst: WorstCase) -> BrokenLimit:
     influences = helpful_variables(goal, point.scaled, worst)
-    at_bounds = tuple(it.variable.path for it in influences if it.at_bound)
-    return BrokenLimit(breach.largest, heading, _reason(goal, worst, influences), at_bounds)
+    at_bound = [it for it in influences if it.at_bound]
+    short = _short_of_limit(worst, at_bound)
+    reason = "; ".join(filter(None, (_reason(goal, worst, influences), short)))
+    at_bounds = () if short else tuple(it.variable.path for it in at_bound)
+    return BrokenLimit(breach.largest, heading, reason, at_bounds)
 
 
 def _heading(goal: Goal, limit: str, breach: Breach, worst: str) -> str:
@@ -201,6 +205,24 @@ def _reason(goal: Goal, worst: WorstCase, influences: list[Influence]) -> str:
     if inside:
         lines.append(f"within the bounds it would {way} with {' or '.join(inside)}, as far as other limits let it")
     return "; ".join(lines)
+
+
+def _short_of_limit(worst: WorstCase, at_bound: list[Influence]) -> str:
+    """Return that even much wider bounds would not keep a limit, by the powers of the variables with which its quantity
+    goes; "" where they may, or where nothing can be said."""
+    if not at_bound or worst.value * worst.limit <= 0.0:
+        return ""
+    powers = sum(abs(it.change / (0.01 * worst.value)) for it in at_bound)
+    with np.errstate(over="ignore"):
+        times = float(FARTHEST ** (-powers if worst.falls == (worst.value > 0.0) else powers))
+    best = worst.value * times
+    if best <= worst.limit if worst.falls else best >= worst.limit:
+        return ""
+    symbol, factor = worst.shown
+    return (
+        f"bounds {FARTHEST:g} times as far would leave it at about {with_unit(factor * best, symbol, 2)}: numbers that"
+        " are no variables decide it"
+    )
 
 
 def _words(goal: Goal, worst: WorstCase, it: Influence) -> str:

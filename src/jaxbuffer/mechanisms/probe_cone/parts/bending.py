@@ -17,7 +17,7 @@ from ....value_text import percent_text
 from ...assembled import Assembled, Observable
 from ...layout import EvaluatedState
 from ...picture import reach
-from ...quantity import MILLIMETRES, Quantity
+from ...quantity import Quantity
 from .part import Joined, P, ProbePart
 from .rod import RodFields
 
@@ -181,7 +181,6 @@ BENDING = BendingPart(
             "bending of the probe",
             swept=True,
             tuned=True,
-            shown=MILLIMETRES,
             part="probe.bending_stiffness",
         ),
         "bending_loss": Quantity("J", lambda c: c.energy.bending, "energy lost in the probe's bending"),

@@ -8,7 +8,7 @@ from ...._types import Scalar
 from ....elements import Element, Lockout
 from ....fields import NON_NEGATIVE, POSITIVE, Number, Part, number, on
 from ...drawing import Outline
-from ...quantity import MILLIMETRES, Quantity
+from ...quantity import Quantity
 from .part import B, DrawnPart, Joined, P, ProbePart, T, loss, time_of
 from .rod import CYLINDER_WIDTH, ROD_WIDTH
 
@@ -85,7 +85,6 @@ LOCKOUT = LockoutPart(
             "stroke that is held",
             swept=True,
             tuned=True,
-            shown=MILLIMETRES,
             part="lockout.stiffness",
         ),
         "peak_lockout_force_time": time_of("lockout_force", "the force of the lockout"),
