@@ -4,17 +4,19 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
+from jaxbuffer.cli.commands.request import tuned_problem
 from jaxbuffer.cli.entry import run as command
 from jaxbuffer.fields import get, inactive, metadata, paths
 from jaxbuffer.mechanisms import all_mechanisms
 from jaxbuffer.mechanisms.cautions import cautions
 from jaxbuffer.mechanisms.probe_cone.mechanism import PROBE_CONE
+from jaxbuffer.study.load import load
 
 ROOT2 = np.sqrt(2.0)
 
 
 def said(changes, scenario=None, **varied):
-    return cautions(jb.replace(jb.table2(), changes), (scenario or jb.Scenario(),), **varied)
+    return cautions([(jb.replace(jb.table2(), changes), scenario or jb.Scenario())], **varied)
 
 
 def other_value(part, path):
@@ -116,8 +118,16 @@ def test_an_approach_that_misses_the_cone_is_said(numbers, miss):
 
 def test_one_of_several_scenarios_that_misses_is_numbered():
     scenarios = [jb.Scenario(start="free", offset=x) for x in (0.01, 0.3, 0.02)]
-    (line,) = cautions(jb.table2(), scenarios)
+    (line,) = cautions([(jb.table2(), it) for it in scenarios])
     assert line.endswith("(scenario 2 of 3)")
+
+
+def test_of_several_scenarios_the_worst_is_said_with_its_number():
+    runs = [(jb.table2(), jb.Scenario(start="free", offset=x)) for x in (0.01, 0.3, -0.5, 0.2)]
+    (line,) = cautions(runs)
+    assert "500 mm off the axis" in line and line.endswith("(worst in scenario 3; so in 3 of 4)")
+    (line,) = cautions([runs[0], runs[1], runs[1]])
+    assert line.endswith("(scenario 2 and 1 more of 3)")
 
 
 def test_check_says_them(tmp_path, capsys):
@@ -127,6 +137,38 @@ def test_check_says_them(tmp_path, capsys):
     told = capsys.readouterr().out
     assert "latch.strength = 60 N has no effect: it needs latch.stiffness" in told
     assert "misses the cone: the tip passes its mouth 500 mm off the axis" in told
+
+
+GRID = """
+[latch]
+stiffness = 300
+turn_stiffness = 5
+[scenario]
+approach_speed = "12 cm/s"
+misalignment = "3 deg"
+[problem.grid]
+approach_speed = ["12 cm/s", "5 cm/s"]
+misalignment = ["0 deg", "3 deg"]
+"""
+
+
+def test_check_says_them_of_every_scenario_of_a_grid(tmp_path, capsys):
+    """½ · 5 N m/rad · (3°)² = 6.85 mJ is 8.2 % of what 23 and 24 kg bring at 12 cm/s, and 47 % at 5 cm/s:
+    scenario 4, though [scenario] itself is scenario 2."""
+    study = tmp_path / "study.toml"
+    study.write_text(GRID)
+    assert command(["check", str(study)]) == 0
+    told = capsys.readouterr().out
+    assert "adds up to 6.854 mJ by turning the probe" in told and "(scenario 4 of 4)" in told
+    for numbered in ("1: 0.12 m/s, 0°", "2: 0.12 m/s, +3°", "3: 0.05 m/s, 0°", "4: 0.05 m/s, +3°"):
+        assert f" {numbered}\n" in told
+
+
+def test_a_tuning_says_them_of_every_scenario_of_a_grid(tmp_path, capsys):
+    study = tmp_path / "study.toml"
+    study.write_text(GRID)
+    tuned_problem(load(study))
+    assert "(scenario 4 of 4)" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -165,6 +207,8 @@ def test_a_latch_that_puts_in_much_by_turning_is_said_before_a_run(turn, angle, 
     if much:
         assert "62.5 mJ" in lines[0] and "(50 mJ): " in lines[0] and "1.2 times" in lines[0]
         assert lines[0].endswith("a smaller latch.turn_stiffness adds less")
+        # A run measures it: its summary says that alone.
+        assert not any("closing the latch" in it for it in said(changes, jb.Scenario(misalignment=angle), measured=False))
 
 
 @pytest.mark.quick

@@ -137,6 +137,11 @@ class Config:
         """Return the scenarios in their numbers' order, each with what a grid makes of the design."""
         return numbered_cases(self.table, self.scenario, self.scenarios, self.design)
 
+    @property
+    def runs(self) -> list[tuple[Part, Part]]:
+        """Return the design and the scenario of each load case, in their numbers' order."""
+        return [(case.of(self.design), case.scenario) for case in self.cases]
+
     def selection(self) -> Selection:
         """Read what parts are chosen by: without [problem.variables] nothing else is to be tuned."""
         given, then, table = self.table.objective, self.table.then, self.table

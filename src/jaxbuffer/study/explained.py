@@ -47,11 +47,11 @@ def explained(study: Config, name: str) -> str:
         "differs from default": _differences(study) or ["nothing"],
         "given as by default": _defaults_given(study),
         "worth a look": [
-            *cautions(study.design, study.scenarios, study.varied, units=study.units),
+            *cautions(study.runs, study.varied, units=study.units),
             *mechanism.view.sanity_checks(study.design),
         ],
         "scenario": [mechanism.view.label(study.scenario)],
-        "scenarios": _scenarios(study) if len(study.scenarios) > 1 else [],
+        "scenarios": _scenarios(study) if len(study.cases) > 1 else [],
         "options": [", ".join(_shown(study.options, path) for path in paths(study.options))],
         "variables": missing or ([] if problem is None else _variables(problem)),
         "objective": [] if problem is None else [_objective(study, problem)],
@@ -213,9 +213,9 @@ def _beside_default(part: Part, default: Part, path: str) -> str:
 
 
 def _scenarios(study: Config) -> list[str]:
-    label, all_of_them = study.mechanism.view.label, study.scenarios
-    listed = [f"{k}: {label(scenario, all_of_them)}" for k, scenario in enumerate(all_of_them[:SHOWN], 1)]
-    left = len(all_of_them) - len(listed)
+    cases = study.cases
+    listed = [f"{k}: {case.label(cases)}" for k, case in enumerate(cases[:SHOWN], 1)]
+    left = len(cases) - len(listed)
     return [*listed, f"and {left} more"] if left else listed
 
 

@@ -13,6 +13,7 @@ from jaxtyping import Array, Float
 from ..._types import Scalar
 from ...value_text import percent_text
 from ..energy import energy_text
+from ..view import Caution
 from .capture import Capture
 from .design import Design, Scenario
 
@@ -112,8 +113,8 @@ def closing_warnings(capture: Capture) -> list[str]:
     return [f"sanity check: {closing_words(capture)}, more than a tenth: {parts.advice()}"]
 
 
-def closing_cautions(design: Design, scenario: Scenario) -> list[str]:
-    """Return a line where turning the probe onto the cone's axis, by its angle at the start, puts in more than a tenth
+def closing_cautions(design: Design, scenario: Scenario) -> list[Caution]:
+    """Return a caution where turning the probe onto the cone's axis, by its angle at the start, puts in more than a tenth
     of what the vehicles bring. How far the tip misses the seat is known after a run only."""
     if not design.latch.has("stiffness"):
         return []
@@ -123,8 +124,9 @@ def closing_cautions(design: Design, scenario: Scenario) -> list[str]:
     turn, brought = closing_parts(design, 0.0, angle).turn, 0.5 * float(_reduced_mass(design)) * float(speed) ** 2
     if not turn > MUCH * brought:
         return []
-    return [
+    line = (
         f"closing the latch adds up to {energy_text(turn)} by turning the probe, at the start's angle of"
         f" {np.degrees(abs(angle)):.3g} deg, {_share_of(turn / brought)} the vehicles bring ({energy_text(brought)}):"
         " a smaller latch.turn_stiffness adds less"
-    ]
+    )
+    return [Caution(line, "latch energy", excess=turn / brought, measured=True)]
