@@ -217,3 +217,37 @@ def test_a_latch_without_a_rebound_stop_is_said():
     assert checks(jb.replace(jb.table2(), LATCH)) == []
     (line,) = checks(jb.replace(jb.table2(), {"latch.stiffness": 2e3}))
     assert line.startswith("a latch without buffer.rebound_stiffness: ") and "pulls" in line
+
+
+TOLERANT = """
+[problem.variables]
+buffer.k_A = [100, 2000]
+[tolerances]
+probe.tip_radius = ["-0.2 mm", "0.5 mm"]
+buffer.k_A = "5 %"
+"""
+
+
+def test_check_and_tune_look_at_the_corners_of_tolerances(tmp_path, capsys):
+    """A ball of 15 mm passes a throat of 15 mm; with 0.5 mm more, in two of four corners, it does not. A stiffer spring
+    is no matter of geometry, and the first of equal corners is named."""
+    study = tmp_path / "study.toml"
+    study.write_text(TOLERANT)
+    problem = tuned_problem(load(study))
+    reach = 0.0155 / ROOT2 - np.sqrt(0.0155**2 - 0.015**2)
+    wide = [number for number, design, _ in problem.corner_runs if design.probe.tip_radius > 0.0151]
+    line = f"15.5 mm is above cone.throat_radius 15 mm: the ball does not pass the throat; it comes to rest on the"
+    where = f"(scenario {wide[0]} and 1 more of 5)"
+    told = capsys.readouterr().err
+    assert len(wide) == 2 and line in told and f"{1e3 * reach:.3g} mm behind" in told and where in told
+    assert command(["check", str(study)]) == 0
+    assert where in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("latch", "ends"), [("", "captured"), ("[latch]\nstiffness = 2000\n", "held or latched")])
+def test_check_names_the_ends_that_a_design_can_have(tmp_path, capsys, latch, ends):
+    study = tmp_path / "study.toml"
+    study.write_text(f"{latch}[problem.constraints]\nstroke = 0.02\n")
+    assert command(["check", str(study)]) == 0
+    (line,) = (line for line in capsys.readouterr().out.splitlines() if "every case must end" in line)
+    assert line.endswith(f"must end {ends}")

@@ -17,29 +17,35 @@ def cautions(
     geometry: bool = True,
     units: Mapping[str, str] = MappingProxyType({}),
     measured: bool = True,
+    corners: Sequence[tuple[str, Part, Part]] = (),
 ) -> list[str]:
     """Return a line for each number of a design that has no effect, and for what its geometry rules out.
 
     **Arguments:** ``runs``: pairs of a design and the scenario that it is run in, at least one, in their numbers' order;
     of several lines on one subject the worst is returned, with the number of its scenario; ``varied``: paths that a
     sweep or a tuning gives values; ``geometry``: whether to look at the geometry, which a sweep may vary; ``units``:
-    those that numbers were typed with, by address; ``measured``: whether to say, too, what a run measures.
+    those that numbers were typed with, by address; ``measured``: whether to say, too, what a run measures; ``corners``:
+    further runs, by their numbers, such as a tuning's in the corners of tolerances: of these the geometry alone counts,
+    for what a number needs is the same in all corners.
     """
-    by_subject: dict[str, list[tuple[int, Caution]]] = {}
-    for number, (design, scenario) in enumerate(runs, 1):
-        found = [Caution(line, line) for line in inactive(design, scenario, varied, units)]
+    by_subject: dict[str, list[tuple[str, Caution]]] = {}
+    numbered = [(str(number), *pair) for number, pair in enumerate(runs, 1)]
+    for k, (number, design, scenario) in enumerate([*numbered, *corners]):
+        lines = inactive(design, scenario, varied, units) if k < len(runs) else []
+        found = [Caution(line, line) for line in lines]
         # Numbers that are traced are not known, and arrays are many designs at once: neither has one geometry.
         if geometry and _plain(design) and _plain(scenario):
             found += mechanism_of(design).view.contradictions(design, scenario)
         for caution in found:
             if measured or not caution.measured:
                 by_subject.setdefault(caution.subject, []).append((number, caution))
-    return [_worst_line(those, len(runs)) for those in by_subject.values()]
+    return [_worst_line(those, len(runs) + len(corners)) for those in by_subject.values()]
 
 
-def _worst_line(those: list[tuple[int, Caution]], count: int) -> str:
-    """Return the worst of the lines on one subject, and in which of several scenarios that is so."""
-    number, worst = max(those, key=lambda it: (it[1].excess, -it[0]))
+def _worst_line(those: list[tuple[str, Caution]], count: int) -> str:
+    """Return the worst of the lines on one subject, the first of equal ones, and in which of several scenarios that is
+    so."""
+    number, worst = max(those, key=lambda it: it[1].excess)
     if len({caution.line for _, caution in those}) > 1:
         return f"{worst.line} (worst in scenario {number}; so in {len(those)} of {count})"
     if len(those) == count:

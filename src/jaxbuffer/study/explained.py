@@ -47,7 +47,7 @@ def explained(study: Config, name: str) -> str:
         "differs from default": _differences(study) or ["nothing"],
         "given as by default": _defaults_given(study),
         "worth a look": [
-            *cautions(study.runs, study.varied, units=study.units),
+            *cautions(study.runs, study.varied, units=study.units, corners=problem.corner_runs if problem else ()),
             *mechanism.view.sanity_checks(study.design),
         ],
         "scenario": [mechanism.view.label(study.scenario)],
@@ -252,7 +252,7 @@ def _limits(problem: Problem) -> list[str]:
     if limits.impacts is not None:
         lines.append(f"at most {limits.impacts} impacts")
     if limits.require_success and mechanism.successes:
-        ends = mechanism.successes if problem.end is None else (problem.end.name,)
+        ends = mechanism.possible_successes(problem.design) if problem.end is None else (problem.end.name,)
         lines.append(f"every case must end {' or '.join(ends)}")
     return lines
 

@@ -110,7 +110,7 @@ def say_cautions(*runs: Any, **options: Any) -> None:
 def tuned_problem(study: Config) -> Problem:
     """Return the study's design problem, once it is said which of the other numbers have no effect."""
     problem = study.problem()
-    say_cautions(study.runs, set(problem.paths), units=study.units)
+    say_cautions(study.runs, set(problem.paths), units=study.units, corners=problem.corner_runs)
     return problem
 
 
