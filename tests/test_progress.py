@@ -30,6 +30,7 @@ def test_nothing_is_shown_unasked(capsys):
             assert report is shown
     assert capsys.readouterr() == ("", "")
 
+
 def test_a_compilation_that_takes_no_time_has_no_line(capsys):
     def work():
         for what, seconds in (("a program", 0.3), ("a run", 7.0)):

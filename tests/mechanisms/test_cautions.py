@@ -208,7 +208,8 @@ def test_a_latch_that_puts_in_much_by_turning_is_said_before_a_run(turn, angle, 
         assert "62.5 mJ" in lines[0] and "(50 mJ): " in lines[0] and "1.2 times" in lines[0]
         assert lines[0].endswith("a smaller latch.turn_stiffness adds less")
         # A run measures it: its summary says that alone.
-        assert not any("closing the latch" in it for it in said(changes, jb.Scenario(misalignment=angle), measured=False))
+        after = said(changes, jb.Scenario(misalignment=angle), measured=False)
+        assert not any("closing the latch" in it for it in after)
 
 
 @pytest.mark.quick
@@ -236,7 +237,7 @@ def test_check_and_tune_look_at_the_corners_of_tolerances(tmp_path, capsys):
     problem = tuned_problem(load(study))
     reach = 0.0155 / ROOT2 - np.sqrt(0.0155**2 - 0.015**2)
     wide = [number for number, design, _ in problem.corner_runs if design.probe.tip_radius > 0.0151]
-    line = f"15.5 mm is above cone.throat_radius 15 mm: the ball does not pass the throat; it comes to rest on the"
+    line = "15.5 mm is above cone.throat_radius 15 mm: the ball does not pass the throat; it comes to rest on the"
     where = f"(scenario {wide[0]} and 1 more of 5)"
     told = capsys.readouterr().err
     assert len(wide) == 2 and line in told and f"{1e3 * reach:.3g} mm behind" in told and where in told

@@ -21,12 +21,13 @@ def cautions(
 ) -> list[str]:
     """Return a line for each number of a design that has no effect, and for what its geometry rules out.
 
-    **Arguments:** ``runs``: pairs of a design and the scenario that it is run in, at least one, in their numbers' order;
-    of several lines on one subject the worst is returned, with the number of its scenario; ``varied``: paths that a
-    sweep or a tuning gives values; ``geometry``: whether to look at the geometry, which a sweep may vary; ``units``:
-    those that numbers were typed with, by address; ``measured``: whether to say, too, what a run measures; ``corners``:
-    further runs, by their numbers, such as a tuning's in the corners of tolerances: of these the geometry alone counts,
-    for what a number needs is the same in all corners.
+    Of several scenarios' lines on one subject it returns the worst, with the scenario's number.
+
+    **Arguments:** ``runs``: pairs of a design and the scenario that it is run in, at least one, in the order of their
+    numbers; ``varied``: paths that a sweep or a tuning gives values; ``geometry``: whether to look at the geometry,
+    which a sweep may vary; ``units``: those that numbers were typed with, by address; ``measured``: whether to say what
+    a run measures, too; ``corners``: further runs by their numbers, as a tuning's in the corners of tolerances, of
+    which the geometry alone counts, because what a number needs is the same in all corners.
     """
     by_subject: dict[str, list[tuple[str, Caution]]] = {}
     numbered = [(str(number), *pair) for number, pair in enumerate(runs, 1)]

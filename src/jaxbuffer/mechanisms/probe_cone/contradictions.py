@@ -14,8 +14,8 @@ FURTHER = 4.0  # times the way to the throat that a flight is followed
 
 
 def contradictions(design: Design, scenario: Scenario) -> list[Caution]:
-    """Return a caution for a ball that does not pass the throat, a seat that it cannot reach, an approach that misses the
-    cone, and a latch that puts in much energy by turning the probe."""
+    """Return a caution for a ball that does not pass the throat, a seat that it cannot reach, an approach that misses
+    the cone, and a latch that puts in much energy by turning the probe."""
     return [*_ball_in_throat(design), *_miss(design, scenario), *closing_cautions(design, scenario)]
 
 

@@ -114,8 +114,8 @@ def closing_warnings(capture: Capture) -> list[str]:
 
 
 def closing_cautions(design: Design, scenario: Scenario) -> list[Caution]:
-    """Return a caution where turning the probe onto the cone's axis, by its angle at the start, puts in more than a tenth
-    of what the vehicles bring. How far the tip misses the seat is known after a run only."""
+    """Return a caution where turning the probe onto the cone's axis, by its angle at the start, puts in more than a
+    tenth of what the vehicles bring. How far the tip misses the seat is known after a run only."""
     if not design.latch.has("stiffness"):
         return []
     free = scenario.start == "free"
