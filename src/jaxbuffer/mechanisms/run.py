@@ -315,7 +315,7 @@ class Run(Portable, Saved):
             return self._batch_text()
         summary = self.mechanism.view.summary or plain_summary
         first, *rest = summary(self).split("\n")
-        notes = [f"  note: {line}" for line in cautions([(self.design, self.scenario)])]
+        notes = [f"  note: {line}" for line in cautions(((self.design, self.scenario),), measured=False)]
         return "\n".join([first, *notes, *rest, *(f"  {line}" for line in self.diagnosis)])
 
     def _batch_text(self) -> str:

@@ -91,6 +91,20 @@ class Synonym(NamedTuple):
     meaning: str
 
 
+class Caution(NamedTuple):
+    """A line about a design in a scenario, known before anything is computed.
+
+    - ``subject``: of several scenarios' lines on one subject the worst alone is said;
+    - ``excess``: how far the numbers go, larger where it is worse [any unit];
+    - ``measured``: whether a run measures the same and says it better.
+    """
+
+    line: str
+    subject: str
+    excess: float = 0.0
+    measured: bool = False
+
+
 @dataclasses.dataclass(frozen=True)
 class View:
     """What is told and drawn of a mechanism; all of it has a plain default.
@@ -104,9 +118,9 @@ class View:
     - ``sanity_checks``: of a design, a line for each number that is easily left at a value that does not fit it;
     - ``largest``: of a design, by the history's name, the largest size that a quantity of its runs can have;
     - ``larger_force``: of a run, a force that exceeds its peak contact force, for headlines: "the largest force on a
-      vehicle is the hinge's, 636 N", or "";
-    - ``contradictions``: of a design in a scenario, both with plain numbers, a line for each thing that their geometry
-      rules out, such as a tip that misses the cone;
+      vehicle is the latch's, 636 N", or "";
+    - ``contradictions``: of a design in a scenario, both with plain numbers, a `Caution` for each thing that their
+      geometry rules out, such as a tip that misses the cone, or that they let expect;
     - ``limitations``: what the model leaves out, a line each, and where it is told; ``limitations_without``: what it
       leaves out of a design without a part, the part's path and a line each; ``warnings``: a line for each limit
       that a run exceeds, by default those of its elements; ``validity``: the same limits for many runs, from a
@@ -132,7 +146,7 @@ class View:
     sanity_checks: Callable[[Any], list[str]] = lambda design: []
     largest: Callable[[Any], Mapping[str, float]] = lambda design: {}
     larger_force: Callable[[Any], str] = lambda run: ""
-    contradictions: Callable[[Any, Any], list[str]] = lambda design, scenario: []
+    contradictions: Callable[[Any, Any], list[Caution]] = lambda design, scenario: []
     limitations: tuple[str, ...] = ()
     limitations_without: tuple[tuple[str, str], ...] = ()
     warnings: Callable[[Any], list[str]] = lambda run: [line for it in run.elements for line in it.report.warnings(run)]

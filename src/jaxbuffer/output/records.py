@@ -41,7 +41,7 @@ def run_record(run: Run, constraints: Constraints | None = None, trust: Trust | 
             "errors": {name: json_number(error) for name, error in trust.errors.items()},
         },
         "outside_validity": mechanism.view.warnings(run),
-        "cautions": cautions([(run.design, run.scenario)]),
+        "cautions": cautions(((run.design, run.scenario),), measured=False),
         "larger_force": mechanism.view.larger_force(run),
         "diagnosis": dict(mechanism.view.diagnosis(run)) if run.diagnosis else {},
         f"peak_{mechanism.view.contact}": names.contact(int(run.peak_contact))

@@ -139,7 +139,7 @@ class Config:
 
     @property
     def runs(self) -> list[tuple[Part, Part]]:
-        """Return what a tuning runs, in the order of the scenarios' numbers: designs with their scenarios."""
+        """Return the design and the scenario of each load case, in their numbers' order."""
         return [(case.of(self.design), case.scenario) for case in self.cases]
 
     def selection(self) -> Selection:

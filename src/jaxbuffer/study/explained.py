@@ -48,7 +48,7 @@ def explained(study: Config, name: str) -> str:
         "differs from default": _differences(study) or ["nothing"],
         "given as by default": _defaults_given(study),
         "worth a look": [
-            *_cautions(study),
+            *_cautions(study, problem),
             *mechanism.view.sanity_checks(study.design),
         ],
         "scenario": [mechanism.view.label(study.scenario)],
@@ -217,18 +217,18 @@ def _beside_default(part: Part, default: Part, path: str) -> str:
     return f"default {_value(default, path)}"
 
 
-def _cautions(study: Config) -> list[str]:
+def _cautions(study: Config, problem: Problem | None) -> list[str]:
     """Return what is to be said before anything is computed, of [scenario] and of all that a tuning runs."""
-    tuned = cautions(study.runs, study.varied, units=study.units)
+    tuned = cautions(study.runs, study.varied, units=study.units, corners=problem.corner_runs if problem else ())
     if Case(study.scenario) in study.cases:
         return tuned
     return list(dict.fromkeys([*cautions([(study.design, study.scenario)], study.varied, units=study.units), *tuned]))
 
 
 def _scenarios(study: Config) -> list[str]:
-    """Return the scenarios that are listed, or those of a grid, by the numbers that `--scenario-number` takes."""
-    listed = [f"{k}: {case.label(study.cases)}" for k, case in enumerate(study.cases[:SHOWN], 1)]
-    left = len(study.cases) - len(listed)
+    cases = study.cases
+    listed = [f"{k}: {case.label(cases)}" for k, case in enumerate(cases[:SHOWN], 1)]
+    left = len(cases) - len(listed)
     return [*listed, f"and {left} more"] if left else listed
 
 
@@ -265,7 +265,7 @@ def _limits(problem: Problem) -> list[str]:
     if limits.impacts is not None:
         lines.append(f"at most {limits.impacts} impacts")
     if limits.require_success and mechanism.successes:
-        ends = mechanism.successes if problem.end is None else (problem.end.name,)
+        ends = mechanism.possible_successes(problem.design) if problem.end is None else (problem.end.name,)
         lines.append(f"every load case must end {' or '.join(ends)}")
     return lines
 

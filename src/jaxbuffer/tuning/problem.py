@@ -1,5 +1,6 @@
 """The design problem as data: design variables, load cases, objective and constraints."""
 
+import contextlib
 import dataclasses
 import functools
 import hashlib
@@ -194,6 +195,16 @@ class Problem:
     def label(self, k: int) -> str:
         """Return what people call a load case, its number first where there are several scenarios: "2: 0.2 m/s"."""
         return numbered(self.number_text(k), self.cases[k].label(self.cases), len(self.drawn))
+
+    @property
+    def corner_runs(self) -> list[tuple[str, Part, Part]]:
+        """Return number, design as built from the start and scenario of each corner that can be built."""
+        runs = list[tuple[str, Part, Part]]()
+        for k in self.corner_places:
+            # A corner whose numbers do not fit is the tuning's to report.
+            with contextlib.suppress(InputError):
+                runs.append((self.number_text(k), self.cases[k].of(self.design), self.cases[k].scenario))
+        return runs
 
     @property
     def corners(self) -> tuple[Case, ...]:

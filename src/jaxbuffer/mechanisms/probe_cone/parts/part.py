@@ -20,6 +20,7 @@ from ...assembled import Assembled, Observable
 from ...layout import Closed, EvaluatedState
 from ...mechanism import RequiredEnd
 from ...quantity import Quantity
+from ...view import Caution
 
 S, B, P, T = range(4)  # bodies: active vehicle, cylinder, probe, passive vehicle, in the order of the coordinates
 
@@ -151,8 +152,8 @@ class ProbePart:
         """Return a line for each thing that is easily left out of a design with the part."""
         return []
 
-    def contradictions(self, design: Any, scenario: Any) -> list[str]:
-        """Return a line for each thing that design and scenario rule out for the part, before anything is computed."""
+    def contradictions(self, design: Any, scenario: Any) -> list[Caution]:
+        """Return a `Caution` for each thing that design and scenario rule out for the part, before anything is computed."""
         return []
 
     def summary(self, capture: Any, element: Element) -> list[tuple[str, str]]:
