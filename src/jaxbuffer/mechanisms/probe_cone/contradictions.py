@@ -14,8 +14,8 @@ FURTHER = 4.0  # times the way to the throat that a flight is followed
 
 
 def contradictions(design: Design, scenario: Scenario) -> list[Caution]:
-    """Return a caution for a ball that does not pass the throat, an approach that misses the cone, and what the design's
-    parts rule out."""
+    """Return a caution for a ball that does not pass the throat, an approach that misses the cone, and what the parts
+    of the design rule out."""
     of_parts = (it for part in parts_of(design, scenario) for it in part.contradictions(design, scenario))
     return [*_ball_in_throat(design), *_miss(design, scenario), *of_parts]
 

@@ -153,7 +153,7 @@ class ProbePart:
         return []
 
     def contradictions(self, design: Any, scenario: Any) -> list[Caution]:
-        """Return a `Caution` for each thing that design and scenario rule out for the part, before anything is computed."""
+        """Return a `Caution` for each thing that design and scenario rule out for the part, before any computation."""
         return []
 
     def summary(self, capture: Any, element: Element) -> list[tuple[str, str]]:
