@@ -9,6 +9,7 @@ import pytest
 
 import jaxbuffer as jb
 from jaxbuffer.elements import Lockout
+from jaxbuffer.elements.lockout import held_stroke
 from jaxbuffer.fields import Part, number
 from jaxbuffer.fields.needs import inactive
 from jaxbuffer.mechanisms.assembled import Assembled
@@ -49,7 +50,7 @@ def held_wagon(design, scenario, stabilisation=20.0):
 
 QUANTITIES = {
     "peak_lockout_force": Quantity("N", lambda run: run.maxima["lockout_force"], "largest force"),
-    "lockout_stroke": Quantity("m", lambda run: run.maxima["lockout_stroke"], "stroke that is held"),
+    "lockout_stroke": Quantity("m", lambda run: held_stroke(run, "lockout"), "stroke that is held"),
     "lockout_loss": Quantity("J", lambda run: run.energy.lost["lockout_damper"], "energy lost"),
 }
 
@@ -99,7 +100,7 @@ def test_a_mass_is_held_where_it_crosses(wagon):
     run = jb.simulate(Wagon(), Start(), DURATION, history=True, rtol=1e-9)
     begun = float(crossing(PLANE))
     assert run.switch_times["lockout"] == pytest.approx(begun, abs=1e-9)
-    assert float(run.maxima["lockout_stroke"]) == pytest.approx(PLANE, rel=1e-9)
+    assert float(run.quantity("lockout_stroke")) == pytest.approx(PLANE, rel=1e-9)
     assert float(run.maxima["lockout_force"]) == pytest.approx(float(peak(STIFFNESS, DAMPING, PLANE)), rel=1e-6)
     time, place = np.asarray(run.history.time), np.asarray(run.history.position)[:, 0, 0]
     late = time > begun

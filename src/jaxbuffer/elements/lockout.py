@@ -47,8 +47,8 @@ class Lockout(Element):
     - ``first``, ``point``: the body whose point crosses, and the point; ``second``: that with the plane, or ``GROUND``.
     - ``plane``: where it is along the x axis of the second body's frame [m].
     - ``stiffness`` [N/m], ``damping`` [N s/m]: of what holds.
-    - ``name``: of its energy and its switch and, with ``_force``, ``_stroke`` and ``_damper`` added, of its force, of
-      the stroke that it holds and of its loss.
+    - ``name``: of its energy and its switch and, with ``_force``, ``_stroke``, ``_extension`` and ``_damper`` added, of
+      its force, of the stroke or extension that it holds and of its loss.
     """
 
     guide: AxialSpringDamper
@@ -132,17 +132,21 @@ class Lockout(Element):
 
     @property
     def observed(self) -> tuple[str, ...]:
-        return (f"{self.name}_force", f"{self.name}_stroke")
+        # What is held may be a stroke or an extension: each is observed for its largest value, and one of them is zero.
+        return (f"{self.name}_force", f"{self.name}_stroke", f"{self.name}_extension")
 
     def observables(self, at: LockoutState, closed: Closed) -> dict[str, Scalar]:
-        return {f"{self.name}_force": jnp.abs(self.force(at, closed)), f"{self.name}_stroke": closed[0] * at.held}
+        held = closed[0] * at.held
+        force = jnp.abs(self.force(at, closed))
+        return {f"{self.name}_force": force, f"{self.name}_stroke": held, f"{self.name}_extension": -held}
 
     @property
     def lower_bounds(self) -> dict[str, float]:
-        return {f"{self.name}_stroke": 0.0}  # before it engages, and of an extension that is held
+        return {f"{self.name}_stroke": 0.0, f"{self.name}_extension": 0.0}
 
     def roundoff(self) -> dict[str, Scalar]:
-        return {f"{self.name}_force": ROUNDED_LENGTH * self.stiffness, f"{self.name}_stroke": ROUNDED_LENGTH}
+        lengths = dict.fromkeys((f"{self.name}_stroke", f"{self.name}_extension"), ROUNDED_LENGTH)
+        return {f"{self.name}_force": ROUNDED_LENGTH * self.stiffness, **lengths}
 
     def recorded(self, at: LockoutState, closed: Closed) -> dict[str, Scalar]:
         return {f"{self.name}_force": self.force(at, closed)}  # with its sign: below zero where it pulls
@@ -171,7 +175,7 @@ class LockoutReport(Report[Lockout]):
         if not math.isfinite(engaged):
             return []
         most = f"{largest(run, self._force):.6g} N{reached(run, self._force)}"
-        stroke = 1e3 * largest(run, f"{self.element.name}_stroke")
+        stroke = 1e3 * float(held_stroke(run, self.element.name))
         return [(self.words, f"holds a stroke of {stroke:.4g} mm from {engaged:.6g} s on; force at most {most}")]
 
     def moments(self, run: Any) -> dict[str, float]:
@@ -188,3 +192,8 @@ class LockoutReport(Report[Lockout]):
     def shares(self) -> tuple[EnergyShare, ...]:
         name = self.element.name
         return (EnergyShare(self.words, f"in the {self.words}", (name, f"{name}_damper")),)
+
+
+def held_stroke(run: Any, name: str) -> Any:
+    """Return the stroke that a lockout holds in a run [m], below zero of an extension, 0 where it has not engaged."""
+    return run.maxima[f"{name}_stroke"] - run.maxima[f"{name}_extension"]

@@ -89,7 +89,7 @@ same_word("standoff", "gap")
 OF_FREE_START = ("offset", "standoff", "active_angle", "active_rate", "lateral_speed")
 
 
-class Approach(Part):
+class MeetingFields(Part):
     """How the vehicles meet: the fields of `Scenario` but those of its parts."""
 
     approach_speed: Number = number(
@@ -154,7 +154,7 @@ class Approach(Part):
                 yield inside(getattr(self, name), low=0.0, high=0.0)
 
 
-class Scenario(ThrustFields, Approach):
+class Scenario(ThrustFields, MeetingFields):
     """How the vehicles meet: the tip touches the lower flank at t = 0 (M62, M63), or is anywhere before the cone.
 
     - ``approach_speed``: v0 of S, B and P [m/s].

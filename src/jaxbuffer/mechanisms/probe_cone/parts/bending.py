@@ -150,7 +150,7 @@ class BendingReport(Report[Bending]):
         return (EnergyShare(bending.name, f"lost in {bending.name}", (bending.name,)),)
 
 
-class BendingPart(ProbePart):
+class ProbeBending(ProbePart):
     """The bending of the probe."""
 
     def elements(self, joined: Joined) -> tuple[Element, ...]:
@@ -170,7 +170,7 @@ class BendingPart(ProbePart):
         return (Observable("bending", _off_the_axis),)
 
 
-BENDING = BendingPart(
+BENDING = ProbeBending(
     name="bending",
     path="probe.bending_stiffness",
     quantities={

@@ -6,6 +6,7 @@ import numpy as np
 
 from ...._types import Scalar
 from ....elements import Element, Lockout
+from ....elements.lockout import held_stroke
 from ....fields import NON_NEGATIVE, POSITIVE, Number, Part, number, on
 from ...drawing import Outline
 from ...quantity import Quantity
@@ -80,11 +81,11 @@ LOCKOUT = LockoutPart(
         ),
         "lockout_stroke": Quantity(
             "m",
-            lambda c: c.maxima.get("lockout_stroke", 0.0 * c.peak_force),
-            "stroke that the lockout holds; 0 where it holds none, or an extension",
+            lambda c: held_stroke(c, "lockout") if "lockout_stroke" in c.maxima else 0.0 * c.peak_force,
+            "stroke that the lockout holds, below zero of an extension; 0 where it has not engaged",
             "stroke that is held",
+            signed=True,
             swept=True,
-            tuned=True,
             part="lockout.stiffness",
         ),
         "peak_lockout_force_time": time_of("lockout_force", "the force of the lockout"),
