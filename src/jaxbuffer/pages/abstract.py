@@ -32,7 +32,8 @@ MANY = 4  # variables that are named
 
 
 def badges(every: Sequence[Results], others: Sequence[Results] = ()) -> list[Cell]:
-    """Return the badges of the page: for each folder what a reader asks first.
+    """Return the badges of the page: for each folder what a reader asks first, the folder's name before it where
+    several have results of its kind.
 
     ``others``: folders of which the first with limits provides those for folders that have none.
     """
@@ -43,7 +44,14 @@ def badges(every: Sequence[Results], others: Sequence[Results] = ()) -> list[Cel
         lambda results: _of_run(results, others),
         _of_many,
     ]
-    return [badge for results in every for kind in kinds for badge in kind(results)]
+    badges_of = [[kind(results) for kind in kinds] for results in every]
+    several = [sum(bool(each[k]) for each in badges_of) > 1 for k in range(len(kinds))]
+    return [
+        Cell(f"{results.folder}: {badge.text}", badge.mark) if several[k] else badge
+        for results, each in zip(every, badges_of, strict=True)
+        for k, of_kind in enumerate(each)
+        for badge in of_kind
+    ]
 
 
 def _of_tuning(results: Results, others: Sequence[Results]) -> list[Cell]:
