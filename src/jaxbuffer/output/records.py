@@ -21,8 +21,14 @@ from ..version import version
 Table = tuple[list[str], list[Sequence[Any]]]
 
 
-def run_record(run: Run, constraints: Constraints | None = None, trust: Trust | None = None) -> dict[str, Any]:
-    """Return everything but the history; impacts count from 1. ``constraints``: the study's; ``trust`` in numbers."""
+def run_record(
+    run: Run, constraints: Constraints | None = None, trust: Trust | None = None, number: str = ""
+) -> dict[str, Any]:
+    """Return everything but the history; impacts count from 1.
+
+    **Arguments:** ``constraints``: the study's; ``trust`` in numbers; ``number``: of the scenario among the study's, ""
+    for a single one.
+    """
     mechanism, names = run.mechanism, run.mechanism.view.names(run.design)
     limits, own = (Limits(), {}) if constraints is None else constraints
     energy, balance = jax.tree.map(np.asarray, (run.energy, run.balance))
@@ -65,6 +71,7 @@ def run_record(run: Run, constraints: Constraints | None = None, trust: Trust | 
         "steps_attempted": int(run.attempts),
         "design": part_record(run.design),
         "scenario": part_record(run.scenario),
+        "scenario_number": number,
         "jaxbuffer": version(),
     }
 

@@ -17,7 +17,7 @@ from .fit import fit_abstract, fit_badges
 from .limit_check import end_count, limit_check
 from .limits import LimitCounts, corners_verdict, fails_in_corners_alone, limit_counts
 from .page import Cell
-from .records import by_quantity, ended, main_quantity, same, scenario_of, title, words
+from .records import by_quantity, ended, main_quantity, run_in_sentence, same, title, words
 from .sensitivities import MARKS
 
 INFEASIBLE = "no feasible design"
@@ -248,11 +248,10 @@ def _run(results: Results, every: Sequence[Results]) -> str:
     record, mechanism = results.records.get("run"), results.mechanism
     if record is None:
         return ""
-    label = mechanism.view.label(scenario_of(mechanism, record["scenario"]))
     reason = mechanism.outcomes[record["outcome"]].reason
     end = record.get(mechanism.name_of(END_TIME) or "")
     after = "" if end is None else f" after {end:.4g} s"
-    text = f"At {label} the {mechanism.view.run_name} ends{after}: {reason}."
+    text = f"At {run_in_sentence(mechanism, record)} the {mechanism.view.run_name} ends{after}: {reason}."
     if (main := _main(results, record)) is not None:
         text += f" Its {_largest(mechanism, main[0])} is {main[1]}{_larger(record)}."
     # The paragraph of a folder's tuning tells its limits, so that of its run need not.

@@ -45,7 +45,7 @@ class Config:
     own, where the Python files lie that it names; ``texts``: typed with a unit, by address; ``units``: those that
     numbers were typed with, by address, in which people are told them; ``given``: addresses of the fields that the
     file gives, those of [options] and [tune] among them; ``usual_duration``: whether ``options.duration`` is what is
-    usual for the design, as none is given.
+    usual for the design, as none is given; ``scenario_number``: of ``scenario`` among several `cases`, "" elsewhere.
     """
 
     design: Part = dataclasses.field(default_factory=lambda: mechanism_named(DEFAULT_KIND).design())
@@ -76,6 +76,7 @@ class Config:
     given: frozenset[str] = dataclasses.field(default=frozenset(), compare=False)
     units: Mapping[str, str] = dataclasses.field(default_factory=dict, compare=False)
     usual_duration: bool = dataclasses.field(default=False, compare=False)
+    scenario_number: str = dataclasses.field(default="", compare=False)
 
     def __post_init__(self) -> None:
         mechanism = self.mechanism

@@ -63,8 +63,10 @@ class CommandLine:
                 raise InputError(f"--scenario-number {number} {allowed}")
             case = cases[int(number) - 1]
             study = dataclasses.replace(study, scenario=case.scenario, design=case.of(study.design))
+            study = dataclasses.replace(study, scenario_number=str(int(number)) if count > 1 else "")
         elif count > 1:
             numbers = [k for k, case in enumerate(cases, 1) if case == Case(study.scenario)]
+            study = dataclasses.replace(study, scenario_number=str(numbers[0]) if numbers else "")
             place = "the first" if numbers[:1] == [1] else f"number {numbers[0]}" if numbers else ""
             which = f"{place} of {count} scenarios" if place else "[scenario]"
             label = study.mechanism.view.label(study.scenario)
