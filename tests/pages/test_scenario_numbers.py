@@ -168,3 +168,12 @@ def test_numbers_are_those_of_the_written_study(tmp_path):
         assert f"[[scenarios]]  # {tuned.problem.label(k)}" in text
     point = made_up_evaluation(tuned.problem, tuned.problem.start())
     assert tuned.goal.broken(point)[0].startswith(f"scenario {tuned.problem.label(2)[0]} (")
+
+
+def test_corners_of_compared_tunings_have_a_row_each(tmp_path):
+    scenarios = [jb.Scenario(approach_speed=speed) for speed in (0.1, 0.2)]
+    variables, tolerances = [jb.Variable("buffer.k_A", 100.0, 2000.0)], {"buffer.c_A": "10 %"}
+    problem = jb.Problem(jb.table2(), scenarios, variables, tolerances=tolerances)
+    rows = by_scenario([results_of(tmp_path / name, made_up_tuning(problem)) for name in ("a", "b")])
+    assert [row.split(":")[0] for row in rows] == ["1", "1.1", "1.2", "2", "2.1", "2.2"]
+    assert rows[2] == "1.2: 0.1 m/s, 0°, 1.1 buffer.c_A"
