@@ -13,9 +13,13 @@ from ..validity import BEYOND_LAW, ValidityLimit
 from .assembly import tip_on_flanks
 from .capture import Capture
 from .design import Design
-from .latch_energy import closing_warnings
+from .latch_energy import MUCH, closing_warnings
 
 DEEP = 0.1  # of the tip's radius: up to here the contact counts as small against the ball
+MUCH_ADDED = (
+    "sanity check: closing the latch adds more than a tenth of what the vehicles bring (latch_energy_share; a run's"
+    " summary says whether by latch.stiffness or by latch.turn_stiffness)"
+)
 
 
 class Validity(NamedTuple):
@@ -51,16 +55,18 @@ def validity(design: Design, penetration: np.ndarray, peak_force: np.ndarray) ->
 
 
 def limits(design: Design, quantities: Mapping[str, Any]) -> list[ValidityLimit]:
-    """Return both limits with what lies beyond them in words; a penetration that is not known follows from the peak
-    force."""
+    """Return all limits with what lies beyond them in words; a penetration that is not known follows from the peak
+    force, and what latches add is known to tunings alone."""
     peak_force, penetration = quantities["peak_force"], quantities.get("penetration")
     if penetration is None:
         # As a run reports it: where the spring alone exerts the force (M72).
         penetration = tip_on_flanks(design).law.depth(peak_force)
     ratios = validity(design, np.asarray(penetration), np.asarray(peak_force))
+    closing = quantities.get("latch_energy_share", 0.0)
     return [
         ValidityLimit(f"{BEYOND_LAW}the tip goes deeper into a flank than a tenth of its radius", ratios.depth),
         ValidityLimit(f"{BEYOND_LAW}the materials yield", ratios.pressure),
+        ValidityLimit(MUCH_ADDED, np.asarray(closing) / MUCH),
     ]
 
 
