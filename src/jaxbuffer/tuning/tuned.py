@@ -332,8 +332,12 @@ def _tuned_cases(tuned: Tuned) -> Table:
 
 
 def _left_open(tuned: Tuned) -> Table | None:
-    """Return what the runs of each load case leave open, before and after; None where nothing is known of that."""
+    """Return what the runs of each load case leave open, before and after; None where nothing is known of that, or all
+    runs reach the strictest end, which leaves nothing open."""
     problem, mechanism = tuned.problem, tuned.problem.mechanism
+    counts = [tuned.end_count(point) for point in (tuned.before, tuned.after)]
+    if all(count is not None and count.complete for count in counts):
+        return None
     names = [name for name in mechanism.tuning.left_open(lambda path: get(tuned.design, path)) if name in problem.names]
     if not names:
         return None
