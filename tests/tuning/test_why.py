@@ -26,7 +26,7 @@ def test_a_variable_at_its_bound_holds_a_limit_back():
     of y, h = 20 (y / 4)^-4 is 10 at y = 4 · 2^(1/4) = 4.76."""
     _, _, (limit,) = broken(Limits(at_most={"peak_hinge_force": 10.0}), lambda x: 100.0 - 20.0 * x[1], [5.0, 4.0])
     assert limit.excess == 1.0
-    assert limit.heading == "peak_hinge_force ≤ 10 N: broken in 3 of 3 scenarios, worst 20 N at 0.1 m/s, 0°"
+    assert limit.heading == "peak_hinge_force ≤ 10 N: broken in 3 of 3 scenarios, worst 20 N at 1: 0.1 m/s, 0°"
     assert (
         limit.reason == "it would fall with buffer.c_A above its bound of 4 N s/m, to about 4.8 N s/m (-0.8 N per 1 %)"
     )
@@ -82,8 +82,8 @@ def test_limits_and_cases_are_told_the_worst_first():
     ]
     assert "captured: broken in 3 of 3 scenarios, worst capture_share -3 at" in found[0].heading
     assert "over its distance at the start" in found[0].heading
-    assert "broken in 2 of 3 scenarios, worst 7 N at 0.12 m/s" in found[2].heading
-    assert goal.broken(point)[0].startswith("0.12 m/s")
+    assert "broken in 2 of 3 scenarios, worst 7 N at 3: 0.12 m/s" in found[2].heading
+    assert goal.broken(point)[0].startswith("3: 0.12 m/s")
 
 
 def test_a_margin_that_rounding_leaves_below_zero_is_kept():

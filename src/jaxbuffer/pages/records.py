@@ -179,5 +179,4 @@ def case_labels(results: Results, among: Sequence[Any] = ()) -> list[str]:
     # Several folders have numbers of their own each.
     if among or not all("number" in case for case in cases):
         return texts
-    several = len({case["number"].partition(".")[0] for case in cases})
-    return [numbered(case["number"], text, several) for case, text in zip(cases, texts, strict=True)]
+    return [numbered(case["number"], text, len(cases)) for case, text in zip(cases, texts, strict=True)]

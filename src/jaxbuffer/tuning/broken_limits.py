@@ -105,7 +105,7 @@ def _beneath(goal: Goal, limit: Limit, bound: PeakForceBound | None) -> str:
     if bound is None or least is None or limit.lowest or limit.keeps(least.value):
         return ""
     problem, quantity = goal.problem, goal.problem.catalogue[limit.name]
-    where = f" at {problem.cases[least.case].label(problem.cases)}" if len(problem.cases) > 1 else ""
+    where = f" at {problem.label(least.case)}" if len(problem.cases) > 1 else ""
     value = limit.told_apart(least.value, *quantity.in_figures)
     worst = WorstCase(least.value, limit.bound, limit.bound, least.slope, True, quantity.in_figures)
     # Within the bounds nothing is left to gain: that is what makes it the lower bound.
@@ -152,8 +152,9 @@ def _broken(goal: Goal, point: Evaluation, breach: Breach, heading: str, worst: 
 
 
 def _heading(goal: Goal, limit: str, breach: Breach, worst: str) -> str:
-    cases, count = goal.problem.cases, int(np.sum(breach.excess > 0.0))
-    return f"{limit}: broken in {count} of {len(cases)} scenarios, worst {worst} at {cases[breach.case].label(cases)}"
+    problem, count = goal.problem, int(np.sum(breach.excess > 0.0))
+    where = problem.label(breach.case)
+    return f"{limit}: broken in {count} of {len(problem.cases)} scenarios, worst {worst} at {where}"
 
 
 class Influence(NamedTuple):

@@ -81,7 +81,7 @@ class Case:
 
 
 def numbered(number: str, label: str, count: int) -> str:
-    """Return the label of a load case behind its number, where there are several scenarios (``count``)."""
+    """Return the label of a load case behind its number, where there are several (``count``)."""
     return f"{number}: {label}" if count > 1 else label
 
 

@@ -203,11 +203,10 @@ class Goal:
 
     def broken(self, evaluation: Evaluation) -> list[str]:
         """Return a sentence for each constraint that fails, naming the load case by its values, the worst one first."""
-        lines, cases = [], self.problem.cases
+        lines = []
         for k in self.worst_first(evaluation):
             if here := self.broken_in(evaluation, k):
-                where = cases[k].label(cases)
-                lines += [f"{where}: {text}" for text in here]
+                lines += [f"{self.problem.label(k)}: {text}" for text in here]
         return lines if (above := self.above_ceiling(evaluation)) is None else [*lines, above]
 
     def above_ceiling(self, evaluation: Evaluation) -> str | None:
@@ -255,8 +254,7 @@ class Goal:
 
     def _at(self, k: int) -> str:
         """Return a load case in words; "" of a single one."""
-        cases = self.problem.cases
-        return f" at {cases[k].label(cases)}" if len(cases) > 1 else ""
+        return f" at {self.problem.label(k)}" if len(self.problem.cases) > 1 else ""
 
     def failed(self, evaluation: Evaluation) -> str:
         """Return in how many load cases the simulation failed, in words; "" for none."""

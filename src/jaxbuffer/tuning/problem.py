@@ -193,8 +193,8 @@ class Problem:
         return f"{self.number(k)}.{corner}" if corner else str(self.number(k))
 
     def label(self, k: int) -> str:
-        """Return what people call a load case, its number first where there are several scenarios: "2: 0.2 m/s"."""
-        return numbered(self.number_text(k), self.cases[k].label(self.cases), len(self.drawn))
+        """Return what people call a load case, its number first where there are several: "2: 0.2 m/s"."""
+        return numbered(self.number_text(k), self.cases[k].label(self.cases), len(self.cases))
 
     @property
     def corner_runs(self) -> list[tuple[str, Part, Part]]:
