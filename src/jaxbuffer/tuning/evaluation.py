@@ -274,11 +274,13 @@ def main_values(problem: Problem, evaluation: Evaluation) -> Float[np.ndarray, "
 def validity_lines(problem: Problem, design: Part, evaluation: Evaluation) -> list[str]:
     """Return a line for each validity limit that a design exceeds, with the number of load cases and the worst one."""
     passed: dict[str, list[tuple[float, int]]] = {}
-    for k in np.flatnonzero(evaluation.solved):
-        values = dict(zip(problem.names, evaluation.quantities[k], strict=True))
-        for limit in problem.mechanism.view.validity(problem.cases[k].of(design), values):
+    for place, case in enumerate(problem.cases):
+        if not evaluation.solved[place]:
+            continue
+        values = dict(zip(problem.names, evaluation.quantities[place], strict=True))
+        for limit in problem.mechanism.view.validity(case.of(design), values):
             if np.any(limit.passed):
-                passed.setdefault(limit.beyond, []).append((float(np.max(limit.share)), int(k)))
+                passed.setdefault(limit.beyond, []).append((float(np.max(limit.share)), place))
     count, lines = len(problem.cases), []
     for beyond, those in passed.items():
         share, k = max(those, key=lambda it: it[0])
