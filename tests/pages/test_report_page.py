@@ -152,6 +152,15 @@ def tuned_record(worst, feasible):
     }
 
 
+def test_the_page_lists_what_moves_the_first_impact(tmp_path):
+    levers = ["numbers that are no variables move it, cone.half_angle +0.77", "of the variables probe.tip_mass +0.06"]
+    (tmp_path / "tuned.json").write_text(json.dumps(tuned_record(0.02, True) | {"first_impact_levers": levers}))
+    text = " ".join(" ".join(Outline(review([load(tmp_path)]).html()).text).split())
+    assert (
+        "softens. Numbers that are no variables move it, cone.half_angle +0.77; of the variables probe.tip_mass" in text
+    )
+
+
 @pytest.mark.parametrize(("worst", "verdict"), [(0.02, "kept"), (0.03, "broken")])
 def test_limits_are_judged(tmp_path, worst, verdict):
     (tmp_path / "tuned.json").write_text(json.dumps(tuned_record(worst, verdict == "kept")))

@@ -21,25 +21,28 @@ OF_FREE_START = {  # the unit in which each is shown
 
 def scenario_label(scenario: Scenario, among: Sequence[Scenario] = ()) -> str:
     """Return what people call a scenario: "0.1 m/s, +3°", its approach speed and misalignment; contact distance and
-    passive rate too where those differ ``among`` several. Of a free start and of parts, what is not at its default."""
+    passive rate too where those differ ``among`` several. Of a free start and of parts, what is not at its default;
+    that all of several start free is not repeated in each."""
     angle = np.degrees(float(scenario.misalignment))
     speed = float(scenario.approach_speed)
     # Two speeds that are alike in four digits are told apart by nine.
     alike = any(f"{other.approach_speed:.4g}" == f"{speed:.4g}" and other.approach_speed != speed for other in among)
     label = f"{with_unit(speed, 'm/s', 9 if alike else 4)}, {degrees_text(angle)}"
     for name, shown in (("contact_distance", "mm"), ("passive_rate", "deg/s")):
-        if name not in scenario.without_effect and len({float(getattr(other, name)) for other in among}) > 1:
+        named_below = scenario.start == "free" and name in OF_FREE_START
+        differs = len({float(getattr(other, name)) for other in among}) > 1
+        if differs and not named_below and name not in scenario.without_effect:
             label += _field(scenario, name, shown)
-    of_parts = (part.label(scenario) for part in PARTS if part.present(None, scenario))
-    return label + _free_start(scenario) + "".join(of_parts)
+    if scenario.start == "free":
+        all_free = len(among) > 1 and all(other.start == "free" for other in among)
+        label += ("" if all_free else ", free start") + _free_start(scenario)
+    return label + "".join(part.label(scenario) for part in PARTS if part.present(None, scenario))
 
 
 def _free_start(scenario: Scenario) -> str:
-    """Return what is not zero of a free start: ", free start, offset -20 mm"."""
-    if scenario.start != "free":
-        return ""
+    """Return what is not zero of a free start: ", offset -20 mm"."""
     given = ((name, shown) for name, shown in OF_FREE_START.items() if float(getattr(scenario, name)) != 0.0)
-    return ", free start" + "".join(_field(scenario, name, shown) for name, shown in given)
+    return "".join(_field(scenario, name, shown) for name, shown in given)
 
 
 def _field(scenario: Scenario, name: str, shown: str) -> str:
