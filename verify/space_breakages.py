@@ -15,6 +15,8 @@ ROLLING = "tests/elements/test_ball_in_space.py::test_a_sliding_ball_comes_to_ro
 LATCHED = "tests/elements/test_in_space.py::test_latches_hold_a_body_by_its_rotation_vector"
 CONSERVED = "tests/elements/test_in_space.py::test_it_acts_on_two_bodies_and_its_energies_are_its_powers[thrust]"
 RIGID = "tests/mechanisms/test_in_space.py::test_the_energy_of_the_whole_as_a_rigid_body_is_that_of_one_body"
+CONTROLLED = "tests/elements/test_attitude_control.py::test_in_space_each_axis_of_the_body_has_its_own_limit"
+TOUCHES = "tests/elements/test_attitude_control.py::test_it_ends_at_the_first_touchdown[Turned]"
 NEWTON = "tests/hybrid/test_in_space.py::test_newtons_matrix_solves_with_the_stiff_part"
 
 
@@ -128,6 +130,32 @@ def _inertia_about_the_origin() -> None:
     )
 
 
+def _control_in_inertial_axes() -> None:
+    from jaxbuffer.basis import components
+    from jaxbuffer.elements import AttitudeControl
+
+    evaluate = AttitudeControl.evaluate
+
+    def broken(self, kin, own):
+        at = evaluate(self, kin, own)
+        return at._replace(spins=components(at.frame.spin))
+
+    AttitudeControl.evaluate = broken
+
+
+def _control_without_work() -> None:
+    from jaxbuffer.elements import AttitudeControl
+
+    rates = AttitudeControl.rates
+    AttitudeControl.rates = lambda self, at, closed: [0.0, *rates(self, at, closed)[1:]]
+
+
+def _control_to_the_end() -> None:
+    from jaxbuffer.elements import AttitudeControl
+
+    AttitudeControl._acting = lambda self, closed: 1.0
+
+
 SPACE = (
     Breakage("gyroscopic moment", "a free body's spin stays as it is", _no_gyroscopic_moment, (EULER,)),
     Breakage("quaternion's rate", "the spin taken in the body's axes", _spin_of_the_body, (TURNING, ROWS)),
@@ -141,4 +169,7 @@ SPACE = (
     Breakage("latch in space", "it does not hold the roll", _latch_without_roll, (LATCHED,)),
     Breakage("thrust in space", "its angular impulse is not counted", _thrust_about_its_body, (CONSERVED,)),
     Breakage("rigid motion in space", "the inertia about the origin", _inertia_about_the_origin, (RIGID,)),
+    Breakage("attitude control's axes", "the spin in inertial axes", _control_in_inertial_axes, (CONTROLLED,)),
+    Breakage("attitude control's work", "it is not counted", _control_without_work, (CONTROLLED,)),
+    Breakage("attitude control's end", "it acts on after a touchdown", _control_to_the_end, (TOUCHES,)),
 )

@@ -71,6 +71,10 @@ class Frame(NamedTuple):
         """Return a turn, as a spin, in the body's axes: the same."""
         return turn
 
+    def from_axes(self, turn: Scalar) -> Scalar:
+        """Return a turn that is given in the body's axes: the same."""
+        return turn
+
     @property
     def x_axis(self) -> Vector:
         """Return the body's x axis in inertial axes."""

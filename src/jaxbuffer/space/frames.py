@@ -38,6 +38,10 @@ class Frame(NamedTuple):
         """Return a turn, as a spin, in the body's axes."""
         return self.unturn(turn)
 
+    def from_axes(self, turn: Vector) -> Vector:
+        """Return a turn in inertial axes that is given in the body's."""
+        return self.turn(turn)
+
     @property
     def x_axis(self) -> Vector:
         """Return the body's x axis in inertial axes."""
