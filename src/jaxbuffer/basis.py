@@ -6,7 +6,7 @@ from typing import Any, ClassVar, Generic, TypeVar
 import equinox as eqx
 from jaxtyping import Array, Float
 
-from ._types import Scalar
+from ._types import Scalar, stacked
 
 V = TypeVar("V")
 T = TypeVar("T")
@@ -43,7 +43,7 @@ class Basis(eqx.Module, Generic[V, T, F]):
     """Vectors V, turns T (a spin, a moment, a rotation) and frames F of bodies, of the plane or of space.
 
     Vectors of both have ``+``, ``-``, ``*`` by a number, ``dot`` and ``cross``, which is a turn; frames have ``turn``,
-    ``unturn``, ``velocity_at``, ``rate_of`` and ``centripetal``.
+    ``unturn``, ``in_axes``, ``from_axes``, ``x_axis``, ``velocity_at``, ``rate_of`` and ``centripetal``.
 
     - ``dimensions``: components of a vector.
     - ``positions``, ``velocities``: numbers of one body's position and of its velocity.
@@ -59,6 +59,15 @@ class Basis(eqx.Module, Generic[V, T, F]):
     @abstractmethod
     def vector(self, *components: Entry) -> V:
         """Return the vector of some components; those that are left out are zero."""
+
+    @abstractmethod
+    def turn(self, *components: Entry) -> T:
+        """Return the turn of some components."""
+
+    @property
+    @abstractmethod
+    def unit_vectors(self) -> tuple[V, ...]:
+        """Return the inertial axes."""
 
     @property
     @abstractmethod
@@ -110,6 +119,11 @@ AnyBasis = Basis[Any, Any, Any]
 def components(turn: Any) -> tuple[Entry, ...]:
     """Return a turn's components: of the plane it is a number, of space a vector."""
     return tuple(turn) if isinstance(turn, tuple) else (turn,)
+
+
+def turn_array(turn: Any) -> Float[Array, "..."]:
+    """Return a turn as an array: of the plane a number, of space three."""
+    return stacked(turn) if isinstance(turn, tuple) else turn
 
 
 def squared(turn: Any) -> Scalar:

@@ -10,6 +10,7 @@ from .._types import Dataset
 from ..errors import InputError
 from ..labelled.arrays import Labelled, dataset
 from ..labelled.record import heading
+from ..plane import PLANE
 from .dataset import attributes
 from .history import History
 from .view import Names
@@ -25,6 +26,11 @@ COORDINATES = {
     "position": (("x", "m"), ("y", "m"), ("angle", "rad")),
     "velocity": (("x", "m/s"), ("y", "m/s"), ("angle", "rad/s")),
     "acceleration": (("x", "m/s²"), ("y", "m/s²"), ("angle", "rad/s²")),
+}
+IN_SPACE = {
+    "position": (*((axis, "m") for axis in "xyz"), *((f"quaternion_{part}", "-") for part in "wxyz")),
+    "velocity": (*((axis, "m/s") for axis in "xyz"), *((f"spin_{axis}", "rad/s") for axis in "xyz")),
+    "acceleration": (*((axis, "m/s²") for axis in "xyz"), *((f"spin_{axis}", "rad/s²") for axis in "xyz")),
 }
 
 
@@ -52,7 +58,7 @@ def series(history: History, names: Names) -> Iterator[Series]:
             yield Series(f"{name} {contact}", unit, values, name, "contact", name.replace("_", " "))
     for name, unit, values in names.series(history.others):
         yield Series(name, unit, values, f"{name}_history", "", name.replace("_", " "))
-    for name, axes in COORDINATES.items():
+    for name, axes in (COORDINATES if history.velocity.shape[-1] == PLANE.velocities else IN_SPACE).items():
         for k, body in enumerate(names.bodies):
             for i, (axis, unit) in enumerate(axes):
                 values = getattr(history, name)[:, k, i]

@@ -19,7 +19,7 @@ def stiff_part(system: System, layout: Layout, at: EvaluatedState, active: Close
 
     **Arguments:** ``system``; ``layout``; ``at``: the evaluated state; ``active``: closed contacts and switches.
     """
-    n, inertias = system.coordinates, layout.spin_inertias
+    n, inertias = system.velocities, layout.spin_inertias
     springs = [_spring_term(system, layout, spring) for spring in system.springs(at.kin)]
     contacts = list[ContactTerm]()
     for k, (element, it, closed) in enumerate(
@@ -27,9 +27,16 @@ def stiff_part(system: System, layout: Layout, at: EvaluatedState, active: Close
     ):
         springs += [_spring_term(system, layout, spring) for spring in element.springs(it, closed)]
         term = element.contact_term(system, it, closed)
-        contacts += [] if term is None else [_with_spins(layout, term, k)]
+        if term is not None:
+            term = _with_spins(layout, term, k)
+            springs += term.across
+            contacts.append(term._replace(across=()))
     if not springs and not contacts:
-        return dataclasses.replace(Linearisation.none(n, n), followers=_followers(system, layout))
+        return dataclasses.replace(
+            Linearisation.none(n, system.coordinates),
+            followers=_followers(system, layout),
+            position_rate=system.position_rate(at.kin.q),
+        )
     if not contacts:
         # Seven or eight springs alone take XLA gigabytes to compile; nine do not.
         still = SpringTerm(jnp.zeros(n), 0.0, 0.0)
@@ -47,7 +54,7 @@ def _followers(system: System, layout: Layout) -> PassiveOscillators | None:
     places = layout.places
     velocities = places["spins"].stop
     for k, element in enumerate(layout.elements):
-        followers = element.followers(places[f"element {k}"].start - velocities, system.order)
+        followers = element.followers(places[f"element {k}"].start - velocities, system.velocity_order)
         if followers is not None:
             return followers
     return None
@@ -61,7 +68,7 @@ def _spring_term(system: System, layout: Layout, spring: SpringDirection) -> Spr
 
 def _with_spins(layout: Layout, term: ContactTerm, element: int) -> ContactTerm:
     """Return an element's term with a row for each spin of the mechanism, of which it has those of its own."""
-    rows, counts = layout.coordinates, [len(it.spin_inertias) for it in layout.elements]
+    rows, counts = layout.velocities, [len(it.spin_inertias) for it in layout.elements]
     if not any(counts):
         return term
     before, after = sum(counts[:element]), sum(counts[element + 1 :])
@@ -71,4 +78,5 @@ def _with_spins(layout: Layout, term: ContactTerm, element: int) -> ContactTerm:
         own = columns[rows:]
         return jnp.concatenate([columns[:rows], jnp.pad(own, ((before, after), (0, 0)))])
 
-    return term._replace(normals=widened(term.normals), tangents=widened(term.tangents))
+    across = tuple(it._replace(direction=widened(it.direction[:, None])[:, 0]) for it in term.across)
+    return term._replace(normals=widened(term.normals), tangents=widened(term.tangents), across=across)

@@ -5,7 +5,7 @@ centre of mass and quaternion (M209); then the modal coordinates of flexible bod
 same order. A body is an index into that order; ``GROUND`` is the inertial frame.
 """
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -16,16 +16,9 @@ from .._types import Scalar
 from ..basis import AnyBasis, components, less, times
 from ..errors import InputError
 from ..plane import PLANE, cos_sin
+from ..space.either import Frame, Turn, Vector
 from .coordinates import Coordinates
 from .flexible.modes import Marker
-
-if TYPE_CHECKING:  # what is said of the plane's holds of space's, which have the same operations
-    from ..plane import Frame, Vector
-
-    Turn = Scalar
-else:
-    Frame, Vector = plane.Frame | space.Frame, plane.Vector | space.Vector
-    Turn = Scalar | space.Vector
 
 GROUND: int = -1
 
@@ -142,13 +135,15 @@ class Kinematics(eqx.Module):
         self.q, self.v, self.time, self.modes, self.basis = q, v, time, modes, basis
         self.frames = basis.frames(q, v, len(modes) if modes else q.shape[0] // basis.positions)
 
-    def moving(self, v: Float[Array, " coordinates"]) -> "Kinematics":
-        """Return the same positions with other velocities, in the plane."""
-        frames = tuple(
-            frame._replace(velocity=Coordinates.translation(v, body), spin=Coordinates.angle(v, body))
-            for body, frame in enumerate(self.frames)
-        )
-        return eqx.tree_at(lambda kin: (kin.v, kin.frames), self, (v, frames))
+    def moving(self, v: Float[Array, " velocities"]) -> "Kinematics":
+        """Return the same positions with other velocities."""
+        basis, frames = self.basis, list[Frame]()
+        for body, frame in enumerate(self.frames):
+            first, end = basis.velocities * body, basis.velocities * (body + 1)
+            velocity = basis.vector(*(v[k] for k in range(first, first + basis.dimensions)))
+            spin = basis.turn(*(v[k] for k in range(first + basis.dimensions, end)))
+            frames.append(frame._replace(velocity=velocity, spin=spin))
+        return eqx.tree_at(lambda kin: (kin.v, kin.frames), self, (v, tuple(frames)))
 
     @property
     def order(self) -> Coordinates:

@@ -59,6 +59,13 @@ class Space(Basis[Vector, Vector, Frame]):
     def vector(self, *components: Entry) -> Vector:
         return Vector(*components)
 
+    def turn(self, *components: Entry) -> Vector:
+        return Vector(*components)
+
+    @property
+    def unit_vectors(self) -> tuple[Vector, ...]:
+        return AXES
+
     @property
     def unit_turns(self) -> tuple[Vector, ...]:
         return AXES
