@@ -687,8 +687,10 @@ def several(strokes, outcomes, feasible):
 def test_an_infeasible_tuning_is_red_at_the_top(tmp_path):
     """Of three scenarios one breaks the stroke's limit, two are not captured; the peak force is not praised."""
     record = several((0.03, 0.02, 0.02), ("captured", "escaped", "timeout"), False)
+    record["broken_limits"] = ["stroke ≤ 25 mm: broken in 1 of 3 scenarios, worst 30 mm"]
     page, badges, _ = told_of(tmp_path, record)
     assert page.title.endswith(": no feasible design")
+    assert page.abstract[0] == f"No design was found that keeps every limit: {record['broken_limits'][0]}."
     assert badges["no feasible design found"] == "bad"
     assert badges["1 limit broken, 2 of 3 not captured"] == "bad"
     assert badges["peak force: 250 → 100 N (-60 %)"] == ""
