@@ -225,6 +225,8 @@ def made_up_sweep(design, scenarios, outcomes=None) -> Sweep:
         "stroke": 0.01,
         "extension": 0.002,
         "peak_latch_force": 0.0,
+        "peak_lockout_force": 0.0,
+        "lockout_stroke": 0.0,
         "latch_time": np.nan,
         "settling_time": np.nan,
         "relative_energy": 0.3,
