@@ -1,8 +1,12 @@
 """Progress in Python: a bar for True, nothing otherwise, and the caller's own function as it is."""
 
+import importlib
+import pkgutil
+
 import jaxbuffer as jb
+from jaxbuffer import fitting, mechanisms, run, sensitivities, sweeps
 from jaxbuffer.cli.commands.progress import working
-from jaxbuffer.programs.cache import Compilation, _announced
+from jaxbuffer.programs.cache import PROGRAM, Compilation, _announced, _functions
 from jaxbuffer.progress import counted, reported
 
 
@@ -40,3 +44,11 @@ def test_a_compilation_that_takes_no_time_has_no_line(capsys):
     working("simulating", work)
     said = ["simulating", "compiling a run, which usually takes about 7 s (first run only)…"]
     assert capsys.readouterr().err.splitlines() == said
+
+
+def test_every_program_says_what_it_computes():
+    for package in (fitting, mechanisms, run, sensitivities, sweeps):
+        for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
+            importlib.import_module(module.name)
+    programs = {it.last.__qualname__: it.what for it in _functions if it.last.__module__.startswith("jaxbuffer.")}
+    assert len(programs) > 10 and PROGRAM not in programs.values(), programs

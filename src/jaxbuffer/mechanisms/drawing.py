@@ -1,5 +1,6 @@
 """What a mechanism looks like, as data: shapes on its bodies, springs between them, and where contact forces act."""
 
+import functools
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -141,7 +142,7 @@ class Touch(NamedTuple):
         return origin + turn @ np.array(foot[:2]), normal, self.side * np.array([normal[1], -normal[0]])
 
 
-@stored
+@functools.partial(stored, what="where a ball touches")
 def _foot(shape: Shape, x: Any, y: Any, side: Any) -> Any:
     """Return `PlaneShape.foot`, from a program that is kept, so that a second start compiles nothing to draw."""
     assert isinstance(shape, PlaneShape), "drawings are of the plane"

@@ -4,6 +4,8 @@ Without friction, loss and the buffer's answer the peak is Hertz's (M80). Spring
 of a tenth of a millisecond and only add to it: no buffer lowers the first peak, less effective mass does.
 """
 
+import functools
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -67,13 +69,13 @@ def _arrays(design: Design, scenario: Scenario) -> tuple[Design, Scenario]:
     return jax.tree.map(lambda x: x if isinstance(x, jax.Array) else np.asarray(x, float), (design, scenario))
 
 
-@stored
+@functools.partial(stored, what="the first impact's closed form")
 def _first_impact(parameters: tuple[Design, Scenario]) -> FirstImpact:
     mechanism = assemble(*parameters)
     return predict(mechanism, *first_flank(mechanism, mechanism.first_evaluation()[0]))
 
 
-@stored
+@functools.partial(stored, what="the first impact's elasticities")
 def _log_peak_slopes(parameters: tuple[Design, Scenario]) -> Design:
     """Return the slopes of the logarithm of the elastic peak by the numbers of the design, in the design's form."""
 

@@ -73,7 +73,10 @@ def _flight(design: Design, scenario: Scenario, start: float) -> tuple[np.ndarra
     offset = float(scenario.offset)
     first = start * np.cos(turn) - offset * np.sin(turn), start * np.sin(turn) + offset * np.cos(turn)
     # The active vehicle turns about its centre of mass, which is this far behind the tip at the spring's free length.
-    behind = float(design.active.hinge_offset) + float(design.buffer.free_length) + float(design.probe.length)
+    # The hinge is at the cylinder's front, and the spring begins at its rear.
+    buffer, probe = design.buffer, float(design.probe.length)
+    to_hinge = probe + float(buffer.free_length) - float(buffer.cylinder_length)
+    behind = float(design.active.hinge_offset) + to_hinge
     pushed = np.zeros_like(time)
     if scenario.has("thrust"):
         for_time, push = float(scenario.thrust_time), float(scenario.thrust) / float(design.active.mass)

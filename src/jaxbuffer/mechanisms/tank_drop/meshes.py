@@ -1,5 +1,6 @@
 """Wall and liquid at instants of a run, in the whole section."""
 
+import functools
 from collections.abc import Sequence
 from typing import Any
 
@@ -50,7 +51,7 @@ def displaced(run: Any) -> tuple[Meshed, Meshed]:
     return made[0], made[1]
 
 
-@stored
+@functools.partial(stored, what="a moved mesh")
 def _moved(
     design: TankDrop, scenario: TankDropScenario, displacement: Float[Array, "nodes 2"]
 ) -> tuple[Float[Array, "nodes 2"], Float[Array, "liquid 2"]]:
