@@ -10,7 +10,7 @@ import jaxbuffer as jb
 from jaxbuffer.mechanisms.limit import IMPACTS, Limit
 from jaxbuffer.tuning.checks import LeastValue
 from jaxbuffer.tuning.goal import Goal
-from jaxbuffer.tuning.limit_rows import LimitRow, limit_rows
+from jaxbuffer.tuning.limit_rows import LimitRow, ShownRow, limit_rows, limit_table
 from jaxbuffer.tuning.message import SearchReport
 from jaxbuffer.tuning.store import in_words, record_of
 from made_up import made_up_evaluation, made_up_tuning
@@ -146,3 +146,18 @@ def test_progress_names_the_limit_and_the_load_case():
     assert said(250.0).endswith("limits broken: peak_force 300 N is above 250 N by 20 % at 0.15 m/s, 0°")
     assert said(301.0).endswith("300 N, 0.33 % of room to peak_force ≤ 301 N at 0.15 m/s, 0°")
     assert said(400.0).endswith("300 N")
+
+
+def test_the_table_of_one_run_has_no_load_case():
+    row = ShownRow("buffer stroke", "16.22 mm", "≤ 30 mm", "45.9 %", "0.14 m/s, 0°", "kept")
+    headings = lambda made: [str(column.header) for column in made.columns]  # noqa: E731
+    assert headings(limit_table([row])) == ["limit", "value", "bound", "room", "load case", ""]
+    alone = limit_table([row], of_one_run=True)
+    assert headings(alone) == ["limit", "value", "bound", "room", ""]
+    assert [[*column.cells][0] for column in alone.columns] == [
+        "buffer stroke",
+        "16.22 mm",
+        "≤ 30 mm",
+        "45.9 %",
+        "kept",
+    ]

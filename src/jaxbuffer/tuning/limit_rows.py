@@ -108,13 +108,13 @@ class ShownRow(NamedTuple):
         return ShownRow(success, value, bound, where=where, state="broken" if missed else "kept")
 
 
-def limit_table(rows: Iterable[ShownRow]) -> Table:
-    """Return the rows as a table."""
+def limit_table(rows: Iterable[ShownRow], of_one_run: bool = False) -> Table:
+    """Return the rows as a table; ``of_one_run``: whether all are of one load case, which need not be said."""
     made = table("Limits: what stands in the way", ("limit",), ("value", "bound", "room"))
-    for heading in ("load case", ""):
+    for heading in ("",) if of_one_run else ("load case", ""):
         made.add_column(heading)
     for row in rows:
-        made.add_row(*row)
+        made.add_row(row.name, row.value, row.bound, row.room, *(() if of_one_run else (row.where,)), row.state)
     return made
 
 
@@ -131,4 +131,4 @@ def run_limit_table(run: Run, constraints: Constraints) -> Table | None:
     success = limits.success(mechanism, run.design)
     if success is not None and (limits.require_success or limits.ends):
         shown.append(ShownRow.of_end(success, [label], [bool(limits.ended(mechanism, int(run.outcome)))]))
-    return limit_table(shown) if shown else None
+    return limit_table(shown, of_one_run=True) if shown else None
