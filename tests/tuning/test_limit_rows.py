@@ -154,7 +154,7 @@ def test_the_table_of_one_run_has_no_load_case():
     assert headings(limit_table([row])) == ["limit", "value", "bound", "room", "load case", ""]
     alone = limit_table([row], of_one_run=True)
     assert headings(alone) == ["limit", "value", "bound", "room", ""]
-    assert [[*column.cells][0] for column in alone.columns] == [
+    assert [next(iter(column.cells)) for column in alone.columns] == [
         "buffer stroke",
         "16.22 mm",
         "≤ 30 mm",
