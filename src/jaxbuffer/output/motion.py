@@ -185,7 +185,7 @@ def whole(axes: Axes, at: Scene, k: int) -> dict[str, Any]:
     for (band, times), (colour, dashes) in zip(at.magnified, BENT, strict=False):
         (line,) = axes.plot(*band.bent(frames, times).T, linestyle=dashes, color=colour, linewidth=1.6, zorder=3)
         named[f"bending of the {band.part} × {times:g}"] = line
-    forces(axes, at.drawing, frames, _instant(at, k), *_arrows(at, 0.2 * (right - left)))
+    forces(axes, at.drawing, frames, _instant(at, k), *_arrows(at, 0.2 * max(right - left, high - low)))
     detail = at.drawing.detail
     # A frame nearly as large as the picture would not show where the detail is.
     if detail is not None and (h := _half(at, k)) < 0.2 * (right - left):
