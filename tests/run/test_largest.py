@@ -75,6 +75,9 @@ class Toy(eqx.Module):
         return jnp.array([at.state[0], 2.0 * at.state[1]]), at.state[2]
 
 
+append = jax.jit(Log.append)
+
+
 def logged(entries, room=6):
     """Of entries (kind, which, time, forces and height)."""
     log = Log.empty(room, jnp.zeros((1, 4)), 2, 4)
@@ -83,7 +86,7 @@ def logged(entries, room=6):
         values = jnp.array([*state, 1.0])
         event = (jnp.asarray(x) for x in (True, int(kind), which, time))
         active, rate = jnp.array([1.0, 0.0]), jnp.ones((1, 4))
-        log = log.append(*event, values, jnp.asarray(RATE), active, row, rate, jnp.asarray(True))
+        log = append(log, *event, values, jnp.asarray(RATE), active, row, rate, jnp.asarray(True))
     return log
 
 
