@@ -12,9 +12,11 @@ IN_A_CONE = (
     "::test_the_foot_is_the_nearest_point_and_speeds_are_those_of_the_material_there"
 )
 ROLLING = "tests/elements/test_ball_in_space.py::test_a_sliding_ball_comes_to_roll"
-LATCHED = "tests/elements/test_in_space.py::test_latches_hold_a_body_by_its_rotation_vector"
-CONSERVED = "tests/elements/test_in_space.py::test_it_acts_on_two_bodies_and_its_energies_are_its_powers[thrust]"
-RIGID = "tests/mechanisms/test_in_space.py::test_the_energy_of_the_whole_as_a_rigid_body_is_that_of_one_body"
+LATCHED = "tests/elements/test_elements_in_space.py::test_latches_hold_a_body_by_its_rotation_vector"
+CONSERVED = (
+    "tests/elements/test_elements_in_space.py::test_it_acts_on_two_bodies_and_its_energies_are_its_powers[thrust]"
+)
+RIGID = "tests/mechanisms/test_assembled_in_space.py::test_the_energy_of_the_whole_as_a_rigid_body_is_that_of_one_body"
 CONTROLLED = "tests/elements/test_attitude_control.py::test_in_space_each_axis_of_the_body_has_its_own_limit"
 TOUCHES = "tests/elements/test_attitude_control.py::test_it_ends_at_the_first_touchdown[Turned]"
 NEWTON = "tests/hybrid/test_in_space.py::test_newtons_matrix_solves_with_the_stiff_part"

@@ -12,6 +12,7 @@ import jaxbuffer as jb
 from jaxbuffer.contact import BallPair, KelvinVoigt, RegularisedCoulomb, Revolved, Segment
 from jaxbuffer.contact.laws import HuntCrossley
 from jaxbuffer.elements import BallContact
+from jaxbuffer.errors import InputError
 from jaxbuffer.fields import POSITIVE, Part, number
 from jaxbuffer.mechanisms.assembled import Assembled
 from jaxbuffer.mechanisms.mechanism import Defaults, Mechanism
@@ -202,6 +203,15 @@ def test_friction_has_its_slope_where_nothing_slips():
     for across in ([0.0, 0.0, 1.0], [-np.cos(SLOPE), np.sin(SLOPE), 0.0]):
         slope = jax.jvp(force, (jnp.zeros(3),), (jnp.asarray(across),))[1]
         assert_allclose(slope, -0.3 * normal / 0.1 * np.array(across), rtol=1e-6, atol=1e-6)
+
+
+def test_a_shape_of_the_plane_is_refused_in_space():
+    pair = BallPair(RADIUS, cone().shape.meridian, -1.0, cone().law, cone().friction)
+    with pytest.raises(InputError, match="the shape of the contact 'contact' is a Segment: in the plane give"):
+        mechanism(BallContact(0, 1, pair, POINT, ORIGIN))
+    flat = System((Body(1.0, 1.0),) * 2)
+    with pytest.raises(InputError, match="is a Revolved: in the plane give a Segment"):
+        Assembled(flat, jnp.zeros(6), jnp.zeros(6), (BallContact(0, 1, cone()),))
 
 
 # --- a run: a ball that slides along a round hole until it rolls -----------------------------------------------------

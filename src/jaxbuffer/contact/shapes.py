@@ -55,7 +55,8 @@ class Shape(eqx.Module):
         """Return a unit tangent [-], and the slip along it [m/s].
 
         **Arguments:** ``velocity`` of the ball's material point at the foot against the shape's [m/s]; ``normal``, in
-        the same axes; ``side``: as of `BallPair`."""
+        the same axes; ``side``: as of `BallPair`.
+        """
 
 
 class PlaneShape(Shape):

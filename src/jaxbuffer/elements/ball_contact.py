@@ -15,7 +15,7 @@ from jaxtyping import Array, Float
 
 from .._types import Scalar
 from ..basis import AnyBasis, components, turn_array
-from ..contact import Approach, BallPair, Segment
+from ..contact import Approach, BallPair, Revolved, Segment
 from ..errors import InputError, concrete
 from ..multibody import Kinematics, Load, MaterialPoint, Point, System, load_at
 from ..plane import PLANE, Vector
@@ -115,6 +115,12 @@ class BallContact(Element):
         return BallReport(self)
 
     def in_mechanism(self, speed: Scalar, basis: AnyBasis) -> "BallContact":
+        shape = self.pair.shape
+        if isinstance(shape, Revolved) != (basis.dimensions == 3):
+            raise InputError(
+                f"the shape of the contact {self.name!r} is a {type(shape).__name__}: in the plane give a Segment or a"
+                " Hole, in space a Revolved segment"
+            )
         speed = speed if self.typical_speed is None else self.typical_speed
         return dataclasses.replace(self, typical_speed=speed, basis=basis)
 

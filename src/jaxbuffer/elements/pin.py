@@ -8,6 +8,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._types import Scalar
+from ..basis import AnyBasis
 from ..contact import Hole
 from ..contact.laws import BEYOND_LAW
 from ..multibody import Kinematics, Load, System
@@ -35,6 +36,10 @@ class Pin(Element):
     name: str = eqx.field(static=True, default="pin")
     stored_in: str = eqx.field(static=True, default="hinge")
     lost_in: str = eqx.field(static=True, default="hinge_play")
+
+    def in_mechanism(self, speed: Scalar, basis: AnyBasis) -> "Pin":
+        self.contact.in_mechanism(speed, basis)  # says that a bush is of the plane; a pin needs no typical speed
+        return self
 
     @property
     def switches(self) -> tuple[Switch, ...]:

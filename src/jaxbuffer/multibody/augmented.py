@@ -14,7 +14,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._types import Scalar, stacked
-from ..plane import Factors, ldl_solve
+from ..plane import Factors, evaluated_once, ldl_solve
 
 Pattern = tuple[tuple[tuple[int, int], ...], ...]
 """For each row of Φ_q its entries that can differ from zero: (column, index into the values)."""
@@ -59,15 +59,19 @@ class MassMatrix(NamedTuple):
     - ``inverse``: (coordinates,) its diagonal's reciprocals [1/kg, 1/kg, 1/(kg m²), …]; unused in columns of blocks.
     - ``values``: (entries,) of the blocks [kg, kg m, kg m²].
     - ``layout``: where they stand.
+    - ``of_space``: whether the bodies are of space, whose rows have many entries.
     """
 
     inverse: Float[Array, " coordinates"]
     values: Float[Array, " entries"]
     layout: Layout = ()
+    of_space: bool = False
 
     @staticmethod
     def of(
-        inverse: Float[Array, " coordinates"], blocks: Sequence[tuple[tuple[int, ...], Sequence[Sequence[Scalar]]]]
+        inverse: Float[Array, " coordinates"],
+        blocks: Sequence[tuple[tuple[int, ...], Sequence[Sequence[Scalar]]]],
+        of_space: bool = False,
     ) -> "MassMatrix":
         """Collect the diagonal's reciprocals, and each block's columns and lower half; Python's 0 are left out."""
         values: list[Scalar] = []
@@ -80,7 +84,7 @@ class MassMatrix(NamedTuple):
                 indices.append(tuple(len(values) + sum(nonzero[:k]) if keep else -1 for k, keep in enumerate(nonzero)))
                 values += [entry for entry, keep in zip(row, nonzero, strict=True) if keep]
             layout.append((columns, tuple(indices)))
-        return MassMatrix(inverse, stacked(values) if values else jnp.zeros(0), tuple(layout))
+        return MassMatrix(inverse, stacked(values) if values else jnp.zeros(0), tuple(layout), of_space)
 
     def blocks(self) -> list[tuple[tuple[int, ...], list[list[Scalar]]]]:
         """Return the columns of each block, and its lower half."""
@@ -140,14 +144,15 @@ def solve_augmented(
 
     **Returns:** accelerations q̈, (coordinates,) [m/s², rad/s²], and multipliers λ, (rows,) [N, N m].
     """
-    return _solve((jacobian.pattern, mass.layout), mass.inverse, mass.values, jacobian.values, force, rhs)
+    static = (jacobian.pattern, mass.layout, mass.of_space)
+    return _solve(static, mass.inverse, mass.values, jacobian.values, force, rhs)
 
 
 @partial(jax.custom_jvp, nondiff_argnums=(0,))
 def _solve(
-    static: tuple[Pattern, Layout], inverse: Array, masses: Array, values: Array, force: Array, rhs: Array
+    static: tuple[Pattern, Layout, bool], inverse: Array, masses: Array, values: Array, force: Array, rhs: Array
 ) -> tuple[Float[Array, " coordinates"], Float[Array, " rows"]]:
-    pattern, layout = static
+    pattern, layout, of_space = static
     mass, jacobian = MassMatrix(inverse, masses, layout).factored(), SparseRows(values, pattern)
     if not pattern:
         return mass.solve(force), rhs
@@ -161,15 +166,20 @@ def _solve(
     # What Φ_q q̈ would be without the joints.
     unheld = [sum(entry * force[column] for column, entry in row.items()) for row in weighted]
     # Written out: a call of LAPACK would split the loop's kernel.
-    multipliers = ldl_solve(schur, [unheld[i] - rhs[i] for i in range(len(pattern))])
+    sides: list[Scalar] = [unheld[i] - rhs[i] for i in range(len(pattern))]
+    if of_space:
+        # Every entry stands in many of the factors'.
+        once = iter(evaluated_once([entry for row in schur for entry in row]))
+        schur, sides = [[next(once) for _ in row] for row in schur], evaluated_once(sides)
+    multipliers = ldl_solve(schur, sides)
     return mass.solve(force - _reaction(jacobian, multipliers, force.shape[0])), multipliers
 
 
 @_solve.defjvp
-def _solve_jvp(static: tuple[Pattern, Layout], primals: tuple, tangents: tuple) -> tuple:
+def _solve_jvp(static: tuple[Pattern, Layout, bool], primals: tuple, tangents: tuple) -> tuple:
     """Solve the same system for a small change, with another right-hand side (M18): that is far cheaper than
     differentiating the factorisation."""
-    pattern, layout = static
+    pattern, layout, _ = static
     inverse, masses, values, _, _ = primals
     d_inverse, d_masses, d_values, d_force, d_rhs = tangents
     acceleration, multipliers = _solve(static, *primals)

@@ -3,6 +3,7 @@
 from .basis import PLANE as PLANE
 from .basis import Plane as Plane
 from .linear import Factors as Factors
+from .linear import evaluated_once as evaluated_once
 from .linear import inverse as inverse
 from .linear import ldl_solve as ldl_solve
 from .trigonometry import cos_sin as cos_sin

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from .._types import Scalar
+from .._types import Scalar, stacked
 from ..basis import is_zero
 
 
@@ -59,6 +59,18 @@ class Factors(NamedTuple):
                 if not (is_zero(self.lower[k][i]) or is_zero(x[k])):
                     x[i] = x[i] - self.lower[k][i] * x[k]
         return x
+
+
+def evaluated_once(values: Sequence[Scalar]) -> list[Scalar]:
+    """Return the same numbers, each of which a compiled program computes once; Python's numbers stay as they are.
+
+    XLA evaluates cheap operations anew wherever they are used, but never a division.
+    """
+    places = [k for k, value in enumerate(values) if not isinstance(value, float)]
+    array = stacked([values[k] for k in places])
+    array = array / (1.0 + 0.0 * array)
+    traced = {place: array[k] for k, place in enumerate(places)}
+    return [traced.get(k, value) for k, value in enumerate(values)]
 
 
 def ldl_solve(

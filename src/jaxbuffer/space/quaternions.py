@@ -63,14 +63,12 @@ class Quaternion(NamedTuple):
     def axes(self) -> tuple[Vector, Vector, Vector]:
         """Return the body's axes in inertial ones: the columns of the rotation matrix (M208)."""
         w, x, y, z = self
-        double = 2.0 / self.squared
-        wx, wy, wz = double * w * x, double * w * y, double * w * z
-        xx, yy, zz = double * x * x, double * y * y, double * z * z
-        xy, xz, yz = double * x * y, double * x * z, double * y * z
+        size, half = self.squared, 0.5 * self.squared
+        # XLA evaluates cheap operations anew wherever they are used, but never a division: each entry is one.
         return (
-            Vector(1.0 - yy - zz, xy + wz, xz - wy),
-            Vector(xy - wz, 1.0 - xx - zz, yz + wx),
-            Vector(xz + wy, yz - wx, 1.0 - xx - yy),
+            Vector((w * w + x * x - y * y - z * z) / size, (x * y + w * z) / half, (x * z - w * y) / half),
+            Vector((x * y - w * z) / half, (w * w - x * x + y * y - z * z) / size, (y * z + w * x) / half),
+            Vector((x * z + w * y) / half, (y * z - w * x) / half, (w * w - x * x - y * y + z * z) / size),
         )
 
     def rate(self, spin: Vector) -> "Quaternion":
