@@ -49,7 +49,7 @@ class Passive(Part):
     inertia: Number = number(0.5206, "kg m²", **POSITIVE, doc="inertia I_T about its centre of mass")
 
 
-class Probe(Part):
+class RodWithTip(Part):
     """The rod and its ball tip, welded to the rod or spinning freely about its centre (M6).
 
     - ``length``: L_P, from the rod's rear end to the tip's centre [m].
@@ -57,10 +57,6 @@ class Probe(Part):
     - ``tip_radius``: R [m].
     - ``tip_mass``: m_t [kg] (default: M7).
     - ``free_tip``: whether the tip spins freely (M8).
-    - ``bending_stiffness``: E I of the rod, which is clamped in the cylinder's guide [N m²] (M108); None: it does not
-      bend. `with_bending` finds it for a frequency.
-    - ``bending_modes``: how many modes bend it; the first two let the tip move and turn.
-    - ``bending_damping``: β, the damping of the bending over its stiffness [s]: the mode of ω has the ratio β ω/2.
     """
 
     section: ClassVar[str] = "probe"
@@ -75,6 +71,22 @@ class Probe(Part):
     free_tip: bool = eqx.field(
         default=False, static=True, metadata={"doc": "whether the tip spins freely about its centre", "flag": True}
     )
+
+    @property
+    def tip_inertia(self) -> Scalar:
+        """Return I_t of the tip about its centre [kg m²] (M6)."""
+        return 0.4 * self.tip_mass * self.tip_radius**2
+
+
+class Probe(RodWithTip):
+    """The rod and its tip, of which the rod may bend.
+
+    - ``bending_stiffness``: E I of the rod, which is clamped in the cylinder's guide [N m²] (M108); None: it does not
+      bend. `with_bending` finds it for a frequency.
+    - ``bending_modes``: how many modes bend it; the first two let the tip move and turn.
+    - ``bending_damping``: β, the damping of the bending over its stiffness [s]: the mode of ω has the ratio β ω/2.
+    """
+
     bending_stiffness: Number = number(
         None,
         "N m²",
@@ -85,11 +97,6 @@ class Probe(Part):
     bending_damping: Number = number(
         0.0, "s", **NON_NEGATIVE, needs=on("bending_stiffness"), doc="damping of the bending over its stiffness"
     )
-
-    @property
-    def tip_inertia(self) -> Scalar:
-        """Return I_t of the tip about its centre [kg m²] (M6)."""
-        return 0.4 * self.tip_mass * self.tip_radius**2
 
 
 class Hinge(Part):
