@@ -1,12 +1,13 @@
 """The bodies of the mechanism (M4): active vehicle S, cylinder B, probe P with its tip, passive vehicle T."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ..._types import Scalar
 from ...multibody import Body, FlexibleBody, Point, Prismatic, Revolute, System
 from ...multibody.flexible import FlexibleBar, Marker
 from .bending import bending_probe
-from .design import Design
+from .design import Design, DockingDesign
+from .parts import Probe
 
 S, B, P, T = range(4)  # bodies, in the order of the coordinates
 TIP = "tip"  # name of the contact of the tip with both flanks
@@ -39,7 +40,7 @@ class Masses(NamedTuple):
         return (x, 0.0) if self.bending is None else Marker.on_frame(x, 0.0, self.bending.modes.size)
 
 
-def probe_masses(design: Design) -> Masses:
+def probe_masses(design: DockingDesign[Any]) -> Masses:
     """Return rod and tip as one body; a free tip's spin inertia is left out of it (M6)."""
     probe = design.probe
     mass = probe.rod_mass + probe.tip_mass
@@ -47,7 +48,8 @@ def probe_masses(design: Design) -> Masses:
     rear, front = probe.length / 2 + shift, probe.length / 2 - shift
     tip = probe.tip_inertia
     inertia = probe.rod_mass * (probe.length**2 / 12 + shift**2) + probe.tip_mass * front**2
-    return Masses(mass, inertia if probe.free_tip else inertia + tip, rear, front, tip, bending_probe(probe))
+    bending = bending_probe(probe) if isinstance(probe, Probe) else None
+    return Masses(mass, inertia if probe.free_tip else inertia + tip, rear, front, tip, bending)
 
 
 def assemble_system(design: Design, probe: Masses, stabilisation: Scalar) -> System:

@@ -28,6 +28,7 @@ C = TypeVar("C", bound=Capture)
 class DockingDesign(DesignOf[C]):
     """What designs of a probe in a cone share, in the plane and in space."""
 
+    buffer: eqx.AbstractVar[ProbeBuffer]
     probe: eqx.AbstractVar[RodWithTip]
     cone: eqx.AbstractVar[Cone]
     contact: eqx.AbstractVar[Contact]

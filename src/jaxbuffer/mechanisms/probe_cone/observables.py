@@ -1,6 +1,7 @@
 """What is observed of a run beside the elements' own observables."""
 
 from collections.abc import Callable
+from typing import Any
 
 import jax.numpy as jnp
 from jaxtyping import Array
@@ -11,7 +12,7 @@ from ...plane import Vector
 from ..assembled import Assembled, Observable
 from ..layout import EvaluatedState
 from .bodies import TIP, B, P, S, T
-from .design import Design, Scenario
+from .design import Design, DockingDesign, Meeting, Scenario
 
 ROUNDED_ACCELERATION = 1e-12  # m/s²: what rounding of positions of a metre makes of it by the constraints' correction
 
@@ -29,7 +30,7 @@ def passive_force(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scal
 
 def _size_of(force: Vector) -> Scalar:
     """Return a force's size, with a derivative also where it is zero."""
-    return jnp.sqrt(force.x**2 + force.y**2 + 1e-24)
+    return jnp.sqrt(force.dot(force) + 1e-24)
 
 
 def hinge_angle(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
@@ -53,14 +54,15 @@ def _rounded_force(vehicle: str) -> Callable[[Assembled], Scalar]:
     return of
 
 
-def _rounded_length(mechanism: Assembled) -> Scalar:
+def rounded_length(mechanism: Assembled) -> Scalar:
+    """Return what of a length or an angle is rounding [m, rad]."""
     return ROUNDED_LENGTH
 
 
 HINGE_FORCE = Observable("hinge_force", hinge_force, of_rate=True, roundoff=_rounded_force("active"))
 PASSIVE_FORCE = Observable("passive_force", passive_force, of_rate=True, roundoff=_rounded_force("passive"))
-HINGE_ANGLE = Observable("hinge_angle", lambda *at: jnp.abs(hinge_angle(*at)), roundoff=_rounded_length)
-BENDING = Observable("bending", lambda *at: jnp.abs(bending_of_tip(*at)), roundoff=_rounded_length)
+HINGE_ANGLE = Observable("hinge_angle", lambda *at: jnp.abs(hinge_angle(*at)), roundoff=rounded_length)
+BENDING = Observable("bending", lambda *at: jnp.abs(bending_of_tip(*at)), roundoff=rounded_length)
 # Of a history; those of which the largest size is watched have their sign there.
 RECORDED = (
     Observable("tip_spin", lambda mechanism, at, rate: mechanism.evaluated(at, TIP).spin),
@@ -73,6 +75,11 @@ NO_STOP = Observable("stop_force", lambda mechanism, at, rate: jnp.zeros(()))  #
 def shown_of(design: Design, scenario: Scenario) -> tuple[Observable, ...]:
     """Return what is watched beside the elements' own observables."""
     bending = (BENDING,) if design.probe.has("bending_stiffness") else ()
+    return (HINGE_FORCE, HINGE_ANGLE, *bending, *shown_of_vehicle(design, scenario))
+
+
+def shown_of_vehicle(design: DockingDesign[Any], scenario: Meeting) -> tuple[Observable, ...]:
+    """Return what is watched of the passive vehicle."""
     # Without a latch, and from the touch, nothing but the tip acts on the passive vehicle.
     acted_on = design.latch.has("stiffness") or scenario.start == "free"
-    return (HINGE_FORCE, HINGE_ANGLE, *bending, *((PASSIVE_FORCE,) if acted_on else ()))
+    return (PASSIVE_FORCE,) if acted_on else ()

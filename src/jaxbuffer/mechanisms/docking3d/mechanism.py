@@ -1,0 +1,1 @@
+DOCKING3D = None
