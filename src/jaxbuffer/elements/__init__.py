@@ -3,6 +3,7 @@
 Force elements without a state of their own, and bodies and joints, are those of `jaxbuffer.multibody`.
 """
 
+from .attitude_control import AttitudeControl as AttitudeControl
 from .ball_contact import BallContact as BallContact
 from .ball_contact import BallState as BallState
 from .buffer import Buffer as Buffer

@@ -26,7 +26,7 @@ class History(Portable):
     """Histories along the first axis ("steps").
 
     ``time`` [s]; ``position`` (steps, bodies, [x, y, angle]) [m, m, rad], ``velocity`` and ``acceleration`` against the
-    ground; ``multipliers`` of the joints' rows [N, N m]; for each contact of the mechanism that has impacts ``gap``
+    ground, in space (steps, bodies, [x, y, z, rotation vector]), and of velocities the spin; ``multipliers`` of the joints' rows [N, N m]; for each contact of the mechanism that has impacts ``gap``
     [m], ``approach_speed`` and ``slip`` [m/s], ``contact_force`` F_n and ``friction_force`` F_t [N]; ``others``: the
     mechanism's own by name, each an attribute too (units: `Mechanism.history_units`); ``energy`` [J]. ``state`` of the
     time stepping and the contacts that are ``closed`` from then on (1, else 0): what instants between the steps are
@@ -37,9 +37,9 @@ class History(Portable):
     """
 
     time: Float[Array, " steps"]
-    position: Float[Array, "steps bodies 3"]
-    velocity: Float[Array, "steps bodies 3"]
-    acceleration: Float[Array, "steps bodies 3"]
+    position: Float[Array, "steps bodies numbers"]
+    velocity: Float[Array, "steps bodies numbers"]
+    acceleration: Float[Array, "steps bodies numbers"]
     multipliers: Float[Array, "steps rows"]
     gap: Float[Array, "steps contacts"]
     approach_speed: Float[Array, "steps contacts"]

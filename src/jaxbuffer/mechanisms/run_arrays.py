@@ -21,11 +21,9 @@ CONTACT_UNITS = {
     "contact_force": "N",
     "friction_force": "N",
 }
-COORDINATES = {
-    "position": (("x", "m"), ("y", "m"), ("angle", "rad")),
-    "velocity": (("x", "m/s"), ("y", "m/s"), ("angle", "rad/s")),
-    "acceleration": (("x", "m/s²"), ("y", "m/s²"), ("angle", "rad/s²")),
-}
+COORDINATES = {"position": ("m", "rad"), "velocity": ("m/s", "rad/s"), "acceleration": ("m/s²", "rad/s²")}
+# By how many there are of a body, in the plane and in space.
+AXES = {3: (("x", "y"), ("angle",)), 6: (("x", "y", "z"), ("turn_x", "turn_y", "turn_z"))}
 
 
 class Series(NamedTuple):
@@ -52,7 +50,9 @@ def series(history: History, names: Names) -> Iterator[Series]:
             yield Series(f"{name} {contact}", unit, values, name, "contact", name.replace("_", " "))
     for name, unit, values in names.series(history.others):
         yield Series(name, unit, values, f"{name}_history", "", name.replace("_", " "))
-    for name, axes in COORDINATES.items():
+    straight, turns = AXES[history.position.shape[-1]]
+    for name, (along, about) in COORDINATES.items():
+        axes = [*((axis, along) for axis in straight), *((axis, about) for axis in turns)]
         for k, body in enumerate(names.bodies):
             for i, (axis, unit) in enumerate(axes):
                 values = getattr(history, name)[:, k, i]

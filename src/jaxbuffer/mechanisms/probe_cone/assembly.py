@@ -1,5 +1,6 @@
 """The probe-cone mechanism assembled from bodies, joints, elements and a ball on flanks."""
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import jax.numpy as jnp
@@ -7,9 +8,11 @@ import numpy as np
 from jaxtyping import Array
 
 from ..._types import Scalar, stacked
+from ...basis import AnyBasis
 from ...contact import BallPair, Hole, KelvinVoigt, RegularisedCoulomb, Segment, contact_law, socket_stiffness
 from ...contact.laws import DampedHertz
 from ...elements import (
+    AttitudeControl,
     BallContact,
     Buffer,
     BufferForce,
@@ -22,18 +25,18 @@ from ...elements import (
     SpringDamper,
     Thrust,
 )
-from ...multibody import AxialSpringDamper, TorsionalSpringDamper
+from ...multibody import AxialSpringDamper, ForceElement, TorsionalSpringDamper
+from ...plane import PLANE
 from ..assembled import Assembled
 from .bending import Bending, modal_scales
 from .bodies import TIP, B, Masses, P, S, T, assemble_system, probe_masses
 from .buffer import ProbeBuffer
-from .design import Design, Scenario
+from .design import Design, DockingDesign, Meeting, Scenario
 from .observables import NO_STOP, RECORDED, shown_of
 from .start import start_motion
 from .throat import Throat
 
 LOWER, UPPER = 0, 1  # flanks
-FLANKS = 2
 CONTACTS = ("lower", "upper")  # their names
 # Energies, stored and lost, that every capture lists, whatever it has.
 LISTED = (("kinetic", "spring", "contact", "stop"), ("stop_damper", "hinge_play", "bending"))
@@ -62,7 +65,7 @@ def assemble(design: Design, scenario: Scenario, stabilisation: Scalar = 20.0) -
     latched, bending = design.latch.has("stiffness"), probe.bending
     system = assemble_system(design, probe, GAIN_WITH_LATCH * stabilisation if latched else stabilisation)
     q, v = start_motion(design, scenario, probe)
-    tip = tip_in_cone(design, scenario, probe)
+    tip = tip_in_cone(design, scenario, probe, tip_on_flanks(design))
     # Positions are compared with the penetration of a typical impact, velocities with the approach speed.
     length = 1e-3
     bent, bending_rate = ([], []) if bending is None else modal_scales(bending, speed)
@@ -70,7 +73,7 @@ def assemble(design: Design, scenario: Scenario, stabilisation: Scalar = 20.0) -
         system=system,
         q=q,
         v=v,
-        elements=(tip, *elements_of(design, scenario, probe)),
+        elements=(tip, *elements_of(design, scenario, probe, tip)),
         rest_threshold=design.latch.quiet if latched else None,
         # Angles are compared at an arm of 0.1 m.
         size=(
@@ -90,9 +93,26 @@ def assemble(design: Design, scenario: Scenario, stabilisation: Scalar = 20.0) -
     )
 
 
-def elements_of(design: Design, scenario: Scenario, probe: Masses) -> tuple[Element, ...]:
+def elements_of(design: Design, scenario: Scenario, probe: Masses, tip: BallContact) -> tuple[Element, ...]:
     """Return the elements of a design in a scenario, in the order in which its energies are listed."""
-    buffer, latch, hinge, shock = design.buffer, design.latch, design.hinge, design.shock
+    torsional = TorsionalSpringDamper(S, B, stiffness=design.buffer.k_T, damping=design.buffer.c_T)
+    planar: list[Element] = [Bending()] if design.probe.has("bending_stiffness") else []
+    planar += [pin_in_bush(design)] if design.hinge.has("play") else []
+    return shared_elements(design, scenario, probe, tip, torsional, planar)
+
+
+def shared_elements(
+    design: DockingDesign[Any],
+    scenario: Meeting,
+    probe: Masses,
+    tip: BallContact,
+    hinge: ForceElement,
+    planar: Sequence[Element] = (),
+    basis: AnyBasis = PLANE,
+) -> tuple[Element, ...]:
+    """Return the elements of a design in the plane or in space. ``hinge``: its springs; ``planar``: others of the
+    plane alone."""
+    buffer, latch, shock, control = design.buffer, design.latch, design.shock, design.control
     # Both stops measure their stroke by the buffer's own spring, so that all three agree on it.
     axial = axial_force(buffer, probe)
     throat = Throat(
@@ -103,21 +123,17 @@ def elements_of(design: Design, scenario: Scenario, probe: Masses) -> tuple[Elem
         cone_body=T,
         captures=not latch.has("stiffness"),
     )
-    torsional = TorsionalSpringDamper(S, B, stiffness=buffer.k_T, damping=buffer.c_T)
     elements: list[Element] = [
         throat,
         Buffer(axial, buffer.longest_stroke),
-        SpringDamper(torsional, lost_in="torsional_damper", name="hinge spring"),
+        SpringDamper(hinge, lost_in="torsional_damper", name="hinge spring"),
     ]
     if buffer.has("stop_stiffness"):
         law = KelvinVoigt(buffer.stop_stiffness, buffer.stop_damping)
         if buffer.has("stop_thickness"):
             law = RubberBlock(law.linear_stiffness, law.damping, buffer.stop_thickness)
         elements.append(EndStop(axial, law, buffer.end))
-    if design.probe.has("bending_stiffness"):
-        elements.append(Bending())
-    if hinge.has("play"):
-        elements.append(pin_in_bush(design))
+    elements += planar
     if buffer.has("rebound_stiffness"):
         law = KelvinVoigt(buffer.rebound_stiffness, buffer.rebound_damping)
         elements.append(EndStop(axial, law, buffer.rebound_gap, rebound=True, watched=False, name="rebound"))
@@ -125,6 +141,11 @@ def elements_of(design: Design, scenario: Scenario, probe: Masses) -> tuple[Elem
         elements.append(latches(design, probe, throat.plane))
     if scenario.has("thrust"):
         elements.append(Thrust(S, scenario.thrust, scenario.thrust_time))
+    # A start in contact has no control that ends there.
+    if control.has("stiffness") and not (control.until == "contact" and scenario.start == "contact"):
+        latch_element = next((it for it in elements if isinstance(it, Latch)), None)
+        until = {"contact": tip, "latch": latch_element, "end": None}[control.until]
+        elements.append(AttitudeControl(S, control.stiffness, control.damping, control.limit, until, basis))
     if shock.frequencies:
         carriers = {"active": S, "passive": T}
         names = tuple(shock.frequencies)
@@ -163,9 +184,9 @@ def axial_force(buffer: ProbeBuffer, probe: Masses) -> AxialSpringDamper:
     )
 
 
-def tip_on_flanks(design: Design) -> BallPair:
-    """Return the tip against both flanks, in the axes of T (M30)."""
-    angle, side = design.cone.half_angle, jnp.asarray(SIDE)
+def tip_on_flanks(design: DockingDesign[Any], side: Array | float = SIDE) -> BallPair:
+    """Return the tip against both flanks, or that of one ``side``, in the axes of T (M30)."""
+    angle, side = design.cone.half_angle, jnp.asarray(side)
     flanks = Segment(
         start_x=-design.cone.offset,
         start_y=-side * design.cone.throat_radius,
@@ -191,15 +212,17 @@ def tip_on_flanks(design: Design) -> BallPair:
     )
 
 
-def tip_in_cone(design: Design, scenario: Scenario, probe: Masses) -> BallContact:
-    """Return the contact of the tip with both flanks (M29, M30)."""
+def tip_in_cone(
+    design: DockingDesign[Any], scenario: Any, probe: Masses, pair: BallPair, names: tuple[str, ...] = CONTACTS
+) -> BallContact:
+    """Return the contact of the tip with both flanks, or with the cone (M29, M30)."""
     contact, smooth = design.contact, design.contact.memory == "smooth"
     return BallContact(
         P,
         T,
-        tip_on_flanks(design),
+        pair,
         point=probe.tip_centre,
-        names=CONTACTS,
+        names=names,
         spin_inertia=probe.tip_inertia if design.probe.free_tip else None,
         onset_length=contact.onset_length if smooth else None,
         fixed_foot=scenario.contact_distance if contact.arms == "published" else None,
@@ -212,14 +235,14 @@ def tip_in_cone(design: Design, scenario: Scenario, probe: Masses) -> BallContac
 def tip_touches(approach: Array, slowest: Scalar) -> tuple[Array, Array]:
     """Return which flanks the tip touches at t = 0 where it starts on the cone, and the contacts' memory [m/s]."""
     # The start lies on the lower flank alone (M64); a tip that moves off it does not touch it either.
-    touching = jnp.where((jnp.arange(FLANKS) == LOWER) & (approach > 0.0), 1.0, 0.0)
+    touching = jnp.where((jnp.arange(approach.size) == LOWER) & (approach > 0.0), 1.0, 0.0)
     # Damping is divided by the memory, which therefore has a least value (M36).
     return touching, jnp.maximum(approach, slowest)
 
 
 def nothing_touches(approach: Array, slowest: Scalar) -> tuple[Array, Array]:
     """Return that no flank is touched at a free start, where the memory is at its floor (M170)."""
-    return jnp.zeros(FLANKS), jnp.full(FLANKS, slowest)
+    return jnp.zeros(approach.size), jnp.full(approach.size, slowest)
 
 
 def pin_in_bush(design: Design) -> Pin:
@@ -241,7 +264,7 @@ def pin_law(design: Design) -> DampedHertz:
     return DampedHertz(stiffness, hinge.damping)
 
 
-def latches(design: Design, probe: Masses, plane: Scalar) -> Latch:
+def latches(design: DockingDesign[Any], probe: Masses, plane: Scalar) -> Latch:
     """Return the latches of the cone, which hold the tip's centre. ``plane``: where it is captured, along the axis of T
     [m]."""
     latch = design.latch

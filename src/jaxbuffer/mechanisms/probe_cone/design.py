@@ -18,6 +18,7 @@ from ..run import DesignOf
 from .buffer import ProbeBuffer
 from .capture import Capture
 from .contact import Contact
+from .control import Control
 from .parts import Active, Cone, Hinge, Latches, Passive, Probe, RodWithTip
 from .shock import Shock
 
@@ -75,6 +76,7 @@ class Design(DockingDesign[Capture]):
     - ``contact``: tip against flank.
     - ``latch``: what holds the vehicles together after capture, if anything does.
     - ``shock``: frequencies at which shocks on the vehicles are wanted, if any.
+    - ``control``: attitude control of the active vehicle, if it has any.
 
     **Raises:** `InputError` where a number is out of its range, and for a tip that does not pass the cone's mouth.
 
@@ -94,6 +96,7 @@ class Design(DockingDesign[Capture]):
     hinge: Hinge = Hinge()
     latch: Latches = Latches()
     shock: Shock = Shock()
+    control: Control = Control()
 
 
 OF_FREE_START = ("offset", "standoff", "active_angle", "active_rate", "lateral_speed")
