@@ -10,7 +10,7 @@ from jaxtyping import Array, Bool
 
 from ..._types import Scalar
 from ...errors import InputError, check_entries, check_type, concrete, inside
-from ...fields import NON_NEGATIVE, POSITIVE, Number, all_of, like, number
+from ...fields import POSITIVE, Number, all_of, like, number
 from ...space import Quaternion, Vector
 from ..probe_cone.buffer import ProbeBuffer
 from ..probe_cone.contact import Contact
@@ -66,9 +66,7 @@ class Passive3D(Passive):
 def _check_roll(section: str, roll: Scalar, inertia: Scalar) -> None:
     """Raise `InputError` for a roll inertia that no body can have."""
     above = f"; no body has more than twice its {section}.inertia about another axis"
-    check_entries(
-        f"{section}.roll_inertia", roll, "kg m²", 0.0, MOST_ROLL * inertia, too_high=above, high_open=False
-    )
+    check_entries(f"{section}.roll_inertia", roll, "kg m²", 0.0, MOST_ROLL * inertia, too_high=above, high_open=False)
 
 
 class Probe3D(RodWithTip):
@@ -219,9 +217,7 @@ def check_fit(design: Design3D, scenario: Scenario3D) -> None:
     if scenario.start == "free":
         return
     check_contact_distance(design, scenario.contact_distance)
-    angle, yaw, pitch = (
-        concrete(x) for x in (design.cone.half_angle, scenario.passive_yaw, scenario.passive_pitch)
-    )
+    angle, yaw, pitch = (concrete(x) for x in (design.cone.half_angle, scenario.passive_yaw, scenario.passive_pitch))
     if angle is None or yaw is None or pitch is None:
         return
     turned, limit = np.arccos(np.cos(yaw) * np.cos(pitch)), facing_limit(angle, np)

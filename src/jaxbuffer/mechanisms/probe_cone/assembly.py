@@ -41,6 +41,7 @@ CONTACTS = ("lower", "upper")  # their names
 # Energies, stored and lost, that every capture lists, whatever it has.
 LISTED = (("kinetic", "spring", "contact", "stop"), ("stop_damper", "hinge_play", "bending"))
 SIDE = np.array([1.0, -1.0])  # σ: +1 lower, -1 upper flank
+UPPER_SIDE = -1.0
 # With latches there are long implicit steps, and Newton's method does not know of Baumgarte's terms: with the full gain
 # it fails at steps that accuracy would allow.
 GAIN_WITH_LATCH = 0.5

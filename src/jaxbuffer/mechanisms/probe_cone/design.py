@@ -22,7 +22,6 @@ from .control import Control
 from .parts import Active, Cone, Hinge, Latches, Passive, Probe, RodWithTip
 from .shock import Shock
 
-
 C = TypeVar("C", bound=Capture)
 
 

@@ -1,6 +1,7 @@
 """A scenario in a few words."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -22,14 +23,18 @@ def scenario_label(scenario: Scenario, among: Sequence[Scenario] = ()) -> str:
     """Return what people call a scenario: "0.1 m/s, +3°", its approach speed and misalignment; contact distance and
     passive rate too where those differ ``among`` several. Of a free start and a thrust, what is not at its default."""
     angle = np.degrees(float(scenario.misalignment))
-    speed = float(scenario.approach_speed)
-    # Two speeds that are alike in four digits are told apart by nine.
-    alike = any(f"{other.approach_speed:.4g}" == f"{speed:.4g}" and other.approach_speed != speed for other in among)
-    label = f"{with_unit(speed, 'm/s', 9 if alike else 4)}, {degrees_text(angle)}"
+    label = f"{speed_in_words(scenario, among)}, {degrees_text(angle)}"
     for name, shown in (("contact_distance", "mm"), ("passive_rate", "deg/s")):
         if name not in scenario.without_effect and len({float(getattr(other, name)) for other in among}) > 1:
-            label += _field(scenario, name, shown)
-    return label + _free_start(scenario) + _thrust(scenario)
+            label += field_in_words(scenario, name, shown)
+    return label + _free_start(scenario) + thrust_in_words(scenario)
+
+
+def speed_in_words(scenario: Any, among: Sequence[Any]) -> str:
+    """Return the approach speed: two speeds ``among`` several that are alike in four digits are told apart by nine."""
+    speed = float(scenario.approach_speed)
+    alike = any(f"{other.approach_speed:.4g}" == f"{speed:.4g}" and other.approach_speed != speed for other in among)
+    return with_unit(speed, "m/s", 9 if alike else 4)
 
 
 def _free_start(scenario: Scenario) -> str:
@@ -37,16 +42,17 @@ def _free_start(scenario: Scenario) -> str:
     if scenario.start != "free":
         return ""
     given = ((name, shown) for name, shown in OF_FREE_START.items() if float(getattr(scenario, name)) != 0.0)
-    return ", free start" + "".join(_field(scenario, name, shown) for name, shown in given)
+    return ", free start" + "".join(field_in_words(scenario, name, shown) for name, shown in given)
 
 
-def _field(scenario: Scenario, name: str, shown: str) -> str:
+def field_in_words(scenario: Any, name: str, shown: str) -> str:
     """Return a field behind others, in the unit in which it is shown: ", offset -20 mm"."""
     number = as_typed(float(getattr(scenario, name)), unit(scenario, name), shown)
     return f", {name.replace('_', ' ')} {with_unit(*number)}"
 
 
-def _thrust(scenario: Scenario) -> str:
+def thrust_in_words(scenario: Any) -> str:
+    """Return the thrust of a scenario, "" where there is none."""
     if not scenario.has("thrust"):
         return ""
     return f", thrust {float(scenario.thrust):.4g} N for {float(scenario.thrust_time):.4g} s"

@@ -14,7 +14,6 @@ from .docking import crossing, docking
 from .margins import stroke_margin, throat
 from .outcome import Outcome
 
-
 C = TypeVar("C", bound=Capture)
 
 

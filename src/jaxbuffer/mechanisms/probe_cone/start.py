@@ -58,9 +58,7 @@ def on_lower_flank(design: DockingDesign[Any], distance: Scalar) -> Vector:
     )
 
 
-def behind_tip(
-    design: DockingDesign[Any], masses: Masses, tip: Scalar
-) -> tuple[Scalar, Scalar, Scalar]:
+def behind_tip(design: DockingDesign[Any], masses: Masses, tip: Scalar) -> tuple[Scalar, Scalar, Scalar]:
     """Return where the centres of mass of probe, cylinder and active vehicle are along their axis [m], the ``tip``
     being there and the spring at its free length."""
     probe = tip - masses.front

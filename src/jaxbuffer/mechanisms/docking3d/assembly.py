@@ -1,0 +1,61 @@
+"""The docking in space assembled from bodies, joints, elements and a ball in a cone."""
+
+import jax.numpy as jnp
+
+from ..._types import Scalar, stacked
+from ...multibody import CrossSpringDamper
+from ...space import SPACE
+from ..assembled import Assembled
+from ..probe_cone.assembly import (
+    GAIN_WITH_LATCH,
+    LISTED,
+    UPPER_SIDE,
+    Parts,
+    shared_elements,
+    tip_in_cone,
+    tip_on_flanks,
+)
+from ..probe_cone.bodies import B, S, probe_masses
+from .bodies import assemble_system
+from .design import Design3D, Scenario3D
+from .observables import recorded_of, shown_of
+from .start import start_motion
+
+CONTACTS = ("cone",)
+BODIES = 4
+
+
+def assemble(design: Design3D, scenario: Scenario3D, stabilisation: Scalar = 20.0) -> Assembled:
+    """Return a design in a scenario as a mechanism that is ready to be stepped through time.
+
+    **Arguments:** ``design``; ``scenario``; ``stabilisation``: Baumgarte's gain [1/s].
+    """
+    probe, speed, mass = probe_masses(design), scenario.approach_speed, design.active.mass
+    latched = design.latch.has("stiffness")
+    q, v = start_motion(design, scenario, probe)
+    # The cone is the upper flank, turned about its axis.
+    tip = tip_in_cone(design, scenario, probe, tip_on_flanks(design, UPPER_SIDE), CONTACTS)
+    hinge = CrossSpringDamper(S, B, design.buffer.k_T, design.buffer.c_T)
+    # As in the plane; a quaternion's numbers are half an angle.
+    length, turn = 1e-3, 0.5e-3 / 0.1
+    return Assembled(
+        system=assemble_system(design, probe, GAIN_WITH_LATCH * stabilisation if latched else stabilisation),
+        q=q,
+        v=v,
+        elements=(tip, *shared_elements(design, scenario, probe, tip, hinge, basis=SPACE)),
+        rest_threshold=design.latch.quiet if latched else None,
+        size=(
+            jnp.asarray([*[length] * 3, *[turn] * 4] * BODIES),
+            stacked([*[speed] * 3, *[speed / 0.1] * 3] * BODIES),
+        ),
+        speed=speed,
+        energy_size=0.5 * mass * speed**2,
+        momentum_size=mass * speed,
+        shown=shown_of(design, scenario),
+        recorded=recorded_of(design),
+        parts=Parts(design, scenario, probe),
+        stored_in="spring",
+        lost_in=None,
+        listed=LISTED,
+        impulsive_reactions=False,
+    )
