@@ -6,6 +6,7 @@ from ..probe_cone.view import VIEW as PLANAR
 from ..view import Names
 from .assembly import CONTACTS
 from .design import Design3D
+from .drawing import drawing
 from .label import scenario_label
 
 
@@ -50,5 +51,6 @@ VIEW = dataclasses.replace(
     names=names,
     label=scenario_label,
     approach=lambda scenario: f"approach at {scenario_label(scenario)}",
+    drawing=drawing,
     limitations=("The forces have not been compared with a test of hardware: docs/verification.md.",),
 )
