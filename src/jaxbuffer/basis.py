@@ -6,7 +6,7 @@ from typing import Any, ClassVar, Generic, TypeVar
 import equinox as eqx
 from jaxtyping import Array, Float
 
-from ._types import Scalar
+from ._types import Scalar, stacked
 
 V = TypeVar("V")
 T = TypeVar("T")
@@ -60,6 +60,10 @@ class Basis(eqx.Module, Generic[V, T, F]):
     def vector(self, *components: Entry) -> V:
         """Return the vector of some components; those that are left out are zero."""
 
+    @abstractmethod
+    def turn(self, *components: Entry) -> T:
+        """Return the turn of some components."""
+
     @property
     @abstractmethod
     def unit_turns(self) -> tuple[T, ...]:
@@ -110,6 +114,11 @@ AnyBasis = Basis[Any, Any, Any]
 def components(turn: Any) -> tuple[Entry, ...]:
     """Return a turn's components: of the plane it is a number, of space a vector."""
     return tuple(turn) if isinstance(turn, tuple) else (turn,)
+
+
+def turn_array(turn: Any) -> Float[Array, "..."]:
+    """Return a turn as an array: of the plane a number, of space three."""
+    return stacked(turn) if isinstance(turn, tuple) else turn
 
 
 def squared(turn: Any) -> Scalar:

@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from .._types import Scalar
+from ..basis import AnyBasis
 from ..contact import Approach, Ball, BallPair, Carrier, Segment
 from ..errors import InputError, concrete
 from ..multibody import Kinematics, Load, MaterialPoint, Point, System, load_at
@@ -105,7 +106,7 @@ class BallContact(Element):
     def report(self) -> "BallReport":
         return BallReport(self)
 
-    def in_mechanism(self, speed: Scalar) -> "BallContact":
+    def in_mechanism(self, speed: Scalar, basis: AnyBasis) -> "BallContact":
         return self if self.typical_speed is not None else dataclasses.replace(self, typical_speed=speed)
 
     @property

@@ -8,8 +8,8 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._types import Scalar
-from ..multibody import Joint, Kinematics, Load, System
-from ..plane import Vector
+from ..basis import AnyBasis
+from ..multibody import Joint, Kinematics, Load, System, Turn, Vector
 from .report import Report
 from .stepping import Closed as Closed
 from .stepping import Own as Own
@@ -130,12 +130,13 @@ class Element(Impacts, SteppingHints):
 
     @property
     def spin_inertias(self) -> tuple[Scalar, ...]:
-        """Return the moments of inertia of what of the element turns by itself [kg m²]: the first of `variables` are
-        the spins [rad/s], which count as velocities of the mechanism."""
+        """Return the moments of inertia of what of the element turns by itself [kg m²], one for each spin: the first of
+        `variables` are the spins [rad/s], of a ball in space three, which count as velocities of the mechanism."""
         return ()
 
-    def in_mechanism(self, speed: Scalar) -> "Element":
-        """Return the element as a part of a mechanism whose velocities are of the order of ``speed`` [m/s]."""
+    def in_mechanism(self, speed: Scalar, basis: AnyBasis) -> "Element":
+        """Return the element as a part of a mechanism of the plane or of space, as its ``basis`` says, whose velocities
+        are of the order of ``speed`` [m/s]."""
         return self
 
     @property
@@ -200,9 +201,9 @@ class Element(Impacts, SteppingHints):
         """Return the energy that the element has put in from outside so far, by name [J]."""
         return {}
 
-    def impulse(self, own: Own) -> tuple[Vector, Scalar] | None:
-        """Return the impulse [N s] and the angular impulse about the origin [N m s] that the element has put in from
-        outside; None where it puts in none."""
+    def impulse(self, own: Own) -> tuple[Vector, Turn] | None:
+        """Return the impulse [N s] and the angular impulse about the origin [N m s], in space vectors both, that the
+        element has put in from outside; None where it puts in none."""
         return None
 
     @property

@@ -53,7 +53,7 @@ def linearised(
     **Arguments:** ``contacts``: those of all pairs together; ``spin_inertia`` [kg m²]: of each velocity beyond
     the coordinates' own, if there are any; ``decay``: as of `Linearisation`.
     """
-    n, m = system.coordinates, contacts.normals.shape[1]
+    n, m = system.velocities, contacts.normals.shape[1]
     along = [spring.direction[:, None] for spring in springs]
     directions = jnp.concatenate([*along, contacts.normals, contacts.tangents], axis=1)
     response = system.response(kin, directions[:n])
@@ -65,8 +65,9 @@ def linearised(
         response=response,
         stiffness=_coupling([s.stiffness for s in springs], contacts.per_depth, jnp.zeros(m)),
         damping=_coupling([s.damping for s in springs], contacts.per_speed, contacts.per_slip[1]),
-        coordinates=n,
+        coordinates=system.coordinates,
         decay=decay,
+        position_rate=system.position_rate(kin.q),
     )
 
 

@@ -1,4 +1,4 @@
-"""Any planar mechanism with contacts: bodies, joints, and elements between them."""
+"""Any mechanism with contacts, of the plane or of space: bodies, joints, and elements between them."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from .._types import Scalar, stacked
+from ..basis import PositionRate
 from ..elements import BallContact as BallContact
 from ..elements import ContactForces, Element, Magnitudes, Oscillators
 from ..elements.stiff_terms import inverse_masses
@@ -17,7 +18,6 @@ from ..errors import InputError
 from ..hybrid import Linearisation
 from ..multibody import Kinematics, System
 from ..multibody.scalars import with_scalars
-from ..plane import Vector
 from .assembly_checks import check_constraints, check_magnitudes, check_names, known
 from .energies import added, momentum, stored_energies, supplied_energies
 from .energy import Energy
@@ -40,15 +40,15 @@ E = TypeVar("E", bound=Element)
 class Assembled(ContactSystem):
     """A mechanism ready to be stepped through time from a consistent start.
 
-    **Arguments:** ``system``: bodies, joints and force elements; the elements' driving joints are added to its own;
-    ``q``, ``v``: positions and velocities at t = 0, on the constraints; ``elements``: parts between the bodies, see
-    `jaxbuffer.elements`; ``closed``: which contacts that have impacts, and then which of the elements' other switches,
-    are closed at t = 0 (default: what each element says, see `Element.closed_at_start`); ``ends``: quantities whose
-    crossing of zero upwards ends the run (so do elements); ``end_names``: of each, the name of the outcome that it
-    stands for, among the mechanism's outcomes ("ended" unless given); ``rest_threshold``: if given, the run ends as
-    "held" where all that closes once has closed and the energy of relative motion is below this share of that at t = 0
-    (M177); ``size``: magnitudes that matter of the coordinates and of the velocities, one or one each;
-    ``speed`` [m/s]: that velocities are of the order of (default: the second of ``size``); ``shown``: further
+    **Arguments:** ``system``: bodies, joints and force elements; the elements' driving joints are added to its own; its
+    basis is that of the elements; ``q``, ``v``: positions and velocities at t = 0, on the constraints; ``elements``:
+    parts between the bodies, see `jaxbuffer.elements`; ``closed``: which contacts that have impacts, and then which of
+    the elements' other switches, are closed at t = 0 (default: what each element says, see `Element.closed_at_start`);
+    ``ends``: quantities whose crossing of zero upwards ends the run (so do elements); ``end_names``: of each, the name
+    of the outcome that it stands for, among the mechanism's outcomes ("ended" unless given); ``rest_threshold``: if
+    given, the run ends as "held" where all that closes once has closed and the energy of relative motion is below this
+    share of that at t = 0 (M177); ``size``: magnitudes that matter of the coordinates and of the velocities, one or one
+    each; ``speed`` [m/s]: that velocities are of the order of (default: the second of ``size``); ``shown``: further
     observables; ``recorded``: what a history shows besides; ``parts``: whatever these need to know; ``energy_size``
     [J]: magnitude of the energy; if given, steps must also keep the energy balance; ``momentum_size`` [kg m/s]: that of
     the momentum, where the ground takes no part; ``stored_in``, ``lost_in``: names of the energies that the system
@@ -61,7 +61,7 @@ class Assembled(ContactSystem):
 
     system: System
     q: Float[Array, " coordinates"]
-    v: Float[Array, " coordinates"]
+    v: Float[Array, " velocities"]
     elements: tuple[Element, ...] = ()
     closed: Any = ()
     ends: tuple[Quantity, ...] = eqx.field(static=True, default=())
@@ -83,7 +83,7 @@ class Assembled(ContactSystem):
         """Make numbers of the elements' arrays of one entry, tell them the speed of the mechanism, and add their
         driving joints to those of the system."""
         elements = with_scalars(self.elements)
-        self.elements = tuple(element.in_mechanism(self.typical_speed) for element in elements)
+        self.elements = tuple(element.in_mechanism(self.typical_speed, self.system.basis) for element in elements)
         mine = tuple(joint for element in self.elements if (joint := element.driving_joint) is not None)
         there = sum(joint.driven for joint in self.system.joints)
         if mine and not there:
@@ -118,7 +118,14 @@ class Assembled(ContactSystem):
     @property
     def layout(self) -> Layout:
         """Return where in the state each part's numbers stand."""
-        return Layout(self.coordinates, self.elements, len(self.loss_names), self.rest_threshold is not None)
+        return Layout(
+            coordinates=self.coordinates,
+            velocities=self.velocities,
+            elements=self.elements,
+            losses=len(self.loss_names),
+            held=self.rest_threshold is not None,
+            basis=self.system.basis,
+        )
 
     @property
     def places(self) -> dict[str, slice]:
@@ -128,9 +135,9 @@ class Assembled(ContactSystem):
         """Return a part of the state, by its name in `Layout.places`."""
         return state[self.places[name]]
 
-    def acceleration(self, rate: State, body: int) -> Vector:
-        """Return the acceleration of a body's origin [m/s²], from the state's rate."""
-        return self.system.order.translation(self.part(rate, "v"), body)
+    def acceleration(self, rate: State, body: int) -> Any:
+        """Return the acceleration vector of a body's origin [m/s²], from the state's rate."""
+        return self.system.translation(self.part(rate, "v"), body)
 
     def element(self, name: str) -> Any:
         """Return the element of a name, None where there is none."""
@@ -155,8 +162,15 @@ class Assembled(ContactSystem):
         return self.system.coordinates
 
     @property
+    def velocities(self) -> int:
+        return self.system.velocities
+
+    def position_rate(self, q: Float[Array, " coordinates"]) -> PositionRate:
+        return self.system.position_rate(q)
+
+    @property
     def spins(self) -> int:
-        """Return how many parts of elements turn by themselves, each with a velocity behind the coordinates'."""
+        """Return how many velocities of parts that turn by themselves stand behind the bodies'."""
         return len(self.layout.spin_inertias)
 
     @property
@@ -439,7 +453,7 @@ class Assembled(ContactSystem):
         parts = zip(self.elements, at.elements, self.layout.of_elements(active), strict=True)
         return sum((element.stiff_force(*part) for element, *part in parts), start=jnp.zeros(()))
 
-    def momentum_at(self, at: EvaluatedState) -> tuple[Float[Array, " 2"], Float[Array, ""]]:
+    def momentum_at(self, at: EvaluatedState) -> tuple[Float[Array, " dimensions"], Float[Array, "..."]]:
         return momentum(self.system, self.layout, at)
 
     def constraint_errors(self, kin: Kinematics) -> Float[Array, " rows"]:

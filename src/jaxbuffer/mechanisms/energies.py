@@ -6,6 +6,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._types import Scalar, stacked
+from ..basis import components, turn_array
 from ..multibody import System
 from .layout import Closed, EvaluatedState, Layout, State
 
@@ -17,7 +18,8 @@ def stored_energies(
     contacts and switches; ``stored_in``: the name of what the system's own springs store."""
     kinetic = system.kinetic_energy(at.kin)
     for inertia, spin in layout.spinning(at.state):
-        kinetic = kinetic + 0.5 * inertia * spin**2
+        for component in components(spin):
+            kinetic = kinetic + 0.5 * inertia * component**2
     stored: dict[str, Scalar] = {"kinetic": kinetic, stored_in: jnp.asarray(system.stored_energy(at.kin))}
     for element, it, closed in zip(layout.elements, at.elements, layout.of_elements(active), strict=True):
         stored = added(stored, element.stored(it, closed))
@@ -32,15 +34,18 @@ def supplied_energies(layout: Layout, state: State) -> dict[str, Scalar]:
     return supplied
 
 
-def momentum(system: System, layout: Layout, at: EvaluatedState) -> tuple[Float[Array, " 2"], Float[Array, ""]]:
-    """Return linear [kg m/s] and angular momentum about the origin [kg m²/s], without what came from outside."""
+def momentum(
+    system: System, layout: Layout, at: EvaluatedState
+) -> tuple[Float[Array, " dimensions"], Float[Array, "..."]]:
+    """Return linear [kg m/s] and angular momentum about the origin [kg m²/s], in space a vector, without what came from
+    outside."""
     linear, angular = system.linear_momentum(at.kin), system.angular_momentum(at.kin)
     for inertia, spin in layout.spinning(at.state):
-        angular = angular + inertia * spin
+        angular = angular + inertia * turn_array(spin)
     for k, element in enumerate(layout.elements):
         impulse = element.impulse(layout.own(at.state, k))
         if impulse is not None:  # what came from outside is no error
-            linear, angular = linear - stacked([impulse[0].x, impulse[0].y]), angular - impulse[1]
+            linear, angular = linear - stacked(impulse[0]), angular - turn_array(impulse[1])
     return linear, angular
 
 

@@ -52,7 +52,7 @@ def rate_of_state(
     for element, it, closed in zip(layout.elements, acting.elements, layout.of_elements(active), strict=True):
         lost = added(lost, element.losses(it, closed))
     return layout.state(
-        q=kin.v,
+        q=system.position_rate(kin.q).of(kin.v),
         v=acting.motion.acceleration,
         lost=[lost[name] for name in names],
         first_energy=0.0,

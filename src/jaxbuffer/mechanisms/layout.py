@@ -7,9 +7,11 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._types import Scalar, stacked
+from ..basis import AnyBasis
 from ..elements import Element, Switch
 from ..multibody import Coordinates, Kinematics
 from ..multibody.coordinates import Numbers
+from ..plane import PLANE
 
 State = Float[Array, " state"]
 Closed = Float[Array, " contacts"]
@@ -27,16 +29,19 @@ class EvaluatedState(NamedTuple):
 class Layout(NamedTuple):
     """The order of a mechanism's numbers.
 
-    - ``coordinates``: how many there are.
+    - ``coordinates``, ``velocities``: how many there are.
     - ``elements``: the parts, in their order.
     - ``losses``: how many energies lost are kept apart.
     - ``held``: whether a run may end as held, for which the first energy is kept.
+    - ``basis``: plane or space.
     """
 
     coordinates: int
+    velocities: int
     elements: tuple[Element, ...]
     losses: int
     held: bool
+    basis: AnyBasis = PLANE
 
     @property
     def places(self) -> dict[str, slice]:
@@ -46,7 +51,7 @@ class Layout(NamedTuple):
         own = {k: len(it.variables) - len(it.spin_inertias) for k, it in enumerate(self.elements)}
         lengths = {
             "q": self.coordinates,
-            "v": self.coordinates,
+            "v": self.velocities,
             "spins": len(self.spin_inertias),
             "lost": self.losses,
             "first energy": int(self.held),
@@ -105,13 +110,17 @@ class Layout(NamedTuple):
 
     @property
     def spin_inertias(self) -> tuple[Scalar, ...]:
-        """Return the moment of inertia of all that turns by itself, in the order of the spins [kg m²]."""
+        """Return the moment of inertia for each spin of what turns by itself, in their order [kg m²]."""
         return tuple(inertia for element in self.elements for inertia in element.spin_inertias)
 
-    def spinning(self, state: State) -> list[tuple[Scalar, Scalar]]:
-        """Return inertia [kg m²] and spin [rad/s] of what turns by itself."""
-        inertias = self.spin_inertias
-        return list(zip(inertias, state[self.places["spins"]], strict=True)) if inertias else []
+    def spinning(self, state: State) -> list[tuple[Scalar, Any]]:
+        """Return inertia [kg m²] and spin [rad/s], in space a vector, of each part that turns by itself."""
+        inertias, each = self.spin_inertias, len(self.basis.unit_turns)
+        if not inertias:
+            return []
+        spins = list(state[self.places["spins"]])
+        # A ball has the same inertia about every axis.
+        return [(inertias[k], self.basis.turn(*spins[k : k + each])) for k in range(0, len(spins), each)]
 
     @property
     def switches(self) -> tuple[tuple[int, int], ...]:

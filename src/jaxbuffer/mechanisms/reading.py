@@ -14,15 +14,15 @@ class Reading(NamedTuple):
     - ``state``: with the derivative that it has at an instant that moves with the parameters.
     - ``observables``: all of them, in the mechanism's units.
     - ``energy``: stored and lost [J].
-    - ``momentum``: linear [kg m/s] and angular about the origin [kg m²/s], without derivatives; None where the ground
-      takes part.
+    - ``momentum``: linear [kg m/s] and angular about the origin [kg m²/s], in space a vector, without derivatives; None
+      where the ground takes part.
     - ``own``: what the mechanism's `Reader` looks at, None without one.
     """
 
     state: Float[Array, " state"]
     observables: Float[Array, " observables"]
     energy: Energy
-    momentum: tuple[Float[Array, " 2"], Float[Array, ""]] | None
+    momentum: tuple[Float[Array, " dimensions"], Float[Array, "..."]] | None
     own: Any
 
 

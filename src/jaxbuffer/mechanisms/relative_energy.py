@@ -5,40 +5,74 @@ together.
 """
 
 from collections.abc import Sequence
+from typing import Any
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._types import Scalar, stacked
+from ..basis import components, less, plus, times, turn_array
 from ..multibody import Kinematics, System
+from ..plane import Factors
 
 
-def rigid_energy(system: System, kin: Kinematics, spins: Sequence[tuple[Scalar, Scalar]] = ()) -> Scalar:
-    """Return ½ P²/M + ½ H²/J [J]: the energy of the whole as one rigid body that has its momenta.
+def rigid_energy(system: System, kin: Kinematics, spins: Sequence[tuple[Scalar, Any]] = ()) -> Scalar:
+    """Return ½ P²/M + ½ H·J⁻¹H [J]: the energy of the whole as one rigid body that has its momenta.
 
     Mass, centre of mass and inertia are read off the momenta of rigid motions, so that bodies may be flexible.
 
     **Arguments:** ``system``; ``kin``; ``spins``: inertia [kg m²] and spin [rad/s] of each ball that turns by itself.
     """
     linear = system.linear_momentum(kin)
-    angular = system.angular_momentum(kin) + sum(inertia * spin for inertia, spin in spins)
-    turning = kin.moving(_turning(system, kin))
-    arm = system.linear_momentum(turning)  # M times (-Y, X), of the centre of mass
-    # About the origin.
-    inertia = system.angular_momentum(turning) + sum(inertia for inertia, _ in spins)
+    angular = system.angular_momentum(kin) + sum(inertia * turn_array(spin) for inertia, spin in spins)
+    turns = [kin.moving(_turning(system, kin, axis)) for axis in system.basis.unit_turns]
+    arms = [system.linear_momentum(turning) for turning in turns]  # M times axis × R, of the centre of mass R
     mass = sum((body.mass for body in system.bodies), start=jnp.zeros(()))
-    centre_x, centre_y = arm[1] / mass, -arm[0] / mass
+    # A turn about z gives R's x and y, one about x its z, which is zero in the plane.
+    centre = [arms[-1][1] / mass, -arms[-1][0] / mass, -arms[0][1] / mass if len(turns) > 1 else 0.0]
     # From the origin to the centre of mass (Steiner).
-    angular = angular - (centre_x * linear[1] - centre_y * linear[0])
-    inertia = inertia - mass * (centre_x**2 + centre_y**2)
-    return 0.5 * jnp.sum(linear**2) / mass + 0.5 * angular**2 / inertia
+    basis = system.basis
+    orbital = components(basis.vector(*centre[: basis.dimensions]).cross(basis.vector(*linear)))
+    own = [entry - other for entry, other in zip(_entries(angular), orbital, strict=True)]
+    inertia = _central_inertia(system, turns, mass, centre, sum(inertia for inertia, _ in spins))
+    # H·J⁻¹H by J = L D Lᵀ.
+    factors = Factors.of(inertia)
+    turning = [0.5 * h**2 / pivot for h, pivot in zip(factors.forward(own), factors.pivot, strict=True)]
+    return 0.5 * jnp.sum(linear**2) / mass + sum(turning[1:], turning[0])
 
 
-def _turning(system: System, kin: Kinematics) -> Float[Array, " coordinates"]:
-    """Return the velocities of a turn of the whole about the origin, at 1 rad/s."""
+def _central_inertia(
+    system: System, turns: Sequence[Kinematics], mass: Scalar, centre: Sequence[Scalar], balls: Scalar
+) -> list[list[Scalar]]:
+    """Return the lower half of the inertia of the whole about its centre of mass [kg m²].
+
+    **Arguments:** ``turns``: the whole turning about each axis through the origin; ``centre``: of mass [m]; ``balls``:
+    inertia of what turns by itself.
+    """
+    columns = [_entries(system.angular_momentum(turning)) for turning in turns]
+    axes = range(3 - len(turns), 3)  # those of space, or z
+    square = plus(centre[0] ** 2 + centre[1] ** 2, times(centre[2], centre[2]))
+    rows = list[list[Scalar]]()
+    for i, a in enumerate(axes):
+        rows.append([])
+        for j, b in enumerate(axes[: i + 1]):
+            about_origin = columns[j][i] + balls if i == j else columns[j][i]
+            # Steiner: M (R² δ_ab - R_a R_b).
+            away = less(square if i == j else 0.0, times(centre[a], centre[b]))
+            rows[i].append(about_origin - mass * away)
+    return rows
+
+
+def _entries(angular: Float[Array, "..."]) -> list[Scalar]:
+    """Return the components of an angular momentum."""
+    return list(angular) if jnp.ndim(angular) else [angular]
+
+
+def _turning(system: System, kin: Kinematics, axis: Any) -> Float[Array, " velocities"]:
+    """Return the velocities of a turn of the whole about an ``axis`` through the origin, at 1 rad/s."""
     entries: list[Scalar] = []
     for body in range(len(system.bodies)):
-        origin = kin.frame(body).origin
-        entries += [-origin.y, origin.x, 1.0]
+        frame = kin.frame(body)
+        entries += [*frame._replace(spin=axis).rate_of(frame.origin), *components(axis)]
     # Nothing bends in a rigid motion: the rates of all modes are zero.
-    return stacked([*entries, *[0.0] * (system.coordinates - len(entries))])
+    return stacked([*entries, *[0.0] * (system.velocities - len(entries))])

@@ -10,6 +10,7 @@ from .._types import Dataset
 from ..errors import InputError
 from ..labelled.arrays import Labelled, dataset
 from ..labelled.record import heading
+from ..plane import PLANE
 from .dataset import attributes
 from .history import History
 from .view import Names
@@ -21,9 +22,16 @@ CONTACT_UNITS = {
     "contact_force": "N",
     "friction_force": "N",
 }
-COORDINATES = {"position": ("m", "rad"), "velocity": ("m/s", "rad/s"), "acceleration": ("m/s²", "rad/s²")}
-# By how many there are of a body, in the plane and in space.
-AXES = {3: (("x", "y"), ("angle",)), 6: (("x", "y", "z"), ("turn_x", "turn_y", "turn_z"))}
+COORDINATES = {
+    "position": (("x", "m"), ("y", "m"), ("angle", "rad")),
+    "velocity": (("x", "m/s"), ("y", "m/s"), ("angle", "rad/s")),
+    "acceleration": (("x", "m/s²"), ("y", "m/s²"), ("angle", "rad/s²")),
+}
+IN_SPACE = {
+    "position": (*((axis, "m") for axis in "xyz"), *((f"rotation_{axis}", "rad") for axis in "xyz")),
+    "velocity": (*((axis, "m/s") for axis in "xyz"), *((f"spin_{axis}", "rad/s") for axis in "xyz")),
+    "acceleration": (*((axis, "m/s²") for axis in "xyz"), *((f"spin_{axis}", "rad/s²") for axis in "xyz")),
+}
 
 
 class Series(NamedTuple):
@@ -50,9 +58,7 @@ def series(history: History, names: Names) -> Iterator[Series]:
             yield Series(f"{name} {contact}", unit, values, name, "contact", name.replace("_", " "))
     for name, unit, values in names.series(history.others):
         yield Series(name, unit, values, f"{name}_history", "", name.replace("_", " "))
-    straight, turns = AXES[history.position.shape[-1]]
-    for name, (along, about) in COORDINATES.items():
-        axes = [*((axis, along) for axis in straight), *((axis, about) for axis in turns)]
+    for name, axes in (COORDINATES if history.velocity.shape[-1] == PLANE.velocities else IN_SPACE).items():
         for k, body in enumerate(names.bodies):
             for i, (axis, unit) in enumerate(axes):
                 values = getattr(history, name)[:, k, i]

@@ -14,7 +14,8 @@ from .layout import EvaluatedState, Layout, State
 def scales(layout: Layout, size: tuple[Any, Any], magnitudes: Magnitudes) -> State:
     """Return the magnitude below which an error in each number of the state does not matter in itself. ``size``: those
     of the coordinates and of the velocities, one for all or one for each."""
-    place, motion = (jnp.broadcast_to(jnp.asarray(it, float), (layout.coordinates,)) for it in size)
+    counts = layout.coordinates, layout.velocities
+    place, motion = (jnp.broadcast_to(jnp.asarray(it, float), (n,)) for it, n in zip(size, counts, strict=True))
     return layout.state(
         q=place,
         v=motion,
@@ -46,5 +47,6 @@ def _of_elements(layout: Layout, values: Sequence[list[Scalar] | None], otherwis
         [otherwise] * len(element.variables) if of is None else of
         for element, of in zip(layout.elements, values, strict=True)
     ]
-    bodies, lost = jnp.full(layout.coordinates, otherwise), [otherwise] * layout.losses
-    return layout.state(q=bodies, v=bodies, lost=lost, first_energy=otherwise, own=own, time=otherwise)
+    q, v = jnp.full(layout.coordinates, otherwise), jnp.full(layout.velocities, otherwise)
+    lost = [otherwise] * layout.losses
+    return layout.state(q=q, v=v, lost=lost, first_energy=otherwise, own=own, time=otherwise)

@@ -19,7 +19,7 @@ def stiff_part(system: System, layout: Layout, at: EvaluatedState, active: Close
 
     **Arguments:** ``system``; ``layout``; ``at``: the evaluated state; ``active``: closed contacts and switches.
     """
-    n, inertias = system.coordinates, layout.spin_inertias
+    n, inertias = system.velocities, layout.spin_inertias
     springs = [_spring_term(system, layout, spring) for spring in system.springs(at.kin)]
     contacts = list[ContactTerm]()
     for k, (element, it, closed) in enumerate(
@@ -29,7 +29,11 @@ def stiff_part(system: System, layout: Layout, at: EvaluatedState, active: Close
         term = element.contact_term(system, it, closed)
         contacts += [] if term is None else [_with_spins(layout, term, k)]
     if not springs and not contacts:
-        return dataclasses.replace(Linearisation.none(n, n), followers=_followers(system, layout))
+        return dataclasses.replace(
+            Linearisation.none(n, system.coordinates),
+            followers=_followers(system, layout),
+            position_rate=system.position_rate(at.kin.q),
+        )
     if not contacts:
         # Seven or eight springs alone take XLA gigabytes to compile; nine do not.
         still = SpringTerm(jnp.zeros(n), 0.0, 0.0)
@@ -47,7 +51,7 @@ def _followers(system: System, layout: Layout) -> PassiveOscillators | None:
     places = layout.places
     velocities = places["spins"].stop
     for k, element in enumerate(layout.elements):
-        followers = element.followers(places[f"element {k}"].start - velocities, system.order)
+        followers = element.followers(places[f"element {k}"].start - velocities, system.velocity_order)
         if followers is not None:
             return followers
     return None
@@ -61,7 +65,7 @@ def _spring_term(system: System, layout: Layout, spring: SpringDirection) -> Spr
 
 def _with_spins(layout: Layout, term: ContactTerm, element: int) -> ContactTerm:
     """Return an element's term with a row for each spin of the mechanism, of which it has those of its own."""
-    rows, counts = layout.coordinates, [len(it.spin_inertias) for it in layout.elements]
+    rows, counts = layout.velocities, [len(it.spin_inertias) for it in layout.elements]
     if not any(counts):
         return term
     before, after = sum(counts[:element]), sum(counts[element + 1 :])

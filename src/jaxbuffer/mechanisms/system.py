@@ -136,8 +136,8 @@ class ContactSystem(HybridSystem):
         """Return the momentum [kg m/s] that changes are compared with; None where the ground takes part."""
         return None
 
-    def momentum_at(self, at: Any) -> tuple[Float[Array, " 2"], Float[Array, ""]]:
-        """Return linear [kg m/s] and angular momentum about the origin [kg m²/s]."""
+    def momentum_at(self, at: Any) -> tuple[Float[Array, " dimensions"], Float[Array, "..."]]:
+        """Return linear [kg m/s] and angular momentum about the origin [kg m²/s], in space a vector."""
         raise NotImplementedError
 
     def constraint_errors(self, kin: Kinematics) -> Float[Array, " rows"]:
@@ -162,7 +162,7 @@ class ContactSystem(HybridSystem):
     def derivative(self, time: Scalar, state: State, active: Active) -> State:
         return self.rate_at(self.evaluate(state), active)
 
-    def momentum(self, state: State) -> tuple[Float[Array, " 2"], Float[Array, ""]]:
+    def momentum(self, state: State) -> tuple[Float[Array, " dimensions"], Float[Array, "..."]]:
         """Return `momentum_at` a state."""
         return self.momentum_at(self.evaluate(state))
 

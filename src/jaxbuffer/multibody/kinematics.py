@@ -142,13 +142,15 @@ class Kinematics(eqx.Module):
         self.q, self.v, self.time, self.modes, self.basis = q, v, time, modes, basis
         self.frames = basis.frames(q, v, len(modes) if modes else q.shape[0] // basis.positions)
 
-    def moving(self, v: Float[Array, " coordinates"]) -> "Kinematics":
-        """Return the same positions with other velocities, in the plane."""
-        frames = tuple(
-            frame._replace(velocity=Coordinates.translation(v, body), spin=Coordinates.angle(v, body))
-            for body, frame in enumerate(self.frames)
-        )
-        return eqx.tree_at(lambda kin: (kin.v, kin.frames), self, (v, frames))
+    def moving(self, v: Float[Array, " velocities"]) -> "Kinematics":
+        """Return the same positions with other velocities."""
+        basis, frames = self.basis, list[Frame]()
+        for body, frame in enumerate(self.frames):
+            first, end = basis.velocities * body, basis.velocities * (body + 1)
+            velocity = basis.vector(*(v[k] for k in range(first, first + basis.dimensions)))
+            spin = basis.turn(*(v[k] for k in range(first + basis.dimensions, end)))
+            frames.append(frame._replace(velocity=velocity, spin=spin))
+        return eqx.tree_at(lambda kin: (kin.v, kin.frames), self, (v, tuple(frames)))
 
     @property
     def order(self) -> Coordinates:

@@ -119,6 +119,11 @@ class System(eqx.Module):
         """Return the order of the velocities, and so of accelerations and forces."""
         return Coordinates(len(self.bodies), self.modes, self.basis.velocities)
 
+    def translation(self, values: Float[Array, " velocities"], body: int) -> Any:
+        """Return the vector of a body's translation, of what has an entry for each velocity, as accelerations."""
+        first = self.basis.velocities * body
+        return self.basis.vector(*(values[k] for k in range(first, first + self.basis.dimensions)))
+
     @property
     def modes(self) -> tuple[int, ...]:
         """Return the number of modes of each body; empty if all are rigid."""

@@ -22,6 +22,10 @@ class Plane(Basis[Vector, Scalar, Frame]):
     def vector(self, *components: Entry) -> Vector:
         return Vector(*components)
 
+    def turn(self, *components: Entry) -> Scalar:
+        (angle,) = components
+        return angle
+
     @property
     def unit_turns(self) -> tuple[Scalar, ...]:
         return (1.0,)

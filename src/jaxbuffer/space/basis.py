@@ -59,6 +59,9 @@ class Space(Basis[Vector, Vector, Frame]):
     def vector(self, *components: Entry) -> Vector:
         return Vector(*components)
 
+    def turn(self, *components: Entry) -> Vector:
+        return Vector(*components)
+
     @property
     def unit_turns(self) -> tuple[Vector, ...]:
         return AXES
