@@ -367,7 +367,7 @@ def _stop_jump() -> None:
 
 
 def _no_end() -> None:
-    from jaxbuffer.mechanisms.probe_cone.buffer import ProbeBuffer
+    from jaxbuffer.mechanisms.probe_cone.parts import ProbeBuffer
 
     ProbeBuffer.longest_stroke = property(lambda self: 1.01 * self.free_length)  # type: ignore[assignment, method-assign]
 

@@ -27,9 +27,8 @@ from jaxbuffer import (
     table2,
     tune,
 )
-from jaxbuffer.mechanisms.probe_cone.buffer import ProbeBuffer
 from jaxbuffer.mechanisms.probe_cone.contact import Contact
-from jaxbuffer.mechanisms.probe_cone.parts import Cone, Passive
+from jaxbuffer.mechanisms.probe_cone.parts import Cone, Passive, ProbeBuffer
 from jaxbuffer.tuning import Distribution, Scatter, grid
 
 K = Variable("buffer.k_A", 100.0, 2000.0)

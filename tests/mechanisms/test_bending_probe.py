@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 
 import jaxbuffer as jb
 from jaxbuffer import InputError, replace, table2, with_bending
-from jaxbuffer.mechanisms.probe_cone.bending import Bending
+from jaxbuffer.mechanisms.probe_cone.parts.bending import Bending
 from verification.exact_bending import BendingModel
 
 FIRST = 1e-3  # s, longer than a first impact

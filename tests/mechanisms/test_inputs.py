@@ -9,9 +9,9 @@ import pytest
 
 from jaxbuffer import InputError, Scenario, rigid_probe, simulate, table2
 from jaxbuffer.fields import get, paths, replace, unit
-from jaxbuffer.mechanisms.probe_cone.buffer import ProbeBuffer
 from jaxbuffer.mechanisms.probe_cone.contact import Contact
 from jaxbuffer.mechanisms.probe_cone.design import Design, check_fit, valid
+from jaxbuffer.mechanisms.probe_cone.parts import ProbeBuffer
 
 OUT_OF_RANGE = [
     ("probe.tip_mass", -0.1, "probe.tip_mass = -0.1 kg is out of range; allowed: (0, inf) kg"),

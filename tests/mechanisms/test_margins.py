@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from jaxbuffer import replace, table2
-from jaxbuffer.mechanisms.probe_cone.assembly import pin_in_bush, pin_law
 from jaxbuffer.mechanisms.probe_cone.law_validity import Validity, validity
 from jaxbuffer.mechanisms.probe_cone.margins import throat
+from jaxbuffer.mechanisms.probe_cone.parts.hinge_play import pin_in_bush, pin_law
 
 
 @pytest.mark.quick

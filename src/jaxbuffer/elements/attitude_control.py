@@ -1,5 +1,6 @@
 """Attitude control that turns a body back to the inertial axes (M217)."""
 
+import dataclasses
 from typing import Any, NamedTuple
 
 import equinox as eqx
@@ -7,8 +8,7 @@ import jax.numpy as jnp
 
 from .._types import Scalar
 from ..basis import AnyBasis, components, squared
-from ..multibody import GROUND, Kinematics, Load
-from ..multibody.kinematics import Turn, Vector
+from ..multibody import GROUND, Kinematics, Load, Turn, Vector
 from ..plane import PLANE
 from .element import Closed, Element, Magnitudes, Own, Switch
 from .report import Report
@@ -37,7 +37,7 @@ class AttitudeControl(Element):
     - ``stiffness``: k_p [N m/rad], ``damping``: c_p [N m s/rad].
     - ``limit``: M_max, which the moment about no axis exceeds [N m]; None: it has no limit.
     - ``until``: the element with whose first contact, or closing, it ends; None: it acts to the end of the run.
-    - ``basis``: of the mechanism.
+    - ``basis``: of the mechanism, which says it.
     - ``name``: of the energy that it puts in; its switch, which closes where it ends, is the name with " over".
     """
 
@@ -48,6 +48,10 @@ class AttitudeControl(Element):
     until: Element | None = None
     basis: AnyBasis = PLANE
     name: str = eqx.field(static=True, default="attitude_control")
+
+    def in_mechanism(self, speed: Scalar, basis: AnyBasis) -> "AttitudeControl":
+        until = None if self.until is None else self.until.in_mechanism(speed, basis)
+        return dataclasses.replace(self, basis=basis, until=until)
 
     @property
     def variables(self) -> tuple[str, ...]:
@@ -67,7 +71,7 @@ class AttitudeControl(Element):
         rotation = components(kin.basis.relative_rotation(kin.frame(GROUND), frame))
         spin = components(frame.spin) if kin.basis.dimensions == 2 else tuple(frame.unturn(frame.spin))
         moments = [self._about_axis(angle, rate) for angle, rate in zip(rotation, spin, strict=True)]
-        moment = moments[0] if kin.basis.dimensions == 2 else frame.turn(type(frame.origin)(*moments))
+        moment = moments[0] if kin.basis.dimensions == 2 else frame.turn(kin.basis.vector(*moments))
         if self.until is None:
             return ControlState(moment, frame.spin, 1.0, 0.0)
         other = self.until
@@ -102,8 +106,7 @@ class AttitudeControl(Element):
         return {self.name: own[0]}
 
     def impulse(self, own: Own) -> tuple[Vector, Turn]:
-        turn = own[1] if self.basis.dimensions == 2 else self.basis.vector(*own[1:])
-        return self.basis.vector(0.0, 0.0), turn
+        return self.basis.vector(0.0, 0.0), self.basis.turn(*own[1:])
 
     def recorded(self, at: ControlState, closed: Closed) -> dict[str, Scalar]:
         return {"control_moment": jnp.sqrt(squared(self.moment(at, closed)) + 1e-30)}

@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from .._types import Scalar
-from ..multibody import Kinematics, Load, MaterialPoint, Point, SpringDirection, load_at
+from ..multibody import Block, Kinematics, Load, MaterialPoint, Point, SpringDirection, load_at
 from ..plane import Vector
 from .element import ROUNDED_LENGTH, Closed, Element, Magnitudes, Own, Switch
 from .picture import Level, Panel, PanelCurve
@@ -225,6 +225,26 @@ class Latch(Element):
 
     def stiff_force(self, at: LatchState, closed: Closed) -> Scalar:
         return _size(self.force(at, closed))
+
+    # --- what pulls at it ---------------------------------------------------------------------------------------------
+
+    def _pull(self, at: LatchState) -> tuple[Vector, Scalar]:
+        """Return the direction of what pulls at closed latches, and the size of their force [N]."""
+        force = self.force(at, jnp.ones(2))
+        size = _size(force)
+        return force * (-1.0 / size), size
+
+    def pulled(self, at: LatchState) -> dict[int, Block]:
+        """Return the direction of what pulls at closed latches, by body, as `System.direction` takes it."""
+        pull, _ = self._pull(at)
+        return {self.first: at.held.along(pull), self.second: at.opposite.along(-pull)}
+
+    def stretched(self, at: LatchState, mass: Scalar) -> Scalar:
+        """Return the force to which a ``mass`` that moves as they do would stretch closed latches [N]."""
+        pull, size = self._pull(at)
+        # What already comes back stretches the latches no further.
+        speed = jnp.maximum(at.velocity.dot(pull), 0.0)
+        return jnp.sqrt(size**2 + self.stiffness * mass * speed**2)
 
     @property
     def report(self) -> "LatchReport":

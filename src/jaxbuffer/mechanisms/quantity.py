@@ -50,6 +50,7 @@ class Quantity(NamedTuple):
 
 
 Catalogue = Mapping[str, Quantity]
+MILLIMETRES = ("mm", 1e3)  # in which people are shown lengths in metres
 
 # what a mechanism with impacts may have, under any name: `Mechanism.name_of` finds them
 PEAK_FORCE = Quantity(

@@ -167,8 +167,8 @@ class Kinematics(eqx.Module):
         return self.basis.ground() if body == GROUND else self.frames[body]
 
     def poses(self) -> Float[Array, "bodies numbers"]:
-        """Return where each body is and how it is turned: in the plane x, y and angle, in space x, y, z and the rotation
-        vector [m, rad]."""
+        """Return where each body is and how it is turned: in the plane x, y and angle, in space x, y, z and the
+        rotation vector [m, rad]."""
         if self.basis.dimensions == 2:
             return self.order.placements(self.q)
         turns = [self.basis.relative_rotation(self.basis.ground(), frame) for frame in self.frames]

@@ -5,7 +5,7 @@ import math
 from scipy.interpolate import PchipInterpolator
 
 from jaxbuffer import Design
-from jaxbuffer.mechanisms.probe_cone.buffer import ProbeBuffer
+from jaxbuffer.mechanisms.probe_cone.parts import ProbeBuffer
 
 
 class Latch:

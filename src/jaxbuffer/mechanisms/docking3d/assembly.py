@@ -4,18 +4,18 @@ import jax.numpy as jnp
 
 from ..._types import Scalar, stacked
 from ...multibody import CrossSpringDamper
-from ...space import SPACE
 from ..assembled import Assembled
 from ..probe_cone.assembly import (
-    GAIN_WITH_LATCH,
+    GAIN_WHERE_HELD,
     LISTED,
     UPPER_SIDE,
     Parts,
-    shared_elements,
+    elements_of,
     tip_in_cone,
     tip_on_flanks,
 )
 from ..probe_cone.bodies import B, S, probe_masses
+from ..probe_cone.parts import holder_of
 from .bodies import assemble_system
 from .design import Design3D, Scenario3D
 from .observables import recorded_of, shown_of
@@ -31,7 +31,7 @@ def assemble(design: Design3D, scenario: Scenario3D, stabilisation: Scalar = 20.
     **Arguments:** ``design``; ``scenario``; ``stabilisation``: Baumgarte's gain [1/s].
     """
     probe, speed, mass = probe_masses(design), scenario.approach_speed, design.active.mass
-    latched = design.latch.has("stiffness")
+    holder = holder_of(design)
     q, v = start_motion(design, scenario, probe)
     # The cone is the upper flank, turned about its axis.
     tip = tip_in_cone(design, scenario, probe, tip_on_flanks(design, UPPER_SIDE), CONTACTS)
@@ -39,11 +39,11 @@ def assemble(design: Design3D, scenario: Scenario3D, stabilisation: Scalar = 20.
     # As in the plane; a quaternion's numbers are half an angle.
     length, turn = 1e-3, 0.5e-3 / 0.1
     return Assembled(
-        system=assemble_system(design, probe, GAIN_WITH_LATCH * stabilisation if latched else stabilisation),
+        system=assemble_system(design, probe, stabilisation if holder is None else GAIN_WHERE_HELD * stabilisation),
         q=q,
         v=v,
-        elements=(tip, *shared_elements(design, scenario, probe, tip, hinge, basis=SPACE)),
-        rest_threshold=design.latch.quiet if latched else None,
+        elements=(tip, *elements_of(design, scenario, probe, tip, hinge)),
+        rest_threshold=None if holder is None else holder.rest_threshold(design),
         size=(
             jnp.asarray([*[length] * 3, *[turn] * 4] * BODIES),
             stacked([*[speed] * 3, *[speed / 0.1] * 3] * BODIES),

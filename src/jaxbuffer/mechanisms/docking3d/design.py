@@ -12,9 +12,7 @@ from ..._types import Scalar
 from ...errors import InputError, check_entries, check_type, concrete, inside
 from ...fields import POSITIVE, Number, all_of, like, number
 from ...space import Quaternion, Vector
-from ..probe_cone.buffer import ProbeBuffer
 from ..probe_cone.contact import Contact
-from ..probe_cone.control import Control
 from ..probe_cone.design import (
     NOT_FACING,
     DockingDesign,
@@ -24,8 +22,18 @@ from ..probe_cone.design import (
     distance_fits,
     facing_limit,
 )
-from ..probe_cone.parts import ROD_RADIUS, Active, Cone, Latches, Passive, RodWithTip
-from ..probe_cone.shock import Shock
+from ..probe_cone.parts import (
+    ROD_RADIUS,
+    Active,
+    Cone,
+    Control,
+    Latches,
+    Passive,
+    ProbeBuffer,
+    RodFields,
+    Shock,
+    ThrustFields,
+)
 from .capture import Capture3D
 
 MOST_ROLL = 2.0  # of the transverse inertia: that of a flat disc; no body has more
@@ -69,11 +77,13 @@ def _check_roll(section: str, roll: Scalar, inertia: Scalar) -> None:
     check_entries(f"{section}.roll_inertia", roll, "kg m²", 0.0, MOST_ROLL * inertia, too_high=above, high_open=False)
 
 
-class Probe3D(RodWithTip):
+class Probe3D(RodFields):
     """The rod and its ball tip.
 
     - ``rod_radius``: r_p, which the rod's inertia about its axis depends on [m].
     """
+
+    section: ClassVar[str] = "probe"
 
     rod_radius: Number = number(ROD_RADIUS, "m", **POSITIVE, doc="radius r_p of the rod")
 
@@ -122,30 +132,8 @@ def _angle(doc: str) -> Any:
 AT_FREE_START = "at a free start"
 
 
-class Scenario3D(Meeting):
-    """How the vehicles meet in space: the tip touches the cone at t = 0, or is anywhere before it.
-
-    Yaw turns about the inertial z, then pitch about the turned y; roll angles do not matter but through the hinge's
-    axes. In the plane z = 0 ``passive_yaw`` is `Scenario`'s misalignment, ``active_yaw`` its active_angle, ``offset_y``
-    its offset, and so on.
-
-    - ``approach_speed``, ``contact_distance``, ``start``, ``standoff``, ``thrust``, ``thrust_time``: as of `Scenario`.
-    - ``azimuth``: ψ, where about the axis the tip first touches, from the planar lower flank [rad].
-    - ``passive_yaw``, ``passive_pitch`` [rad]; ``passive_rate_x``, ``_y``, ``_z``: of T, in inertial axes [rad/s].
-    - ``active_rate_x``: roll rate of S with all that it carries [rad/s]. What follows belongs to a free start.
-    - ``offset_y``, ``offset_z``: of the tip from the cone's axis [m].
-    - ``active_yaw``, ``active_pitch`` [rad]; ``active_rate_y``, ``active_rate_z`` [rad/s]: of S, B and P, turned and
-      turning as one body.
-    - ``lateral_speed_y``, ``lateral_speed_z``: of the active vehicle across its approach [m/s].
-
-    **Raises:** `InputError` where a number is out of its range.
-
-    **Example:**
-
-    >>> capture = jb.simulate(jb.docking3d(), jb.Scenario3D(azimuth=0.7))
-    >>> f"{float(capture.peak_force):.3f} N"
-    '253.132 N'
-    """
+class Approach3D(Meeting):
+    """The fields of `Scenario3D` but those of its parts."""
 
     approach_speed: Number = like(Scenario, "approach_speed")
     contact_distance: Number = like(Scenario, "contact_distance")
@@ -166,8 +154,6 @@ class Scenario3D(Meeting):
     active_rate_z: Number = number(0.0, "rad/s", doc=f"yaw rate of the active vehicle {AT_FREE_START}")
     lateral_speed_y: Number = number(0.0, "m/s", doc=f"speed of the active vehicle along y {AT_FREE_START}")
     lateral_speed_z: Number = number(0.0, "m/s", doc=f"speed of the active vehicle along z {AT_FREE_START}")
-    thrust: Number = like(Scenario, "thrust")
-    thrust_time: Number = like(Scenario, "thrust_time")
 
     of_free_start: ClassVar[tuple[str, ...]] = (
         *("offset_y", "offset_z", "standoff", "active_yaw", "active_pitch", "active_rate_y", "active_rate_z"),
@@ -198,6 +184,34 @@ class Scenario3D(Meeting):
     def passive_spin(self) -> Vector:
         """Return the angular velocity of T at t = 0 [rad/s]."""
         return Vector(self.passive_rate_x, self.passive_rate_y, self.passive_rate_z)
+
+
+class Scenario3D(ThrustFields, Approach3D):
+    """How the vehicles meet in space: the tip touches the cone at t = 0, or is anywhere before it.
+
+    Yaw turns about the inertial z, then pitch about the turned y; roll angles do not matter but through the hinge's
+    axes. In the plane z = 0 ``passive_yaw`` is `Scenario`'s misalignment, ``active_yaw`` its active_angle, ``offset_y``
+    its offset, and so on.
+
+    - ``approach_speed``, ``contact_distance``, ``start``, ``standoff``, ``thrust``, ``thrust_time``: as of `Scenario`.
+    - ``azimuth``: ψ, where about the axis the tip first touches, from the planar lower flank [rad].
+    - ``passive_yaw``, ``passive_pitch`` [rad]; ``passive_rate_x``, ``_y``, ``_z``: of T, in inertial axes [rad/s].
+    - ``active_rate_x``: roll rate of S with all that it carries [rad/s]. What follows belongs to a free start.
+    - ``offset_y``, ``offset_z``: of the tip from the cone's axis [m].
+    - ``active_yaw``, ``active_pitch`` [rad]; ``active_rate_y``, ``active_rate_z`` [rad/s]: of S, B and P, turned and
+      turning as one body.
+    - ``lateral_speed_y``, ``lateral_speed_z``: of the active vehicle across its approach [m/s].
+
+    **Raises:** `InputError` where a number is out of its range.
+
+    **Example:**
+
+    >>> capture = jb.simulate(jb.docking3d(), jb.Scenario3D(azimuth=0.7))
+    >>> f"{float(capture.peak_force):.3f} N"
+    '253.132 N'
+    """
+
+    section: ClassVar[str] = "scenario"
 
 
 def rotation(yaw: Scalar, pitch: Scalar) -> Quaternion:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from ...fields import paths, unit
-from ..probe_cone.label import field_in_words, speed_in_words, thrust_in_words
+from ..probe_cone.label import field_in_words, parts_in_words, speed_in_words
 from .design import Scenario3D
 
 SHOWN = {"m": "mm", "rad": "deg", "rad/s": "deg/s", "m/s": "mm/s"}
@@ -24,5 +24,5 @@ def scenario_label(scenario: Scenario3D, among: Sequence[Scenario3D] = ()) -> st
     return (
         label
         + "".join(field_in_words(scenario, name, SHOWN[unit(scenario, name)]) for name in given)
-        + thrust_in_words(scenario)
+        + parts_in_words(scenario)
     )

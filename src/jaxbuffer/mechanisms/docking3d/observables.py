@@ -9,7 +9,7 @@ from ..._types import Scalar
 from ..assembled import Assembled, Observable
 from ..layout import EvaluatedState
 from ..probe_cone.bodies import TIP
-from ..probe_cone.observables import HINGE_FORCE, NO_STOP, rounded_length, shown_of_vehicle
+from ..probe_cone.observables import HINGE_FORCE, history_of_parts, observables_of_parts, rounded_length
 from .design import Design3D, Scenario3D
 
 HINGE = "hinge spring"  # name of the element of both springs and dampers of the cross
@@ -49,9 +49,9 @@ RECORDED = (
 
 def shown_of(design: Design3D, scenario: Scenario3D) -> tuple[Observable, ...]:
     """Return what is watched beside the elements' own observables."""
-    return (HINGE_FORCE, HINGE_ANGLE, *shown_of_vehicle(design, scenario))
+    return (HINGE_FORCE, HINGE_ANGLE, *observables_of_parts(design, scenario))
 
 
 def recorded_of(design: Design3D) -> tuple[Observable, ...]:
     """Return what a history has besides."""
-    return RECORDED if design.buffer.has("stop_stiffness") else (*RECORDED, NO_STOP)
+    return (*RECORDED, *history_of_parts(design))

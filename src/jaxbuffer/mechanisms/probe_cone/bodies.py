@@ -5,11 +5,13 @@ from typing import Any, NamedTuple
 from ..._types import Scalar
 from ...multibody import Body, FlexibleBody, Point, Prismatic, Revolute, System
 from ...multibody.flexible import FlexibleBar, Marker
-from .bending import bending_probe
 from .design import Design, DockingDesign
-from .parts import Probe
+from .parts.bending import bending_probe
+from .parts.part import B as B
+from .parts.part import P as P
+from .parts.part import S as S
+from .parts.part import T as T
 
-S, B, P, T = range(4)  # bodies, in the order of the coordinates
 TIP = "tip"  # name of the contact of the tip with both flanks
 
 
@@ -48,8 +50,7 @@ def probe_masses(design: DockingDesign[Any]) -> Masses:
     rear, front = probe.length / 2 + shift, probe.length / 2 - shift
     tip = probe.tip_inertia
     inertia = probe.rod_mass * (probe.length**2 / 12 + shift**2) + probe.tip_mass * front**2
-    bending = bending_probe(probe) if isinstance(probe, Probe) else None
-    return Masses(mass, inertia if probe.free_tip else inertia + tip, rear, front, tip, bending)
+    return Masses(mass, inertia if probe.free_tip else inertia + tip, rear, front, tip, bending_probe(probe))
 
 
 def assemble_system(design: Design, probe: Masses, stabilisation: Scalar) -> System:

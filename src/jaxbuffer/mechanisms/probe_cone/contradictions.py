@@ -1,48 +1,38 @@
 """What a design and its approach rule out or leave open, before anything is computed."""
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
 
 from .design import Design, Scenario
-from .latch_energy import closing_cautions
+from .parts import parts_of
 
-SAME = 1e-9  # relative: a ball of the throat's own radius passes
 INSTANTS = 4001  # of a flight, between which the tip moves by far less than its radius
 FURTHER = 4.0  # times the way to the throat that a flight is followed
 
 
 def contradictions(design: Design, scenario: Scenario) -> list[str]:
-    """Return a line for a ball that does not pass the throat, a seat that it cannot reach, an approach that misses the
-    cone, and a latch that puts in much energy by turning the probe."""
-    return [*_ball_in_throat(design), *_miss(design, scenario), *closing_cautions(design, scenario)]
+    """Return a line for a ball that does not pass the throat, an approach that misses the cone, and what the design's
+    parts rule out."""
+    of_parts = (line for part in parts_of(design, scenario) for line in part.contradictions(design, scenario))
+    return [*_ball_in_throat(design), *_miss(design, scenario), *of_parts]
 
 
 def _ball_in_throat(design: Design) -> Iterator[str]:
     """Yield what a ball that is larger than the throat cannot do (M65)."""
-    radius, throat, angle = (
-        float(x) for x in (design.probe.tip_radius, design.cone.throat_radius, design.cone.half_angle)
-    )
-    if radius <= throat * (1.0 + SAME):
+    reach = design.cone.reach(design.probe.tip_radius)
+    if reach == math.inf:
         return
+    radius, throat = float(design.probe.tip_radius), float(design.cone.throat_radius)
     sizes = f"probe.tip_radius {1e3 * radius:.4g} mm is above cone.throat_radius {1e3 * throat:.4g} mm"
-    # On the axis the ball touches both flanks at the slant distance b of M64, which is b cos β before the capture
-    # plane.
-    short = (radius * np.cos(angle) - throat) / np.tan(angle)
-    if short > 0.0:
-        yield f"{sizes}: the ball wedges in the cone {1e3 * short:.3g} mm before the capture plane and cannot reach it"
+    if reach < 0.0:
+        yield f"{sizes}: the ball wedges in the cone {-1e3 * reach:.3g} mm before the capture plane and cannot reach it"
         return
-    # On the throat's edges its centre is √(R² - R_c²) before the throat plane, and the capture plane R sin β before it.
-    reach = radius * np.sin(angle) - np.sqrt(radius**2 - throat**2)
     yield (
         f"{sizes}: the ball does not pass the throat; it comes to rest on the throat's edge, at most"
         f" {1e3 * reach:.3g} mm behind the capture plane, where the model counts it as captured"
     )
-    if design.latch.has("stiffness") and float(design.latch.depth) > reach:
-        yield (
-            f"latch.depth {1e3 * float(design.latch.depth):.4g} mm: the ball cannot reach a seat that is more than"
-            f" {1e3 * reach:.3g} mm behind the capture plane"
-        )
 
 
 def _miss(design: Design, scenario: Scenario) -> Iterator[str]:

@@ -13,14 +13,11 @@ from jaxtyping import Array, Bool
 from ..._types import Scalar
 from ...contact import hertz_stiffness
 from ...errors import InputError, check_entries, check_type, concrete, inside, same_shape
-from ...fields import NON_NEGATIVE, POSITIVE, Number, Part, all_of, choice, number, on
+from ...fields import NON_NEGATIVE, POSITIVE, Number, Part, all_of, choice, number
 from ..run import DesignOf
-from .buffer import ProbeBuffer
 from .capture import Capture
 from .contact import Contact
-from .control import Control
-from .parts import Active, Cone, Hinge, Latches, Passive, Probe, RodWithTip
-from .shock import Shock
+from .parts import Active, Cone, Control, Hinge, Latches, Passive, Probe, ProbeBuffer, RodFields, Shock, ThrustFields
 
 C = TypeVar("C", bound=Capture)
 
@@ -29,7 +26,7 @@ class DockingDesign(DesignOf[C]):
     """What designs of a probe in a cone share, in the plane and in space."""
 
     buffer: eqx.AbstractVar[ProbeBuffer]
-    probe: eqx.AbstractVar[RodWithTip]
+    probe: eqx.AbstractVar[RodFields]
     cone: eqx.AbstractVar[Cone]
     contact: eqx.AbstractVar[Contact]
 
@@ -100,17 +97,18 @@ class Design(DockingDesign[Capture]):
 
 OF_FREE_START = ("offset", "standoff", "active_angle", "active_rate", "lateral_speed")
 
+
 NOT_FACING = "; the tip must face the flank of cone.half_angle"
 
 
 class Meeting(Part):
-    """What scenarios of a docking share, in the plane and in space: the start in contact or free, and the thrust."""
+    """What scenarios of a docking share, in the plane and in space: the start in contact or free.
 
-    section: ClassVar[str] = "scenario"
+    - ``of_free_start``: names of the fields that belong to a free start.
+    """
+
     of_free_start: ClassVar[tuple[str, ...]]
-    """Fields that belong to a free start."""
     start: eqx.AbstractVar[str]
-    thrust: eqx.AbstractVar[Number]
 
     @property
     def without_effect(self) -> tuple[str, ...]:
@@ -129,9 +127,6 @@ class Meeting(Part):
                     f"scenario.{name} = {float(value[value != default].flat[0]):g} {symbol} belongs to"
                     f' scenario.start = "{"contact" if free else "free"}"; here it is "{self.start}"'
                 )
-        if self.has("thrust") != self.has("thrust_time"):
-            given, missing = ("thrust", "thrust_time [s]") if self.has("thrust") else ("thrust_time", "thrust [N]")
-            raise InputError(f"scenario.{given} needs scenario.{missing} too")
 
     def in_range(self) -> Iterator[Bool[Array, ""]]:
         yield from super().in_range()
@@ -141,28 +136,8 @@ class Meeting(Part):
                 yield inside(getattr(self, name), low=0.0, high=0.0)
 
 
-class Scenario(Meeting):
-    """How the vehicles meet: the tip touches the lower flank at t = 0 (M62, M63), or is anywhere before the cone.
-
-    - ``approach_speed``: v0 of S, B and P [m/s].
-    - ``contact_distance``: b, slant distance of the first contact from the throat edge [m].
-    - ``misalignment``: θ_T0, angle of T [rad].
-    - ``passive_rate``: θ̇_T0, spin of T [rad/s].
-    - ``start``: "contact", or "free": nothing touches at t = 0 (M170). The following five belong to that.
-    - ``offset``: y of the tip from the cone's axis [m], below it negative.
-    - ``standoff``: distance of the tip from the cone's mouth along the axis [m].
-    - ``active_angle`` θ_S0 [rad], ``active_rate`` [rad/s]: of S, B and P, turned and turning as one body.
-    - ``lateral_speed``: of the active vehicle across its approach [m/s].
-    - ``thrust`` [N], ``thrust_time`` [s]: a force that pushes the active vehicle along its axis from t = 0 on.
-
-    **Raises:** `InputError` where a number is out of its range.
-
-    **Example:**
-
-    >>> capture = jb.simulate(jb.table2(), jb.Scenario(approach_speed=0.2))
-    >>> f"{float(capture.peak_force):.2f} N"
-    '325.18 N'
-    """
+class Approach(Meeting):
+    """How the vehicles meet: the fields of `Scenario` but those of its parts."""
 
     approach_speed: Number = number(
         0.1, "m/s", **POSITIVE, doc="speed v0 of the active vehicle towards the passive one"
@@ -199,12 +174,34 @@ class Scenario(Meeting):
     )
     active_rate: Number = number(0.0, "rad/s", doc="rate of the active vehicle's turning at a free start")
     lateral_speed: Number = number(0.0, "m/s", doc="speed of the active vehicle across its approach at a free start")
-    thrust: Number = number(
-        None, "N", doc="force that pushes the active vehicle along its axis from the start; not set: none"
-    )
-    thrust_time: Number = number(None, "s", **POSITIVE, needs=on("thrust"), doc="how long that force lasts")
 
     of_free_start: ClassVar[tuple[str, ...]] = OF_FREE_START
+
+
+class Scenario(ThrustFields, Approach):
+    """How the vehicles meet: the tip touches the lower flank at t = 0 (M62, M63), or is anywhere before the cone.
+
+    - ``approach_speed``: v0 of S, B and P [m/s].
+    - ``contact_distance``: b, slant distance of the first contact from the throat edge [m].
+    - ``misalignment``: θ_T0, angle of T [rad].
+    - ``passive_rate``: θ̇_T0, spin of T [rad/s].
+    - ``start``: "contact", or "free": nothing touches at t = 0 (M170). The following five belong to that.
+    - ``offset``: y of the tip from the cone's axis [m], below it negative.
+    - ``standoff``: distance of the tip from the cone's mouth along the axis [m].
+    - ``active_angle`` θ_S0 [rad], ``active_rate`` [rad/s]: of S, B and P, turned and turning as one body.
+    - ``lateral_speed``: of the active vehicle across its approach [m/s].
+    - ``thrust`` [N], ``thrust_time`` [s]: a force that pushes the active vehicle along its axis from t = 0 on.
+
+    **Raises:** `InputError` where a number is out of its range.
+
+    **Example:**
+
+    >>> capture = jb.simulate(jb.table2(), jb.Scenario(approach_speed=0.2))
+    >>> f"{float(capture.peak_force):.2f} N"
+    '325.18 N'
+    """
+
+    section: ClassVar[str] = "scenario"
 
 
 def check_fit(design: Design, scenario: Scenario) -> None:

@@ -14,8 +14,8 @@ from ..energy import energy_text, energy_unit
 from .assembly import CONTACTS, assemble
 from .bodies import T
 from .capture import Capture
-from .outcome import Outcome
 from .panels import NOT_ELASTIC
+from .parts import parts_of
 
 
 class Course(NamedTuple):
@@ -86,7 +86,7 @@ def turned_round(capture: Capture, motion: Course) -> Turn | None:
     count = min(int(log.count), int(log.room))
     kind, which, time = (np.asarray(x)[:count] for x in (log.kind, log.which, log.time))
     approach = np.asarray(motion.approach)[:count]
-    # Stops and latches have touchdowns too, under numbers behind those of the flanks.
+    # Parts have touchdowns too, under numbers behind those of the flanks.
     touched = (kind == Kind.TOUCHDOWN) & (which < len(CONTACTS))
     approaching = np.flatnonzero(approach > 0.0)
     # They never approach, or still do, or nothing touches before they part: no impact turned them round.
@@ -105,15 +105,11 @@ def diagnosis(capture: Capture) -> dict[str, str]:
     parameters = (capture.design, capture.scenario, capture.stabilisation)
     motion = jax.tree.map(np.asarray, course(parameters, log.rows[:, 0], log.active))
     last = int(log.count) - 1
-    if capture.outcome == Outcome.torn:
-        return {
-            "torn": _torn(capture),
-            "tip at the latches": _met(capture),
-            "energy left": _energy(capture, motion, last),
-            "where it went": _lost(capture, motion, last),
-            "what to change first": "a larger latch.strength or latch.closing_time; 'jaxbuffer sensitivity … --of"
-            " latch_share' says what moves it",
-        }
+    for part in parts_of(capture.design, capture.scenario):
+        if (diagnosed := part.diagnosis(capture)) is not None:
+            what, first = diagnosed
+            energies = {"energy left": _energy(capture, motion, last), "where it went": _lost(capture, motion, last)}
+            return {**what, **energies, "what to change first": first}
     return {
         "way left": _way(capture, motion, last),
         "energy left": _energy(capture, motion, last),
@@ -121,27 +117,6 @@ def diagnosis(capture: Capture) -> dict[str, str]:
         "turned round": _turn(capture, motion),
         "what to change first": "'jaxbuffer sensitivity … --of capture_share' says it",
     }
-
-
-def _torn(capture: Capture) -> str:
-    """Return when the latches tore, and how far they had closed."""
-    latch, begin = capture.design.latch, float(capture.docking.latch_time)
-    since, closing = float(capture.end_time) - begin, float(latch.closing_time)
-    how = f"still closing, which takes {1e3 * closing:.4g} ms" if since < closing else "closed"
-    return (
-        f"at {float(capture.end_time):.6g} s, {1e3 * since:.4g} ms after the latches began to close ({how}), by more"
-        f" than {float(latch.strength or 0.0):.6g} N"
-    )
-
-
-def _met(capture: Capture) -> str:
-    """Return how the tip crossed the capture plane."""
-    docking = capture.docking
-    return (
-        f"{1e3 * float(docking.lateral_miss):.4g} mm off the axis, moving across it at"
-        f" {1e3 * float(docking.lateral_miss_rate):.3g} mm/s;"
-        f" {np.degrees(float(docking.attitude_miss)):.4g} deg against it"
-    )
 
 
 def _way(capture: Capture, motion: Course, last: int) -> str:

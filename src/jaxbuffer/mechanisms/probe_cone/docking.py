@@ -10,13 +10,14 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from ..._types import Scalar
-from ...elements import BufferForce, EndStop, Latch
+from ...elements import BufferForce
 from ...hybrid import Log
 from ..assembled import Assembled
 from ..run import Solved
 from .capture import Docking
 from .outcome import Outcome
-from .reading import CaptureReading, crossings
+from .parts import parts_of
+from .reading import CaptureReading, crossings, holder_in
 
 D = TypeVar("D", bound=Docking)
 DOUBLINGS, NEWTON_STEPS = 60, 30  # of a stroke from 1e-9 m on, and towards the stroke whose energy is known
@@ -36,9 +37,9 @@ class PlaneCrossing(NamedTuple):
 def crossing(mechanism: Assembled, solved: Solved, code: Int[Array, ""]) -> PlaneCrossing:
     """Return where the tip crossed the capture plane. ``code``: of the outcome."""
     end_time = solved.log.time[_last(solved.log)]
-    if not mechanism.all_of(Latch):
+    if holder_in(mechanism) is None:
         return PlaneCrossing(solved.end.own, end_time, code == Outcome.captured)
-    # A log that overflowed does not have the entry; the state says when the latches began to close.
+    # A log that overflowed does not have the entry; the state says when what holds the tip began to close.
     since = solved.end.own.since_crossing
     occurred = jnp.any(crossings(mechanism, solved.log)) | (since > 0.0)
     return PlaneCrossing(solved.event.own, end_time - since, occurred)
@@ -77,18 +78,22 @@ def docking(
 
 
 def arrest_stroke(mechanism: Assembled, energy: Float[Array, ""]) -> Float[Array, ""]:
-    """Return the stroke at which axial spring and end stop store an energy [m], √(2 E/k_A) of a linear spring without a
-    stop (M179)."""
+    """Return the stroke at which axial spring and parts store an energy [m], √(2 E/k_A) of a linear spring
+    alone (M179)."""
     # At zero the root below has no finite slope, and rounding may leave less than that.
     energy = jnp.maximum(energy, 1e-30)
     axial = mechanism.element("buffer").force
-    stops = [stop for stop in mechanism.all_of(EndStop) if not stop.rebound]
-    if not stops and not isinstance(axial, BufferForce):
+    stored_in = [
+        of_part
+        for part in parts_of(mechanism.parts.design, mechanism.parts.scenario)
+        if (of_part := part.stroke_energy(mechanism)) is not None
+    ]
+    if not stored_in and not isinstance(axial, BufferForce):
         return jnp.sqrt(2.0 * energy / axial.stiffness)
 
     def stored(stroke: Array) -> Array:
         spring = axial.spring_energy(stroke) if isinstance(axial, BufferForce) else 0.5 * axial.stiffness * stroke**2
-        return jnp.asarray(sum((stop.law.energy(stroke - stop.place) for stop in stops), start=spring))
+        return jnp.asarray(sum((of_part(stroke) for of_part in stored_in), start=spring))
 
     def step(_: int, stroke: Array) -> Array:
         value, force = jax.jvp(stored, (stroke,), (jnp.ones(()),))
@@ -106,10 +111,10 @@ def _latch_share(mechanism: Assembled, end: CaptureReading, largest: Scalar, tor
     Of torn ones it is above 1: with the force to which the mass that they hold would have stretched them, had they
     held. It is 1 where they just tear, and its slope leads out of that.
     """
-    for latch in mechanism.all_of(Latch):
-        if latch.strength is not None:
-            return jnp.where(torn, end.stretched, largest) / latch.strength
-    return jnp.zeros(())
+    holder = holder_in(mechanism)
+    if holder is None or holder.strength is None:
+        return jnp.zeros(())
+    return jnp.where(torn, end.stretched, largest) / holder.strength
 
 
 def _last(log: Log) -> Int[Array, ""]:

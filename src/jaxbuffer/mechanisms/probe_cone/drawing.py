@@ -28,10 +28,11 @@ from ..drawing import (
 from .assembly import SIDE
 from .bodies import B, P, S, T, probe_masses
 from .design import Design
+from .parts import parts_of
+from .parts.part import DrawnPart
+from .parts.rod import CYLINDER_WIDTH, ROD_WIDTH
 
 TIP = 4  # the frame behind those of the bodies: the tip's, off the probe's axis where the probe bends
-ROD_WIDTH, CYLINDER_WIDTH = 0.8, 2.6  # of the tip's radius; assumed
-HOOK, GRIP = 1.05, 0.6  # of a latch's tooth: distance behind the ball's centre and length, of the tip's radius; assumed
 CLOSER = 3.0  # half of the detail's width, in radii of the tip
 # A vehicle is drawn no higher and no longer than lets probe and cone be seen beside it: half as high, and as long, as
 # so many half-widths of the cone's mouth, and no shorter than the cylinder in it with some room.
@@ -40,32 +41,26 @@ TEETH, TOOTH = 8, 0.02  # of a break line: how many, and how deep, of the larges
 
 
 def drawing(design: Design, bodies: tuple[str, ...] = ()) -> Drawing:
-    """Return both vehicles as far as they fit beside the rest; hinge, buffer, probe, cone and latches, in the design's
+    """Return both vehicles as far as they fit beside the rest; hinge, buffer, probe, cone and parts, in the design's
     lengths."""
     masses = probe_masses(design)
     front, rear = float(masses.front), float(masses.rear)
     tip, half = float(design.probe.tip_radius), float(design.buffer.cylinder_length) / 2.0
     tall, hinge = 0.5 * CYLINDER_WIDTH * tip, Spot(B, half)
-    # The rear end of the rod meets the end stop (M28) that far before its place at rest, and the rebound stop (M174)
-    # that far behind it, which is nearly at the hinge.
-    places = {"end stop": -design.buffer.end} if design.buffer.has("stop_stiffness") else {}
-    places |= {"rebound stop": design.buffer.rebound_gap} if design.buffer.has("rebound_stiffness") else {}
-    stops = [_stop(half + float(place), tall, part) for part, place in places.items()]
     wide, bending = ROD_WIDTH * tip, masses.bending
     rod = RodShape(Spot(P, -rear), Spot(TIP), wide, "probe")
     bent = Band(stations(TIP + 1), wide, "probe", clamped=True)
-    behind = TIP + 1 + (0 if bending is None else len(stations(TIP + 1)))  # the frames of the latches
-    latched = design.latch.has("stiffness")
+    behind = TIP + 1 + (0 if bending is None else len(stations(TIP + 1)))  # the frames of the parts
+    parts = _drawn(design, behind)
     shapes = (
         active(design),
         *passive(design),
         Outline(B, box(-half, half, -tall, tall), part="cylinder"),
-        *stops,
         Spring(Spot(B, -half), Spot(P, -rear), 1.4 * tall, "axial spring and damper"),
         Coil(hinge, 1.5 * tall, "hinge with torsional spring and damper"),
         rod if bending is None else bent,
         Disc(Spot(TIP), tip),
-        *(_latches(design, behind) if latched else ()),
+        *(shape for part in parts for shape in part.shapes),
     )
     names = (Named(hinge, "hinge"), Named(Spot(T, -float(design.cone.offset)), "throat"), Named(Spot(TIP), "tip"))
     detail = Detail("tip", Spot(TIP), CLOSER * tip)
@@ -73,9 +68,19 @@ def drawing(design: Design, bodies: tuple[str, ...] = ()) -> Drawing:
     def frames(history: Any) -> Float[np.ndarray, "steps frames 3"]:
         poses = with_tip(history, front)
         poses = poses if bending is None else with_stations(poses, history, _order(bending), bending, P)
-        return with_latches(poses, history, _tooth(design)[2]) if latched else poses
+        for part in parts:
+            poses = part.with_frames(poses, history)
+        return poses
 
     return Drawing(shapes, flanks(design), names, detail, frames)
+
+
+def _drawn(design: Design, first: int) -> list[DrawnPart]:
+    """Return the parts of a design in its drawing. ``first``: number of the first frame that is a part's own."""
+    drawn = list[DrawnPart]()
+    for part in parts_of(design):
+        drawn.append(part.drawn(design, first + sum(it.frames for it in drawn)))
+    return drawn
 
 
 def _order(bending: FlexibleBar) -> Coordinates:
@@ -92,37 +97,6 @@ def with_tip(history: Any, front: float) -> Float[np.ndarray, "steps frames 3"]:
     cos, sin = np.cos(angle), np.sin(angle)
     tip = np.stack([x + front * cos - off * sin, y + front * sin + off * cos, angle], axis=-1)
     return np.concatenate([frames, tip[:, None]], axis=1)
-
-
-def with_latches(frames: np.ndarray, history: Any, travel: float) -> Float[np.ndarray, "steps frames 3"]:
-    """Return frames, and behind them those of the upper and the lower latch: the passive vehicle's, as far beside it as
-    they are open, ``travel`` [m] at most."""
-    x, y, angle = np.moveaxis(frames[:, T], -1, 0)
-    away = travel * (1.0 - np.asarray(history.others.get("latch_closed", 0.0 * x)))
-    teeth = [
-        np.stack([x - side * away * np.sin(angle), y + side * away * np.cos(angle), angle], axis=-1)
-        for side in (1.0, -1.0)
-    ]
-    return np.concatenate([frames, np.stack(teeth, axis=1)], axis=1)
-
-
-def _tooth(design: Design) -> tuple[float, float, float]:
-    """Return where the upper latch's tooth is, x and y in the axes of the passive vehicle, and the way it opens, until
-    it is behind the flank [m]."""
-    cone, tip, angle = design.cone, float(design.probe.tip_radius), float(design.cone.half_angle)
-    x = -float(cone.offset) - tip * math.sin(angle) + float(design.latch.depth) - HOOK * tip
-    y = 0.5 * ROD_WIDTH * tip
-    reach = min(max(GRIP * tip - float(cone.offset) - x, 0.0), float(cone.length) * math.cos(angle))
-    return x, y, float(cone.throat_radius) + reach * math.tan(angle) - y
-
-
-def _latches(design: Design, first: int) -> tuple[Outline, Outline]:
-    """Return teeth that close behind the ball, from the frame ``first`` on (M175 says what they exert, not what they
-    are)."""
-    x, y, travel = _tooth(design)
-    grip = GRIP * float(design.probe.tip_radius)
-    tooth = np.array([[x, y], [x, y + travel], [x - grip, y + travel], [x - grip, y]])
-    return Outline(first, tooth, part="latch"), Outline(first + 1, tooth * [1.0, -1.0])
 
 
 def active(design: Design) -> Outline:
@@ -170,11 +144,6 @@ def flanks(design: Design) -> tuple[Touch, ...]:
         )
         for side in SIDE
     )
-
-
-def _stop(place: float, tall: float, part: str) -> Outline:
-    """Return the line where the rear end of the rod meets a stop, at x = ``place`` of the cylinder [m]."""
-    return Outline(B, np.array([[place, -tall], [place, tall]]), filled=False, part=part)
 
 
 def _vehicle(design: Design, reach: float, square: float, least: float) -> tuple[np.ndarray, str]:

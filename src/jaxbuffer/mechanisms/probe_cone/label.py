@@ -8,6 +8,7 @@ import numpy as np
 from ...fields import as_typed, unit
 from ...value_text import degrees_text, with_unit
 from .design import Scenario
+from .parts import PARTS
 
 OF_FREE_START = {  # the unit in which each is shown
     "offset": "mm",
@@ -21,13 +22,13 @@ OF_FREE_START = {  # the unit in which each is shown
 
 def scenario_label(scenario: Scenario, among: Sequence[Scenario] = ()) -> str:
     """Return what people call a scenario: "0.1 m/s, +3°", its approach speed and misalignment; contact distance and
-    passive rate too where those differ ``among`` several. Of a free start and a thrust, what is not at its default."""
+    passive rate too where those differ ``among`` several. Of a free start and of parts, what is not at its default."""
     angle = np.degrees(float(scenario.misalignment))
     label = f"{speed_in_words(scenario, among)}, {degrees_text(angle)}"
     for name, shown in (("contact_distance", "mm"), ("passive_rate", "deg/s")):
         if name not in scenario.without_effect and len({float(getattr(other, name)) for other in among}) > 1:
             label += field_in_words(scenario, name, shown)
-    return label + _free_start(scenario) + thrust_in_words(scenario)
+    return label + _free_start(scenario) + parts_in_words(scenario)
 
 
 def speed_in_words(scenario: Any, among: Sequence[Any]) -> str:
@@ -35,6 +36,11 @@ def speed_in_words(scenario: Any, among: Sequence[Any]) -> str:
     speed = float(scenario.approach_speed)
     alike = any(f"{other.approach_speed:.4g}" == f"{speed:.4g}" and other.approach_speed != speed for other in among)
     return with_unit(speed, "m/s", 9 if alike else 4)
+
+
+def parts_in_words(scenario: Any) -> str:
+    """Return what parts a scenario has: ", thrust 1 N for 0.4 s"."""
+    return "".join(part.label(scenario) for part in PARTS if part.present(None, scenario))
 
 
 def _free_start(scenario: Scenario) -> str:
@@ -49,10 +55,3 @@ def field_in_words(scenario: Any, name: str, shown: str) -> str:
     """Return a field behind others, in the unit in which it is shown: ", offset -20 mm"."""
     number = as_typed(float(getattr(scenario, name)), unit(scenario, name), shown)
     return f", {name.replace('_', ' ')} {with_unit(*number)}"
-
-
-def thrust_in_words(scenario: Any) -> str:
-    """Return the thrust of a scenario, "" where there is none."""
-    if not scenario.has("thrust"):
-        return ""
-    return f", thrust {float(scenario.thrust):.4g} N for {float(scenario.thrust_time):.4g} s"

@@ -1,5 +1,5 @@
-"""Whether an answer lies within what the model is good for: small penetrations, materials that do not yield, latches
-that add little energy, and what the elements know of themselves."""
+"""Whether an answer lies within what the model is good for: small penetrations, materials that do not yield, and
+what elements and parts know of themselves."""
 
 from collections.abc import Mapping
 from typing import Any, NamedTuple
@@ -13,7 +13,7 @@ from ..validity import BEYOND_LAW, ValidityLimit
 from .assembly import tip_on_flanks
 from .capture import Capture
 from .design import Design
-from .latch_energy import closing_warnings
+from .parts import parts_of
 
 DEEP = 0.1  # of the tip's radius: up to here the contact counts as small against the ball
 
@@ -85,5 +85,6 @@ def warnings(capture: Capture) -> list[str]:
             f"{BEYOND_LAW}the materials yield, {1e-6 * reached:.4g} MPa of contact pressure at"
             f" the peak being {float(ratios.pressure):.3g} times where a yield stress of {1e-6 * stress:.4g} MPa allows"
         )
-    of_parts = (line for element in capture.elements for line in element.report.warnings(capture))
-    return [*lines, *of_parts, *closing_warnings(capture)]
+    of_elements = (line for element in capture.elements for line in element.report.warnings(capture))
+    of_parts = (line for part in parts_of(design, capture.scenario) for line in part.warnings(capture))
+    return [*lines, *of_elements, *of_parts]

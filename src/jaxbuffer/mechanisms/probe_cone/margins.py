@@ -4,11 +4,10 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from ..._types import Scalar
-from ...elements import Latch
 from ...hybrid import Log
 from ..assembled import Assembled
 from .docking import PlaneCrossing
-from .reading import CaptureReading
+from .reading import CaptureReading, holder_in
 from .throat import ThroatState
 
 
@@ -23,9 +22,9 @@ def throat(
     crossing it is a jump.
     """
     end = at_end.throat
-    # With latches a run goes on beyond the plane: how the tip crossed it counts, not where the latches hold it.
+    # Where the tip is held a run goes on beyond the plane: how the tip crossed it counts, not where it is held.
     there, time = end, log.time[jnp.maximum(log.count - 1, 0)]
-    if mechanism.all_of(Latch):
+    if holder_in(mechanism) is not None:
         there, time = cross.at.throat, cross.time
     return jnp.asarray(end.before), _through(mechanism, end, -(there.before + there.receding * (duration - time)))
 

@@ -1,13 +1,16 @@
 """The probe-cone mechanism, as everything else knows it."""
 
+from collections.abc import Iterable, Mapping
+
 from ...errors import InputError
 from ...fields import replace
-from ..mechanism import Defaults, LowerBound, Mechanism, RequiredEnd, TuningRules
+from ..mechanism import Defaults, LowerBound, Mechanism, TuningRules
 from ..registry import register
 from .assembly import assemble
 from .closed_form import first_impact, first_impact_elasticities
 from .design import Design, Scenario, check_fit, valid
 from .outcome import Outcome
+from .parts import PARTS, parts_of
 from .problem import check_problem, left_open, unfinished
 from .quantities import QUANTITIES
 from .reading import READER
@@ -16,24 +19,21 @@ from .view import VIEW
 
 COMPLIANT_PARTS = ("k_A", "c_A", "k_T", "c_T", "spring_curve", "damper_curve", "preload", "c_A2", "friction")
 
-LATCHED = {  # defaults of designs with a latch: how hard it is held, and how long until it is at rest
-    "duration": 20.0,
-    "success": "latched",  # at the end, whether at rest together or not yet
-    "differentiated": ("peak_force", "peak_hinge_force", "stroke", "hinge_angle", "peak_latch_force", "end_time"),
-    "mapped": ("peak_force", "stroke", "hinge_angle", "peak_latch_force", "settling_time", "relative_energy"),
-}
-
 
 def smooth(design: Design, scenario: Scenario) -> Design:
-    """Return the design with the contact law that needs no events. **Raises:** `InputError` for what does: a latch,
-    whose closing begins at one, and a thrust, which ends at one."""
-    for part, number in ((design.latch, "stiffness"), (scenario, "thrust")):
-        if part.has(number):
+    """Return the design with the contact law that needs no events. **Raises:** `InputError` for a part that does."""
+    for part in parts_of(design, scenario):
+        if part.has_events:
             raise InputError(
-                f"{part.section}.{number} is given, which diffrax.diffeqsolve cannot solve: it locates no events on the"
+                f"{part.path} is given, which diffrax.diffeqsolve cannot solve: it locates no events on the"
                 " way; leave it out, or take a solver with events: automatic, implicit or explicit"
             )
     return replace(design, {"contact.memory": "smooth"})
+
+
+def _joined(of_parts: Iterable[Mapping[str, float]]) -> dict[str, float]:
+    """Return what parts say, by name, in one."""
+    return {name: value for numbers in of_parts for name, value in numbers.items()}
 
 
 PROBE_CONE = register(
@@ -51,14 +51,11 @@ PROBE_CONE = register(
         reader=READER,
         view=VIEW,
         tuning=TuningRules(
-            # No buffer may come to its end, and no latch may tear.
-            always={"stroke_share": 1.0, "latch_share": 1.0},
+            # No buffer may come to its end.
+            always={"stroke_share": 1.0} | _joined(part.always for part in PARTS),
             check_problem=check_problem,
             margin="capture_share",
-            ends=(
-                RequiredEnd("latched", ("latched", "held"), "latch.stiffness"),
-                RequiredEnd("held", ("held",), "latch.stiffness", "relative_energy", "latch.quiet"),
-            ),
+            ends=tuple(end for part in PARTS for end in part.ends),
             unfinished=unfinished,
             left_open=left_open,
             lower_bound=LowerBound(
@@ -77,7 +74,7 @@ PROBE_CONE = register(
                 "scenario.misalignment": {"from": -0.1, "to": 0.1, "count": 11},  # rad
             },
             mapped=("peak_force", "peak_hinge_force", "stroke", "hinge_angle"),
-            with_part={"latch.stiffness": LATCHED},
+            with_part={part.path: part.defaults for part in PARTS if part.defaults},
             variables={
                 "buffer.k_A": [100.0, 2000.0],  # N/m
                 "buffer.c_A": [1.0, 60.0],  # N s/m
@@ -86,8 +83,8 @@ PROBE_CONE = register(
                 "probe.tip_mass": [0.02, 0.2],  # kg
             },
             limits={"stroke": 0.025},  # m, what fits into Table 2's cylinder
-            example={"latch.stiffness": 2000.0, "latch.damping": 50.0, "latch.strength": 50.0},  # N/m, N s/m, N
-            example_limits={"relative_energy": 0.05},  # at most a twentieth is left after the 20 s
+            example=_joined(part.example for part in PARTS),
+            example_limits=_joined(part.example_limits for part in PARTS),
         ),
         smooth=smooth,
     )

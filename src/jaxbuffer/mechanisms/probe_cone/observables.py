@@ -11,8 +11,9 @@ from ...elements.element import ROUNDED_LENGTH
 from ...plane import Vector
 from ..assembled import Assembled, Observable
 from ..layout import EvaluatedState
-from .bodies import TIP, B, P, S, T
-from .design import Design, DockingDesign, Meeting, Scenario
+from .bodies import TIP, B, S, T
+from .design import Design, Scenario
+from .parts import PARTS, holder_of, parts_of
 
 ROUNDED_ACCELERATION = 1e-12  # m/s²: what rounding of positions of a metre makes of it by the constraints' correction
 
@@ -38,12 +39,6 @@ def hinge_angle(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar
     return at.kin.frame(B).angle - at.kin.frame(S).angle
 
 
-def bending_of_tip(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
-    """Return how far the tip is bent off the probe's axis [m], 0 if it does not bend."""
-    bending = mechanism.parts.probe.bending
-    return jnp.zeros(()) if bending is None else bending.end.displacement(at.kin.modal(P)[0]).y
-
-
 def _rounded_force(vehicle: str) -> Callable[[Assembled], Scalar]:
     """Return what of the force on a vehicle is rounding, in the spring's force and by the constraints' correction."""
 
@@ -62,24 +57,30 @@ def rounded_length(mechanism: Assembled) -> Scalar:
 HINGE_FORCE = Observable("hinge_force", hinge_force, of_rate=True, roundoff=_rounded_force("active"))
 PASSIVE_FORCE = Observable("passive_force", passive_force, of_rate=True, roundoff=_rounded_force("passive"))
 HINGE_ANGLE = Observable("hinge_angle", lambda *at: jnp.abs(hinge_angle(*at)), roundoff=rounded_length)
-BENDING = Observable("bending", lambda *at: jnp.abs(bending_of_tip(*at)), roundoff=rounded_length)
-# Of a history; those of which the largest size is watched have their sign there.
-RECORDED = (
-    Observable("tip_spin", lambda mechanism, at, rate: mechanism.evaluated(at, TIP).spin),
-    Observable("hinge_angle", hinge_angle),
-    Observable("bending", bending_of_tip),
-)
-NO_STOP = Observable("stop_force", lambda mechanism, at, rate: jnp.zeros(()))  # a history has that force in any case
 
 
-def shown_of(design: Design, scenario: Scenario) -> tuple[Observable, ...]:
-    """Return what is watched beside the elements' own observables."""
-    bending = (BENDING,) if design.probe.has("bending_stiffness") else ()
-    return (HINGE_FORCE, HINGE_ANGLE, *bending, *shown_of_vehicle(design, scenario))
+def observables_of(design: Design, scenario: Scenario) -> tuple[Observable, ...]:
+    """Return what is observed of a run beside the elements' own observables."""
+    return (HINGE_FORCE, HINGE_ANGLE, *observables_of_parts(design, scenario))
 
 
-def shown_of_vehicle(design: DockingDesign[Any], scenario: Meeting) -> tuple[Observable, ...]:
-    """Return what is watched of the passive vehicle."""
-    # Without a latch, and from the touch, nothing but the tip acts on the passive vehicle.
-    acted_on = design.latch.has("stiffness") or scenario.start == "free"
-    return (PASSIVE_FORCE,) if acted_on else ()
+def observables_of_parts(design: Any, scenario: Any) -> tuple[Observable, ...]:
+    """Return what is observed of the optional parts, and of the passive vehicle where more than the tip acts on it."""
+    of_parts = (observable for part in parts_of(design, scenario) for observable in part.observables(design))
+    # Where nothing holds the tip, and from the touch, nothing but the tip acts on the passive vehicle.
+    acted_on = holder_of(design) is not None or scenario.start == "free"
+    return (*of_parts, *((PASSIVE_FORCE,) if acted_on else ()))
+
+
+def recorded_of(design: Design) -> tuple[Observable, ...]:
+    """Return what a history shows besides; that of which the largest size is observed has its sign there."""
+    own = (
+        Observable("tip_spin", lambda mechanism, at, rate: mechanism.evaluated(at, TIP).spin),
+        Observable("hinge_angle", hinge_angle),
+    )
+    return (*own, *history_of_parts(design))
+
+
+def history_of_parts(design: Any) -> tuple[Observable, ...]:
+    """Return what a history shows of the optional parts."""
+    return tuple(observable for part in PARTS for observable in part.history(design))

@@ -4,22 +4,25 @@ from typing import Any
 
 import numpy as np
 
-from ...elements import Buffer, EndStop, EnergyShare
+from ..._types import Scalar
+from ...elements import Buffer, EnergyShare
 from ..energy import energy_unit
 from ..picture import Level, Panel, PanelCurve, reach
 from .assembly import LISTED
 from .capture import Capture
-from .latch_energy import CLOSING
+from .design import Design
+from .parts import PARTS, parts_of
 
-NOT_ELASTIC = ("kinetic", "latch_closing", "thrust")  # of what a history calls stored
+SUPPLIES = tuple(part.supply for part in PARTS if part.supply is not None)
+NOT_ELASTIC = ("kinetic", *(supply.name for supply in SUPPLIES))  # of what a history calls stored
 
 
 def panels(capture: Capture) -> list[Panel]:
-    """Return panels of gap and distance to capture, energy, stroke, hinge angle and latch force of a capture with a
+    """Return panels of gap and distance to capture, energy, stroke, hinge angle and elements of a capture with a
     history."""
     history: Any = capture.history
-    # A buffer and its stops share a panel; of the others those come first that tell of the time after the impacts.
-    others = (it for it in capture.elements if not isinstance(it, (Buffer, EndStop)))
+    # The stroke's panel is the buffer's; of the others those come first that tell of the time after the impacts.
+    others = (it for it in capture.elements if not isinstance(it, Buffer))
     more = sorted((panel for it in others for panel in it.report.panels(capture)), key=lambda panel: not panel.to_end)
     gaps = Panel(
         "Gap and distance to capture",
@@ -62,8 +65,8 @@ def _energy(capture: Capture) -> Panel:
     largest = float(np.max(np.sum([np.asarray(values) for values in parts.values()], axis=0)))
     unit, many = energy_unit(largest)
     curves = tuple(PanelCurve(name, many * np.asarray(value)) for name, value in parts.items())
-    closing = ", latches put in some as they close" if CLOSING in energy.stored else ""
-    return Panel(f"Energy without that of the common motion{closing}", f"energy [{unit}]", curves, stacked=True)
+    notes = "".join(f", {supply.note}" for supply in SUPPLIES if supply.note and supply.name in energy.stored)
+    return Panel(f"Energy without that of the common motion{notes}", f"energy [{unit}]", curves, stacked=True)
 
 
 def energy_shares(capture: Capture) -> list[EnergyShare]:
@@ -74,7 +77,7 @@ def energy_shares(capture: Capture) -> list[EnergyShare]:
 
 
 def relative_motion(history: Any) -> np.ndarray:
-    """Return the energy of relative motion less what springs, contacts and latches store of it [J], over a history."""
+    """Return the energy of relative motion less what springs, contacts and parts store of it [J], over a history."""
     stored = history.energy.stored
     elastic = sum(np.asarray(stored[name]) for name in stored if name not in NOT_ELASTIC)
     return np.asarray(history.relative_energy) - elastic
@@ -83,7 +86,7 @@ def relative_motion(history: Any) -> np.ndarray:
 def _stroke(capture: Capture) -> Panel:
     largest = 1e3 * float(capture.stroke)
     # With a stop its place is shown, not the end behind it.
-    ends = [("the end stop", it.place) for it in end_stops(capture)]
+    ends = [(f"the {what}", place) for what, place in stroke_limits(capture.design)]
     ends = ends or [("the buffer's end", capture.design.buffer.longest_stroke)]
     levels = [Level(f"largest, {largest:.4g} mm", largest)]
     for what, place in ends:
@@ -96,6 +99,6 @@ def _stroke(capture: Capture) -> Panel:
     return Panel("Buffer stroke", "stroke [mm]", (stroke,), (*levels, Level("", 0.0)))
 
 
-def end_stops(capture: Capture) -> list[EndStop]:
-    """Return the stops at the end of the buffer's way in."""
-    return [it for it in capture.elements if isinstance(it, EndStop) and not it.rebound]
+def stroke_limits(design: Design) -> list[tuple[str, Scalar]]:
+    """Return what limits the buffer's stroke before its end, in words, and from which stroke on [m]."""
+    return [limit for part in parts_of(design) for limit in part.stroke_limits(design)]

@@ -9,7 +9,8 @@ from ...errors import InputError
 from ...fields import replace
 from ...value_text import percent_text
 from ..energy import energy_text
-from .sanity_checks import pulling_spring
+from .parts import PARTS, holder_of
+from .sanity_checks import cautions
 
 LONGEST = {"buffer.max_stroke", "buffer.free_length"}
 LEFT = ("energy_left", "relative_energy", "arrest_stroke")  # quantities of what is left when a run ends
@@ -28,18 +29,19 @@ def check_problem(problem: Any) -> None:
 
 
 def left_open(number: Callable[[str], Any]) -> tuple[str, ...]:
-    """Return the quantities that say what a design's runs leave open; with latches the share of the energy alone."""
-    return LEFT if number("latch.stiffness") is None else LEFT[1:2]
+    """Return the quantities that say what a design's runs leave open; where a part holds the tip the share of the
+    energy alone."""
+    return LEFT[1:2] if any(part.holds and number(part.path) is not None for part in PARTS) else LEFT
 
 
 def unfinished(problem: Any, evaluation: Any) -> list[str]:
-    """Return a line where a tuned design without latches keeps its limits up to capture only, with the worst case, and
-    one where latches rely on a spring that pulls.
+    """Return a line where a tuned design that nothing holds after capture keeps its limits up to there only, with the
+    worst case; of others, what their parts caution against.
 
     Limits on what is left at capture say that somebody has thought of it: then none.
     """
-    if problem.design.latch.has("stiffness"):
-        return pulling_spring(problem.design)
+    if holder_of(problem.design) is not None:
+        return cautions(problem.design)
     if set(LEFT) & set(problem.limits.at_most):
         return []
     column = {name: evaluation.quantities[:, k] for k, name in enumerate(problem.names)}

@@ -1,52 +1,25 @@
 """The catalogue of a capture's quantities."""
 
 import math
-from collections.abc import Callable
-from typing import Any
 
-import jax
 import jax.numpy as jnp
-import numpy as np
+from jaxtyping import Array, Float
 
-from ..quantity import CONTACT_TIME, DISSIPATED, END_TIME, PEAK_FORCE, PEAK_TIME, PENETRATION, Quantity
-from .latch_energy import closing_energy, closing_share, reference_share
+from ..quantity import CONTACT_TIME, DISSIPATED, END_TIME, MILLIMETRES, PEAK_FORCE, PEAK_TIME, PENETRATION, Quantity
+from .capture import Capture
 from .law_validity import pressure
-from .shock import SLOTS, VEHICLES
+from .parts import PARTS
+from .parts.part import loss, time_of
+from .parts.vehicles import reduced_mass
 from .vehicle_forces import peak_vehicle_force
 
-MILLIMETRES = ("mm", 1e3)
 DEGREES = ("deg", 180.0 / math.pi)
+REFERENCE_SPEED = 0.1  # m/s, of M182
 
 
-def _loss(name: str) -> Callable[[Any], Any]:
-    """Return how the energy lost in a place is read off, which not every design has."""
-    # Times a loss that every capture has, so that the zero has the shape of many runs and is NaN where one failed.
-    return lambda capture: capture.energy.lost.get(name, 0.0 * capture.energy.friction)
-
-
-def _time_of(maximum: str, what: str) -> Quantity:
-    """Return the time of one of the run's maxima as a quantity, which a finished run alone has."""
-    return Quantity(
-        "s",
-        lambda capture: jnp.asarray(capture.maximum_times.get(maximum, math.nan)),
-        f"when {what} is largest, of a finished run",
-        differentiable=False,
-    )
-
-
-def _shock(vehicle: str, slot: int) -> Quantity:
-    """Return the shock at one of the frequencies that a design names, as a quantity."""
-    name, field = f"{vehicle}_shock_{slot}", f"shock.{vehicle}_{slot}"
-    return Quantity(
-        "m/s²",
-        # Put on the device where there is none: any operation would be a program of its own.
-        lambda capture: capture.maxima.get(name, jax.device_put(np.full(np.shape(capture.end_time), np.nan))),
-        f"largest absolute acceleration, in any direction, of an oscillator of {field} on the {vehicle} vehicle",
-        f"shock on the {vehicle} vehicle at {field}",
-        swept=True,
-        tuned=True,
-        part=field,
-    )
+def reference_share(capture: Capture) -> Float[Array, ""]:
+    """Return the energy of relative motion at the end over that of the two vehicles at 0.1 m/s [-] (M182)."""
+    return jnp.asarray(capture.docking.energy_left / (0.5 * reduced_mass(capture.design) * REFERENCE_SPEED**2))
 
 
 QUANTITIES: dict[str, Quantity] = {
@@ -97,26 +70,7 @@ QUANTITIES: dict[str, Quantity] = {
         tuned=True,
         shown=DEGREES,
     ),
-    "bending": Quantity(
-        "m",
-        lambda c: c.bending,
-        "largest displacement of the tip off the axis of a probe that bends",
-        "bending of the probe",
-        swept=True,
-        tuned=True,
-        shown=MILLIMETRES,
-        part="probe.bending_stiffness",
-    ),
     "end_time": END_TIME._replace(description="end of the run: of a captured one, the capture time"),
-    "peak_stop_force": Quantity(
-        "N",
-        lambda c: c.peak_stop_force,
-        "largest force of the buffer's end stop",
-        "peak force of the end stop",
-        swept=True,
-        tuned=True,
-        part="buffer.stop_stiffness",
-    ),
     "stroke_share": Quantity(
         "-",
         lambda c: 1.0 - c.stroke_margin / c.design.buffer.longest_stroke,
@@ -132,41 +86,6 @@ QUANTITIES: dict[str, Quantity] = {
         signed=True,
         swept=True,
         shown=MILLIMETRES,
-    ),
-    "peak_latch_force": Quantity(
-        "N",
-        lambda c: c.peak_latch_force,
-        "largest force of the latches",
-        "peak latch force",
-        swept=True,
-        tuned=True,
-        part="latch.stiffness",
-    ),
-    "latch_share": Quantity(
-        "-",
-        lambda c: c.docking.latch_share,
-        "largest force of the latches over their strength; of torn ones above 1",
-        "share of the latches' strength",
-        tuned=True,
-        part="latch.strength",
-    ),
-    "latch_time": Quantity(
-        "s",
-        lambda c: c.docking.latch_time,
-        "when the tip crosses the capture plane and the latches begin to close",
-        "latch time",
-        swept=True,
-        part="latch.stiffness",
-    ),
-    "settling_time": Quantity(
-        "s",
-        lambda c: c.docking.settling_time,
-        "from the latching until the vehicles are held; NaN where they are not yet",
-        "settling time",
-        swept=True,
-        tuned=True,
-        part="latch.stiffness",
-        awaits="held",
     ),
     "relative_energy": Quantity(
         "-",
@@ -193,23 +112,6 @@ QUANTITIES: dict[str, Quantity] = {
         tuned=True,
         shown=("%", 100.0),
     ),
-    "latch_energy": Quantity(
-        "J",
-        closing_energy,
-        "energy that the closing of the latches put in",
-        "energy put in by the latches",
-        tuned=True,
-        part="latch.stiffness",
-    ),
-    "latch_energy_share": Quantity(
-        "-",
-        closing_share,
-        "that over the energy of relative motion at the start",
-        "share of energy put in by the latches",
-        tuned=True,
-        shown=("%", 100.0),
-        part="latch.stiffness",
-    ),
     "arrest_stroke": Quantity(
         "m",
         lambda c: c.docking.arrest_stroke,
@@ -226,15 +128,6 @@ QUANTITIES: dict[str, Quantity] = {
         "peak acceleration of the active vehicle",
         tuned=True,
     ),
-    "peak_passive_acceleration": Quantity(
-        "m/s²",
-        lambda c: c.passive_force / c.design.passive.mass,
-        "largest acceleration of the passive vehicle's centre of mass, with latches or from a free start",
-        "peak acceleration of the passive vehicle",
-        tuned=True,
-        part="latch.stiffness",
-    ),
-    **{f"{vehicle}_shock_{k + 1}": _shock(vehicle, k + 1) for vehicle in VEHICLES for k in range(SLOTS)},
     "impulse": Quantity("N s", lambda c: c.docking.impulse, "impulse on the passive vehicle, to the end of the run"),
     "lateral_miss": Quantity(
         "m",
@@ -262,12 +155,11 @@ QUANTITIES: dict[str, Quantity] = {
         signed=True,
         shown=("deg/s", 180.0 / math.pi),
     ),
-    "stroke_time": _time_of("stroke", "the buffer's stroke"),
-    "extension_time": _time_of("extension", "the buffer's extension"),
-    "hinge_angle_time": _time_of("hinge_angle", "the hinge angle"),
-    "peak_hinge_force_time": _time_of("hinge_force", "the reaction in the hinge"),
-    "peak_buffer_force_time": _time_of("buffer_force", "the force of the axial spring-damper"),
-    "peak_latch_force_time": _time_of("latch_force", "the force of the latches"),
+    "stroke_time": time_of("stroke", "the buffer's stroke"),
+    "extension_time": time_of("extension", "the buffer's extension"),
+    "hinge_angle_time": time_of("hinge_angle", "the hinge angle"),
+    "peak_hinge_force_time": time_of("hinge_force", "the reaction in the hinge"),
+    "peak_buffer_force_time": time_of("buffer_force", "the force of the axial spring-damper"),
     "penetration": PENETRATION._replace(description="depth that the tip's deepest penetration does not exceed"),
     "contact_time": CONTACT_TIME._replace(description="time during which a flank is touched"),
     "throat_distance": Quantity(
@@ -305,12 +197,7 @@ QUANTITIES: dict[str, Quantity] = {
     "torsional_loss": Quantity("J", lambda c: c.energy.torsional_damper, "energy lost in the torsional damper"),
     "contact_loss": Quantity("J", lambda c: c.energy.hysteresis, "energy lost in the contact's hysteresis"),
     "friction_loss": Quantity("J", lambda c: c.energy.friction, "energy lost in friction"),
-    "bending_loss": Quantity("J", lambda c: c.energy.bending, "energy lost in the probe's bending"),
-    "play_loss": Quantity("J", lambda c: c.energy.hinge_play, "energy lost in the play of the hinge"),
-    "stop_loss": Quantity("J", lambda c: c.energy.stop_damper, "energy lost in the buffer's end stop"),
-    "buffer_friction_loss": Quantity("J", _loss("buffer_friction"), "energy lost in the buffer's friction"),
-    "rebound_loss": Quantity("J", _loss("rebound_damper"), "energy lost in the buffer's rebound stop"),
-    "latch_loss": Quantity("J", _loss("latch_damper"), "energy lost in the latches"),
+    "buffer_friction_loss": Quantity("J", loss("buffer_friction"), "energy lost in the buffer's friction"),
     "dissipated": DISSIPATED,
     "effective_mass": Quantity("kg", lambda c: c.first_impact.effective_mass, "mass the first impact meets"),
     "effective_energy": Quantity("J", lambda c: c.first_impact.effective_energy, "T_c just before the first impact"),
@@ -320,4 +207,5 @@ QUANTITIES: dict[str, Quantity] = {
     "predicted_first_peak": Quantity(
         "N", lambda c: c.first_impact.predicted_peak, "closed form of the first peak with the contact's loss"
     ),
+    **{name: quantity for part in PARTS for name, quantity in part.quantities.items()},
 }

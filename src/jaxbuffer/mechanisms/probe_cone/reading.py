@@ -1,13 +1,13 @@
 """What a capture's run reads off its start, its end and the crossing of the capture plane."""
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from ..._types import Scalar
-from ...elements import BufferForce, EndStop, Latch
+from ...elements import BufferForce
 from ...hybrid import Kind, Log
 from ...plane import Vector
 from ..assembled import Assembled
@@ -15,6 +15,7 @@ from ..layout import Closed, EvaluatedState
 from ..reading import Reader
 from .assembly import LOWER
 from .bodies import TIP, P, T
+from .parts import parts_of
 from .throat import ThroatState
 
 
@@ -25,11 +26,11 @@ class CaptureReading(NamedTuple):
     - ``misses``: of the tip and of the probe's attitude, and their rates, by their names in `Docking`.
     - ``passive_velocity``: of the passive vehicle [m/s].
     - ``relative_energy``: of relative motion [J] (M177).
-    - ``since_crossing``: time since the latches began to close, 0 before and without latches [s].
+    - ``since_crossing``: time since what holds the tip began to, 0 before, and where nothing does [s].
     - ``flank_mass``: m_c that the lower flank meets through the joints, the springs soft [kg] (M79).
-    - ``axial_mass``: that the buffer's ends meet [kg]; ``stroke_rate`` [m/s]; ``push``: by which buffer and stop resist
-      at the buffer's end [N].
-    - ``stretched``: force to which the mass that the latches hold would stretch them [N], 0 without latches.
+    - ``axial_mass``: that the buffer's ends meet [kg]; ``stroke_rate`` [m/s]; ``push``: by which buffer and parts
+      resist at the buffer's end [N].
+    - ``stretched``: force to which the mass that it holds would stretch it [N], 0 where nothing does.
     """
 
     throat: ThroatState
@@ -45,7 +46,7 @@ class CaptureReading(NamedTuple):
 
 
 def planar_misses(mechanism: Assembled, at: EvaluatedState) -> dict[str, Scalar]:
-    """Return the misses in the plane: y of the tip in the axes of T, the probe's angle against these, and both rates."""
+    """Return the misses in the plane: y of the tip in the axes of T, the probe's angle against these, both rates."""
     cone, probe = at.kin.frame(T), at.kin.frame(P)
     return {
         "lateral_miss": mechanism.evaluated(at, "throat").tip.y,
@@ -81,36 +82,43 @@ def _look(
     masses: Float[Array, " rank"],
     misses: dict[str, Scalar],
 ) -> CaptureReading:
-    latches = mechanism.all_of(Latch)
+    holder = holder_in(mechanism)
     flank_mass, axial_mass, *held = masses
     return CaptureReading(
         throat=mechanism.evaluated(at, "throat"),
         misses=misses,
         passive_velocity=at.kin.frame(T).velocity,
         relative_energy=mechanism.relative_energy(at, active),
-        since_crossing=mechanism.evaluated(at, latches[0].name).since if latches else 0.0,
+        since_crossing=0.0 if holder is None else mechanism.evaluated(at, holder.name).since,
         flank_mass=flank_mass,
         axial_mass=axial_mass,
         stroke_rate=mechanism.evaluated(at, "buffer").stroke_rate,
         push=_push(mechanism, at, active),
-        stretched=_stretched(mechanism, at, latches[0], held[0]) if latches else 0.0,
+        stretched=0.0 if holder is None else holder.stretched(mechanism.evaluated(at, holder.name), held[0]),
     )
 
 
+def holder_in(mechanism: Assembled) -> Any:
+    """Return the element that holds the tip behind the capture plane; None of a mechanism whose runs end there."""
+    name = mechanism.element("throat").holder
+    return None if name is None else mechanism.element(name)
+
+
 def _crossing_slot(mechanism: Assembled, log: Log) -> Int[Array, ""] | None:
-    """Return the entry at which latches catch the tip, where it crosses the capture plane, or else the run's end;
-    without latches a captured run ends there."""
-    if not mechanism.all_of(Latch):
+    """Return the entry at which the tip crosses the capture plane and is held, or else the run's end; where nothing
+    holds it a captured run ends there."""
+    if holder_in(mechanism) is None:
         return None
     crosses, last = crossings(mechanism, log), jnp.maximum(log.count - 1, 0)
     return jnp.where(jnp.any(crosses), jnp.argmax(crosses), last)
 
 
 def _directions(mechanism: Assembled, at: EvaluatedState) -> Float[Array, "coordinates rank"]:
-    """Return the lower flank's normal, the buffer's axis and what pulls at latches, a column each."""
-    axial = mechanism.element("buffer").force
+    """Return the lower flank's normal, the buffer's axis and what pulls at what holds the tip, a column each."""
+    axial, holder = mechanism.element("buffer").force, holder_in(mechanism)
     directions = [flank_direction(mechanism, at), mechanism.system.direction(axial.springs(at.kin)[0].blocks)]
-    directions += [_pull_of(mechanism, at, latch) for latch in mechanism.all_of(Latch)]
+    if holder is not None:
+        directions.append(mechanism.system.direction(holder.pulled(mechanism.evaluated(at, holder.name))))
     return jnp.stack(directions, axis=1)
 
 
@@ -118,9 +126,13 @@ READER = reader(planar_misses)
 
 
 def crossings(mechanism: Assembled, log: Log) -> Bool[Array, " slots"]:
-    """Return which entries of a log are the touchdown of the latches, at the crossing of the capture plane."""
+    """Return which entries of a log are the crossing of the capture plane, where what holds the tip begins to close."""
     used = jnp.arange(log.kind.shape[0]) < log.count  # slots behind the count may hold anything
-    return (log.kind == Kind.TOUCHDOWN) & (log.which == mechanism.contact_names.index("latch")) & used
+    return (
+        (log.kind == Kind.TOUCHDOWN)
+        & (log.which == mechanism.contact_names.index(mechanism.element("throat").holder))
+        & used
+    )
 
 
 def flank_direction(mechanism: Assembled, at: EvaluatedState) -> Float[Array, " coordinates"]:
@@ -129,37 +141,14 @@ def flank_direction(mechanism: Assembled, at: EvaluatedState) -> Float[Array, " 
 
 
 def _push(mechanism: Assembled, at: EvaluatedState, active: Closed) -> Scalar:
-    """Return the force by which buffer and stop resist where the buffer comes to its end [N]."""
-    buffer, axial = mechanism.parts.design.buffer, mechanism.element("buffer").force
+    """Return the force by which buffer and parts resist where the buffer comes to its end [N]."""
+    parts, axial = mechanism.parts, mechanism.element("buffer").force
     if isinstance(axial, BufferForce):
         force = -axial.tension(at.kin)
     else:
         speed = jnp.maximum(mechanism.evaluated(at, "buffer").stroke_rate, 0.0)
-        force = buffer.k_A * buffer.longest_stroke + buffer.c_A * speed
-    for stop in mechanism.all_of(EndStop):
-        # A rebound stop is at the other end of the stroke, and does not push there.
-        if not stop.rebound:
-            closed = mechanism.closed_switches(active, stop.name)
-            force = force + stop.force(mechanism.evaluated(at, stop.name), closed)
+        force = parts.design.buffer.k_A * parts.design.buffer.longest_stroke + parts.design.buffer.c_A * speed
+    for part in parts_of(parts.design, parts.scenario):
+        if (push := part.push(mechanism, at, active)) is not None:
+            force = force + push
     return force
-
-
-def _force_of(mechanism: Assembled, at: EvaluatedState, latch: Latch) -> tuple[Vector, Scalar]:
-    """Return the force of latches as if they were closed [N], and its size."""
-    force = latch.force(mechanism.evaluated(at, latch.name), jnp.ones(2))
-    return force, jnp.sqrt(force.dot(force) + 1e-24)
-
-
-def _pull_of(mechanism: Assembled, at: EvaluatedState, latch: Latch) -> Float[Array, " coordinates"]:
-    """Return the direction of what pulls at latches."""
-    (force, size), it = _force_of(mechanism, at, latch), mechanism.evaluated(at, latch.name)
-    pull = force * (-1.0 / size)
-    return mechanism.system.direction({P: it.held.along(pull), T: it.opposite.along(-pull)})
-
-
-def _stretched(mechanism: Assembled, at: EvaluatedState, latch: Latch, mass: Scalar) -> Scalar:
-    """Return the force to which the ``mass`` that latches hold would stretch them [N]."""
-    force, size = _force_of(mechanism, at, latch)
-    # What already comes back stretches the latches no further.
-    speed = jnp.maximum(mechanism.evaluated(at, latch.name).velocity.dot(force * (-1.0 / size)), 0.0)
-    return jnp.sqrt(size**2 + latch.stiffness * mass * speed**2)

@@ -10,6 +10,7 @@ from ...fields import as_typed, get, unit
 from ...value_text import with_unit
 from .assembly import tip_on_flanks
 from .design import Design
+from .parts import parts_of
 
 FAR = 3.0  # a factor between masses from which on the model's other numbers are not to be relied on
 UNLIKE = 0.05  # between the restitution that is asked for and the one that the law delivers
@@ -55,19 +56,13 @@ TABLE_VALUES = (
 
 def sanity_checks(design: Design) -> list[str]:
     """Return a line for each number that a design of far heavier or lighter vehicles leaves at its default, for a
-    restitution that the contact's law does not deliver, and for a latch without a rebound stop."""
-    return [*_table_values(design), *_restitution(design), *pulling_spring(design)]
+    restitution that the contact's law does not deliver, and what its parts caution against."""
+    return [*_table_values(design), *_restitution(design), *cautions(design)]
 
 
-def pulling_spring(design: Design) -> list[str]:
-    """Return a line for a latch on a buffer without a rebound stop: latched vehicles swing on a spring that pulls
-    (M174)."""
-    if not design.latch.has("stiffness") or design.buffer.has("rebound_stiffness"):
-        return []
-    return [
-        "a latch without buffer.rebound_stiffness: beyond the buffer's free length its spring pulls, and latched"
-        " vehicles swing on it; with a rebound stop the latch force may be far larger"
-    ]
+def cautions(design: Design) -> list[str]:
+    """Return what the parts of a design caution against, a line each."""
+    return [line for part in parts_of(design) for line in part.cautions(design)]
 
 
 def _table_values(design: Design) -> Iterator[str]:

@@ -3,7 +3,7 @@
 import jax
 import numpy as np
 
-from ...elements import Buffer, Element, EndStop, Latch, Thrust
+from ...elements import Buffer, Element
 from ...elements.buffer import extension_text
 from ...elements.telling import when
 from ...labelled.record import heading
@@ -13,11 +13,11 @@ from ..quantity import NEGLIGIBLE
 from .assembly import CONTACTS
 from .capture import Capture
 from .label import scenario_label
-from .latch_energy import closing_words
 from .law_validity import warnings
 from .outcome import Outcome
-from .panels import end_stops, energy_shares
-from .sanity_checks import pulling_spring
+from .panels import SUPPLIES, energy_shares, stroke_limits
+from .parts import part_of_element, parts_of
+from .sanity_checks import cautions
 from .vehicle_forces import larger_than_contact
 
 
@@ -37,7 +37,7 @@ def summary(capture: Capture) -> str:
         *_larger(capture),
         *_first_impact(capture),
         f"  peak hinge force     {_force(capture, 'hinge_force', at)}",
-        f"  peak buffer force    {_force(capture, 'buffer_force', at)}{_stop(capture)}",
+        f"  peak buffer force    {_force(capture, 'buffer_force', at)}{_of_parts(capture)}",
         f"  stroke               {_stroke(capture, at)}",
         *(f"  extension            {text}" for text in (extension_text(capture),) if text),
         f"  hinge angle          {np.degrees(float(capture.hinge_angle)):.6g} deg{when(at['hinge_angle'])}",
@@ -52,7 +52,7 @@ def summary(capture: Capture) -> str:
         f" {float(b.angular_momentum):.1e} angular, constraint drift {float(b.drift):.1e} m",
         f"  steps                {int(capture.accepted)} accepted of {int(capture.attempts)}",
     ]
-    return "\n".join([*lines, *(f"  {line}" for line in [*warnings(capture), *pulling_spring(capture.design)])])
+    return "\n".join([*lines, *(f"  {line}" for line in [*warnings(capture), *cautions(capture.design)])])
 
 
 def _force(capture: Capture, name: str, at: dict[str, float]) -> str:
@@ -95,33 +95,19 @@ def _first_impact(capture: Capture) -> list[str]:
 
 
 def _of_part(capture: Capture, element: Element) -> list[str]:
-    """Return the lines of one part; buffer, stops and thrust are told of in lines of the whole."""
-    if isinstance(element, (Buffer, EndStop, Thrust)):
+    """Return the lines of one part; those of the buffer are lines of the whole."""
+    if isinstance(element, Buffer):
         return []
-    lines = element.report.summary(capture)
-    if lines and isinstance(element, Latch):
-        lines += _at_the_latches(capture)
+    part = part_of_element(element.name)
+    lines = element.report.summary(capture) if part is None else part.summary(capture, element)
     return [f"  {heading:20} {text}" for heading, text in lines]
 
 
-def _at_the_latches(capture: Capture) -> list[tuple[str, str]]:
-    """Return how the tip met the latches, and what their closing put in."""
-    docking = capture.docking
-    miss = f"{1e3 * float(docking.lateral_miss):.4g} mm off the axis"
-    return [
-        ("tip at the latches", f"{miss}, {np.degrees(float(docking.attitude_miss)):.4g} deg against it"),
-        *(("energy of the latch", text) for text in (closing_words(capture),) if text),
-    ]
-
-
 def _energy_before(capture: Capture) -> str:
-    """Return the energy of relative motion at the start, and what latches and thrust put in."""
+    """Return the energy of relative motion at the start, and what parts put in."""
     begin = float(capture.docking.energy_left) / float(capture.docking.relative_energy)
-    put_in = {
-        name: -float(np.asarray(capture.energy.stored[key]))
-        for name, key in (("the closing of the latches", "latch_closing"), ("the thrust", "thrust"))
-        if key in capture.energy.stored
-    }
+    stored = capture.energy.stored
+    put_in = {it.words: -float(np.asarray(stored[it.name])) for it in SUPPLIES if it.name in stored}
     more = "".join(f", {energy:.6g} J put in by {name}" for name, energy in put_in.items() if energy)
     return f"{begin:.6g} J of relative motion at the start{more}"
 
@@ -150,20 +136,20 @@ def _which_impact(capture: Capture) -> str:
     return f"impact {which or f'after the {listed}th'} of {count}, the first {listed} of which are listed"
 
 
-def _stop(capture: Capture) -> str:
-    return "".join(f", {stop.report.words} {float(capture.peak_stop_force):.6g} N" for stop in end_stops(capture))
+def _of_parts(capture: Capture) -> str:
+    """Return what parts say beside the buffer's force."""
+    return "".join(part.buffer_text(capture) for part in parts_of(capture.design, capture.scenario))
 
 
 def _stroke_limits(capture: Capture) -> str:
-    stops = (f", {stop.report.words} from {1e3 * float(stop.place):.6g} mm on" for stop in end_stops(capture))
-    return f" of {1e3 * float(capture.design.buffer.longest_stroke):.6g} mm{''.join(stops)}"
+    limits = (f", {what} from {1e3 * float(place):.6g} mm on" for what, place in stroke_limits(capture.design))
+    return f" of {1e3 * float(capture.design.buffer.longest_stroke):.6g} mm{''.join(limits)}"
 
 
 def _bottomed(capture: Capture) -> str:
     """Return what would keep the buffer from its end. By how much it is too short is not said: after the end come
     further impacts, of vehicles that are far heavier than the probe, and no number of this run tells of them."""
-    ends_before = capture.design.buffer.has("max_stroke") and not end_stops(capture)
-    longer = "buffer.max_stroke" if ends_before else "buffer.free_length"
+    longer = capture.design.buffer.end_field
     return f"none: raise {longer}, buffer.k_A or buffer.c_A; only a run that does not bottom says what stroke it needs"
 
 

@@ -35,7 +35,7 @@ class Throat(Element):
 
     - ``design``, ``scenario``: whose cone, tip and start it is.
     - ``cone_body``, ``tip_body``, ``tip_point``: the bodies, and the tip's centre on its body.
-    - ``captures``: whether the run ends behind the throat; not where latches have still to hold the tip.
+    - ``holder``: name of the element that holds the tip behind the throat; None: the run ends there, captured.
     """
 
     design: DockingDesign[Any]
@@ -43,7 +43,7 @@ class Throat(Element):
     tip_point: Point
     tip_body: int = eqx.field(static=True)
     cone_body: int = eqx.field(static=True)
-    captures: bool = eqx.field(static=True)
+    holder: str | None = eqx.field(static=True)
     name: str = eqx.field(static=True, default="throat")
 
     @property
@@ -70,7 +70,7 @@ class Throat(Element):
 
     @property
     def outcomes(self) -> tuple[str, ...]:
-        return ("captured", "escaped") if self.captures else ("escaped",)
+        return ("captured", "escaped") if self.holder is None else ("escaped",)
 
     def guards(self, at: ThroatState) -> list[Scalar]:
         cone, free = self.design.cone, self.scenario.start == "free"
@@ -81,7 +81,7 @@ class Throat(Element):
         # contact means nothing.
         mouth = -cone.offset - cone.length * jnp.cos(cone.half_angle)
         escaped = jnp.where(jnp.asarray(at.off_rim) > 0.0, jnp.maximum(escaped, at.tip.x - mouth), escaped)
-        return [-at.before, escaped] if self.captures else [escaped]
+        return [-at.before, escaped] if self.holder is None else [escaped]
 
     def recorded(self, at: ThroatState, closed: Array) -> dict[str, Scalar]:
         return {"throat_distance": at.before}

@@ -9,6 +9,7 @@ from .drawing import drawing
 from .label import scenario_label
 from .law_validity import limits, warnings
 from .panels import panels
+from .parts import PARTS
 from .sanity_checks import sanity_checks
 from .summary import first_impact_line, first_impact_record, summary
 from .vehicle_forces import larger_than_contact
@@ -26,17 +27,12 @@ def names(design: Design) -> Names:
             "tip_spin": "rad/s",
             "hinge_force": "N",
             "buffer_force": "N",
-            "stop_force": "N",
             "stroke": "m",
             "hinge_angle": "rad",
             "throat_distance": "m",
-            "hinge_gap": "m",
-            "bending": "m",
             "relative_energy": "J",
-            "latch_force": "N",
-            "latch_closed": "-",
             "passive_force": "N",
-            **dict.fromkeys(design.shock.frequencies, "m/s²"),
+            **{name: unit for part in PARTS for name, unit in part.recorded.items()},
         },
         shares={"relative_energy": "energy_left"},
     )
@@ -61,12 +57,7 @@ VIEW = View(
         "The motion is planar: nothing moves or turns out of the plane.",
         "The forces have not been compared with a test of hardware: docs/verification.md.",
     ),
-    limitations_without=(
-        (
-            "latch.stiffness",
-            "Without latches (latch.stiffness) the run ends at capture: what the parts do afterwards is not simulated.",
-        ),
-    ),
+    limitations_without=tuple((part.path, part.limitation) for part in PARTS if part.limitation),
     warnings=warnings,
     validity=limits,
     panels=panels,

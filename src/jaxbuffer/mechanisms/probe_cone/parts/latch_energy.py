@@ -4,48 +4,33 @@ It has two parts: the pull of the tip to its seat, and the turn of the probe ont
 larger decides what lowers it.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..._types import Scalar
-from ...value_text import percent_text
-from ..energy import energy_text
-from .capture import Capture
-from .design import Design, Scenario
+from ....value_text import percent_text
+from ...energy import energy_text
+from .vehicles import reduced_mass
 
 CLOSING = "latch_closing"
 MUCH = 0.1  # of the energy of relative motion at the start
-REFERENCE_SPEED = 0.1  # m/s, of M182
 
 
-def closing_energy(capture: Capture) -> Float[Array, ""]:
+def closing_energy(capture: Any) -> Float[Array, ""]:
     """Return what the closing of the latches put in [J], 0 without latches (M176)."""
     stored = capture.energy.stored
     # What is put in counts as stored below zero, so that the sum of all energies does not change.
     return -stored[CLOSING] if CLOSING in stored else 0.0 * capture.end_time
 
 
-def closing_share(capture: Capture) -> Float[Array, ""]:
+def closing_share(capture: Any) -> Float[Array, ""]:
     """Return what the closing of the latches put in over the energy of relative motion at the start [-] (M182)."""
     at_start = capture.docking.energy_left / capture.docking.relative_energy
     return closing_energy(capture) / at_start
 
 
-def reference_share(capture: Capture) -> Float[Array, ""]:
-    """Return the energy of relative motion at the end over that of the two vehicles at 0.1 m/s [-] (M182)."""
-    return jnp.asarray(capture.docking.energy_left / (0.5 * _reduced_mass(capture.design) * REFERENCE_SPEED**2))
-
-
-def _reduced_mass(design: Design) -> Scalar:
-    """Return the reduced mass of the two sides [kg]."""
-    active = design.active.mass + design.buffer.cylinder_mass + design.probe.rod_mass + design.probe.tip_mass
-    return active * design.passive.mass / (active + design.passive.mass)
-
-
-def _in_numbers(capture: Capture) -> tuple[float, float]:
+def _in_numbers(capture: Any) -> tuple[float, float]:
     """Return what the closing of the latches put in and the energy of relative motion at the start, of a solved run
     [J]."""
     docking = capture.docking
@@ -57,7 +42,7 @@ def _in_numbers(capture: Capture) -> tuple[float, float]:
         return -float(added), float(left / share)
 
 
-def closing_words(capture: Capture) -> str:
+def closing_words(capture: Any) -> str:
     """Return in words what closing the latches added: "Closing the latch added 344 J, 6 times what the vehicles
     brought (57 J)"; "" where it added nothing."""
     added, brought = _in_numbers(capture)
@@ -90,7 +75,7 @@ class ClosingParts(NamedTuple):
         return f"closed at once {pull}, {turn}; {softer}"
 
 
-def closing_parts(design: Design, miss: float, angle: float) -> ClosingParts:
+def closing_parts(design: Any, miss: float, angle: float) -> ClosingParts:
     """Return both parts for a ``miss`` of the tip [m] and an ``angle`` of the probe [rad] at the crossing (M176)."""
     latch = design.latch
     stiffness, turn, preload, length, depth = (
@@ -102,7 +87,7 @@ def closing_parts(design: Design, miss: float, angle: float) -> ClosingParts:
     return ClosingParts(float(pull), 0.5 * turn * angle**2)
 
 
-def closing_warnings(capture: Capture) -> list[str]:
+def closing_warnings(capture: Any) -> list[str]:
     """Return a line where closing the latches added more than a tenth of what the vehicles brought."""
     added, brought = _in_numbers(capture)
     if not added > MUCH * brought:
@@ -112,15 +97,13 @@ def closing_warnings(capture: Capture) -> list[str]:
     return [f"sanity check: {closing_words(capture)}, more than a tenth: {parts.advice()}"]
 
 
-def closing_cautions(design: Design, scenario: Scenario) -> list[str]:
+def closing_cautions(design: Any, scenario: Any) -> list[str]:
     """Return a line where turning the probe onto the cone's axis, by its angle at the start, puts in more than a tenth
     of what the vehicles bring. How far the tip misses the seat is known after a run only."""
-    if not design.latch.has("stiffness"):
-        return []
     free = scenario.start == "free"
     angle = (float(scenario.active_angle) if free else 0.0) - float(scenario.misalignment)
     speed = np.hypot(float(scenario.approach_speed), float(scenario.lateral_speed) if free else 0.0)
-    turn, brought = closing_parts(design, 0.0, angle).turn, 0.5 * float(_reduced_mass(design)) * float(speed) ** 2
+    turn, brought = closing_parts(design, 0.0, angle).turn, 0.5 * float(reduced_mass(design)) * float(speed) ** 2
     if not turn > MUCH * brought:
         return []
     return [

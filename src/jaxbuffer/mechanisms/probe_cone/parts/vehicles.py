@@ -1,0 +1,88 @@
+"""The vehicles, and the cone on the passive one."""
+
+import math
+from typing import Any, ClassVar
+
+from ...._types import Scalar
+from ....fields import NON_NEGATIVE, POSITIVE, Number, Part, number
+
+SAME = 1e-9  # relative: a ball of the throat's own radius passes
+
+
+class Active(Part):
+    """The active vehicle S, which carries the probe.
+
+    - ``mass``: m_S [kg].
+    - ``inertia``: I_S about its centre of mass [kg m²].
+    - ``hinge_offset``: a, from its centre of mass forward to the hinge [m].
+    """
+
+    section: ClassVar[str] = "active"
+    mass: Number = number(21.9706, "kg", **POSITIVE, doc="mass m_S of the active vehicle")
+    inertia: Number = number(0.445, "kg m²", **POSITIVE, doc="inertia I_S about its centre of mass")
+    hinge_offset: Number = number(0.1365, "m", **NON_NEGATIVE, doc="a, from its centre of mass forward to the hinge")
+
+
+class Passive(Part):
+    """The passive vehicle T, which carries the cone.
+
+    - ``mass``: m_T [kg].
+    - ``inertia``: I_T about its centre of mass [kg m²].
+    """
+
+    section: ClassVar[str] = "passive"
+    mass: Number = number(23.5731, "kg", **POSITIVE, doc="mass m_T of the passive vehicle")
+    inertia: Number = number(0.5206, "kg m²", **POSITIVE, doc="inertia I_T about its centre of mass")
+
+
+class Cone(Part):
+    """The cone on the passive vehicle (M30).
+
+    - ``half_angle``: β [rad].
+    - ``offset``: L_T, from the throat plane to the centre of mass of T [m].
+    - ``throat_radius``: R_c [m].
+    - ``length``: L_c, along the flank [m].
+    - ``young_modulus`` [Pa], ``poisson_ratio`` [-]: of the flanks; None: that of the tip, as `Contact` has it.
+    """
+
+    section: ClassVar[str] = "cone"
+    half_angle: Number = number(
+        math.pi / 4, "rad", low=0.0, high=math.pi / 2, low_open=True, high_open=True, doc="half angle β of the cone"
+    )
+    offset: Number = number(
+        0.096, "m", **NON_NEGATIVE, doc="L_T, from the throat plane to the passive vehicle's centre of mass"
+    )
+    throat_radius: Number = number(0.015, "m", **POSITIVE, doc="radius R_c of the throat")
+    length: Number = number(0.0735, "m", **POSITIVE, doc="L_c, along the flank")
+    young_modulus: Number = number(
+        None, "Pa", **POSITIVE, doc="Young's modulus of the flanks; not set: contact.young_modulus"
+    )
+    poisson_ratio: Number = number(
+        None,
+        "-",
+        low=-1.0,
+        high=0.5,
+        low_open=True,
+        doc="Poisson's ratio of the flanks; not set: contact.poisson_ratio",
+    )
+
+    def reach(self, radius: Scalar) -> float:
+        """Return how far behind the capture plane the centre of a ball of a ``radius`` [m] comes at most [m] (M65): of
+        one that wedges in the cone before it less than zero, of one that passes the throat infinity."""
+        ball, throat, angle = float(radius), float(self.throat_radius), float(self.half_angle)
+        if ball <= throat * (1.0 + SAME):
+            return math.inf
+        # On the axis the ball touches both flanks at the slant distance b of M64, which is b cos β before the capture
+        # plane.
+        short = (ball * math.cos(angle) - throat) / math.tan(angle)
+        if short > 0.0:
+            return -short
+        # On the throat's edges its centre is √(R² - R_c²) before the throat plane, and the capture plane R sin β before
+        # it.
+        return ball * math.sin(angle) - math.sqrt(ball**2 - throat**2)
+
+
+def reduced_mass(design: Any) -> Scalar:
+    """Return the reduced mass of the two sides of a docking [kg]."""
+    active = design.active.mass + design.buffer.cylinder_mass + design.probe.rod_mass + design.probe.tip_mass
+    return active * design.passive.mass / (active + design.passive.mass)
