@@ -6,7 +6,7 @@ from ..._types import Scalar
 from ...multibody import Body, FlexibleBody, Point, Prismatic, Revolute, System
 from ...multibody.flexible import FlexibleBar, Marker
 from .design import Design, DockingDesign
-from .parts.bending import bending_probe
+from .parts.bending import BendingFields, bending_probe
 from .parts.part import B as B
 from .parts.part import P as P
 from .parts.part import S as S
@@ -50,7 +50,8 @@ def probe_masses(design: DockingDesign[Any]) -> Masses:
     rear, front = probe.length / 2 + shift, probe.length / 2 - shift
     tip = probe.tip_inertia
     inertia = probe.rod_mass * (probe.length**2 / 12 + shift**2) + probe.tip_mass * front**2
-    return Masses(mass, inertia if probe.free_tip else inertia + tip, rear, front, tip, bending_probe(probe))
+    bending = bending_probe(probe) if isinstance(probe, BendingFields) else None
+    return Masses(mass, inertia if probe.free_tip else inertia + tip, rear, front, tip, bending)
 
 
 def assemble_system(design: Design, probe: Masses, stabilisation: Scalar) -> System:
