@@ -7,6 +7,11 @@ TURNING = "tests/space/test_rotations.py::test_the_position_rate_turns_the_frame
 WORK = "tests/space/test_rotations.py::test_moments_of_the_rotation_vector_are_those_of_its_potential"
 ROWS = "tests/multibody/test_space_joints.py::test_rows_are_derivatives_of_the_constraint"
 GEOMETRY = "tests/multibody/test_space_joints.py::test_an_assembled_joint_holds_its_geometry"
+IN_A_CONE = (
+    "tests/elements/test_ball_in_space.py"
+    "::test_the_foot_is_the_nearest_point_and_speeds_are_those_of_the_material_there"
+)
+ROLLING = "tests/elements/test_ball_in_space.py::test_a_sliding_ball_comes_to_roll"
 NEWTON = "tests/hybrid/test_in_space.py::test_newtons_matrix_solves_with_the_stiff_part"
 
 
@@ -59,6 +64,38 @@ def _quaternions_as_spins() -> None:
     TurningRate.velocity = lambda self, rate: 0.5 * velocity(self, rate)
 
 
+def _slip_towards_the_throat() -> None:
+    from jaxbuffer.contact import Revolved
+    from jaxbuffer.space import Vector
+    from jaxbuffer.space.vectors import normals_to
+
+    def broken(self, velocity, normal, side):
+        tangent = Vector(*normals_to(normal)[0])
+        return tangent, velocity.dot(tangent)
+
+    Revolved.slip = broken
+
+
+def _meridian_of_the_plane() -> None:
+    from jaxbuffer.contact import Revolved
+
+    nearest = Revolved.nearest
+    Revolved.nearest = lambda self, place, side: nearest(self, place._replace(z=0.0), side)
+
+
+def _free_ball_without_moment() -> None:
+    from jaxbuffer.elements import BallContact
+    from jaxbuffer.space import Vector
+
+    moment = BallContact.spin_moment
+
+    def broken(self, at, forces):
+        whole = moment(self, at, forces)
+        return Vector(whole.x, 0.0, 0.0) if isinstance(whole, Vector) else whole
+
+    BallContact.spin_moment = broken
+
+
 SPACE = (
     Breakage("gyroscopic moment", "a free body's spin stays as it is", _no_gyroscopic_moment, (EULER,)),
     Breakage("quaternion's rate", "the spin taken in the body's axes", _spin_of_the_body, (TURNING, ROWS)),
@@ -66,4 +103,7 @@ SPACE = (
     Breakage("universal joint", "each axis of the cross in the other body", _swapped_cross, (GEOMETRY,)),
     Breakage("perpendicular vectors", "the product of both vectors' rates lost in γ", _no_coriolis, (ROWS,)),
     Breakage("spin of a rate", "half the angular velocity from a quaternion's rate", _quaternions_as_spins, (NEWTON,)),
+    Breakage("slip direction", "friction along one fixed tangent", _slip_towards_the_throat, (IN_A_CONE,)),
+    Breakage("surface of revolution", "the foot in the plane z = 0", _meridian_of_the_plane, (IN_A_CONE,)),
+    Breakage("free ball in space", "it turns about x alone", _free_ball_without_moment, (ROLLING,)),
 )

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from jaxbuffer.contact import Ball, BallPair, Carrier, LankaraniNikravesh, RegularisedCoulomb, Segment
+from jaxbuffer.contact import BallPair, LankaraniNikravesh, RegularisedCoulomb, Segment
+from jaxbuffer.plane import Frame, Vector
 
 RADIUS, EDGE, LENGTH = 0.015, (-0.1, 0.015), 0.07
 SIDE = np.array([1.0, -1.0])
@@ -39,7 +40,9 @@ def pressed(seed):
 def bodies(pose, rates):
     x, y, cone_x, cone_y, angle = pose
     u, v, spin, cone_u, cone_v, cone_spin = rates
-    return Ball(x, y, u, v, spin), Carrier(cone_x, cone_y, jnp.cos(angle), jnp.sin(angle), cone_u, cone_v, cone_spin)
+    ball = Frame(Vector(x, y), 0.0, 1.0, 0.0, Vector(u, v), spin)
+    cos, sin = jnp.cos(angle), jnp.sin(angle)
+    return ball, Frame(Vector(cone_x, cone_y), angle, cos, sin, Vector(cone_u, cone_v), cone_spin)
 
 
 def forces(pose, rates):
@@ -47,7 +50,7 @@ def forces(pose, rates):
     a = PAIR.approach(*bodies(pose, rates))
     normal = PAIR.normal_force(a, TOUCHDOWN)
     friction = PAIR.friction_force(a, normal)
-    vector = np.stack([normal * a.normal_x + friction * a.tangent_x, normal * a.normal_y + friction * a.tangent_y])
+    vector = np.stack(a.normal * normal + a.tangent * friction)
     return a, np.asarray(normal), np.asarray(friction), vector
 
 
@@ -68,8 +71,8 @@ def test_both_bodies_are_pushed_at_one_point(seed):
     moments about any point cancel."""
     pose, rates = pressed(seed)
     a, _, _, vector = forces(pose, rates)
-    on_ball = pose[:2, None] - np.asarray(a.distance) * np.stack([a.normal_x, a.normal_y])
-    on_cone = pose[2:4, None] + np.stack([a.foot_x, a.foot_y])
+    on_ball = pose[:2, None] - np.asarray(a.distance) * np.stack(a.normal)
+    on_cone = pose[2:4, None] + np.stack(a.foot)
     assert_allclose(on_ball, on_cone, atol=1e-15)
     for point in ([0.0, 0.0], [3.0, -2.0]):
         arms = on_ball - np.array(point)[:, None], on_cone - np.array(point)[:, None]
@@ -83,9 +86,9 @@ def test_power_is_stored_or_lost_and_friction_only_loses(seed):
     pose, rates = pressed(seed)
     a, normal, friction, (force_x, force_y) = forces(pose, rates)
     u, v, spin, cone_u, cone_v, cone_spin = rates
-    to_foot = -np.asarray(a.distance) * np.stack([a.normal_x, a.normal_y])
+    to_foot = -np.asarray(a.distance) * np.stack(a.normal)
     ball_power = force_x * u + force_y * v + (to_foot[0] * force_y - to_foot[1] * force_x) * spin
-    cone_power = -force_x * cone_u - force_y * cone_v - (a.foot_x * force_y - a.foot_y * force_x) * cone_spin
+    cone_power = -force_x * cone_u - force_y * cone_v - (a.foot.x * force_y - a.foot.y * force_x) * cone_spin
 
     def stored(*pose):
         return PAIR.stored_energy(PAIR.approach(*bodies(pose, rates)))

@@ -35,7 +35,7 @@ def test_the_gap_is_the_height_above_the_plane(points):
     np.testing.assert_allclose(centre.place, ball, rtol=1e-14)
     np.testing.assert_allclose(origin.place, base, rtol=1e-14)
     np.testing.assert_allclose(approach.gap, [normal @ (ball - base) - RADIUS], rtol=1e-13)
-    np.testing.assert_allclose([approach.normal_x[0], approach.normal_y[0]], normal, rtol=1e-13)
+    np.testing.assert_allclose([approach.normal.x[0], approach.normal.y[0]], normal, rtol=1e-13)
 
 
 def test_on_the_ground_it_is_the_height():

@@ -103,8 +103,8 @@ def test_published_arms_conserve_no_angular_momentum(place, seed):
     a = ball.approach
     push = np.array(
         [
-            forces.normal[k] * a.normal_x[k] + forces.friction[k] * a.tangent_x[k],
-            forces.normal[k] * a.normal_y[k] + forces.friction[k] * a.tangent_y[k],
+            forces.normal[k] * a.normal.x[k] + forces.friction[k] * a.tangent.x[k],
+            forces.normal[k] * a.normal.y[k] + forces.friction[k] * a.tangent.y[k],
         ]
     )
     half, side = np.sqrt(0.5), 1.0 - 2.0 * k

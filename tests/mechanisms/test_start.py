@@ -50,7 +50,7 @@ def test_tip_just_touches_the_lower_flank_at_the_slant_distance(name, free):
     cos, sin = np.cos(angle), np.sin(angle)
     edge_x = cos * edge.start_x - sin * edge.start_y[LOWER]
     edge_y = sin * edge.start_x + cos * edge.start_y[LOWER]
-    slant = np.hypot(approach.foot_x[LOWER] - edge_x, approach.foot_y[LOWER] - edge_y)
+    slant = np.hypot(approach.foot.x[LOWER] - edge_x, approach.foot.y[LOWER] - edge_y)
     assert_allclose(slant, cone.contact_distance, rtol=1e-13)
     assert float(approach.gap[UPPER]) > 0.01
     assert_allclose(active, [1.0, 0.0])

@@ -20,10 +20,10 @@ from .laws import pin_in_hole_law as pin_in_hole_law
 from .laws import register_law as register_law
 from .laws import socket_stiffness as socket_stiffness
 from .pair import Approach as Approach
-from .pair import Ball as Ball
 from .pair import BallPair as BallPair
-from .pair import Carrier as Carrier
 from .shapes import Foot as Foot
 from .shapes import Hole as Hole
+from .shapes import PlaneShape as PlaneShape
+from .shapes import Revolved as Revolved
 from .shapes import Segment as Segment
 from .shapes import Shape as Shape

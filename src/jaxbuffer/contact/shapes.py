@@ -1,12 +1,18 @@
-"""Shapes in contact: foot and normal of a ball against a segment, rims included, and of a pin in a hole."""
+"""Shapes in contact: foot and normal of a ball against a segment, rims included, of a pin in a hole, and of a ball in a
+surface of revolution."""
 
+from abc import abstractmethod
 from typing import NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
 
+from .. import plane, space
 from .._types import Scalar, Values
 from ..plane.unit_vector import check_unit
+from ..space.either import Vector
+
+STILL = 1e-12  # m/s: a slip has a direction above it, and friction a slope at rest
 
 
 class Foot(NamedTuple):
@@ -24,8 +30,36 @@ class Foot(NamedTuple):
     distance: Values
 
 
+class Nearest(NamedTuple):
+    """The point of a shape that is nearest to a ball's centre, in the shape's axes, in the plane or in space (M31).
+
+    - ``foot``: that point [m].
+    - ``normal``: unit vector from the foot to the centre [-].
+    - ``distance``: between them [m].
+    """
+
+    foot: Vector
+    normal: Vector
+    distance: Values
+
+
 class Shape(eqx.Module):
     """Base of the shapes."""
+
+    @abstractmethod
+    def nearest(self, place: Vector, side: Values | Scalar) -> Nearest:
+        """Return the point that is nearest to a ``place`` in the shape's axes [m]. ``side``: as of `BallPair`."""
+
+    @abstractmethod
+    def slip(self, velocity: Vector, normal: Vector, side: Values | Scalar) -> tuple[Vector, Values]:
+        """Return a unit tangent [-], and the slip along it [m/s].
+
+        **Arguments:** ``velocity`` of the ball's material point at the foot against the shape's [m/s]; ``normal``, in
+        the same axes; ``side``: as of `BallPair`."""
+
+
+class PlaneShape(Shape):
+    """Base of the shapes of the plane."""
 
     def foot(self, x: Values | Scalar, y: Values | Scalar, side: Values | Scalar) -> Foot:
         """Return the foot of the point (x, y) on the shape (M31).
@@ -35,8 +69,17 @@ class Shape(eqx.Module):
         """
         raise NotImplementedError
 
+    def nearest(self, place: Vector, side: Values | Scalar) -> Nearest:
+        foot = self.foot(place.x, place.y, side)
+        return Nearest(plane.Vector(foot.x, foot.y), plane.Vector(foot.normal_x, foot.normal_y), foot.distance)
 
-class Segment(Shape):
+    def slip(self, velocity: Vector, normal: Vector, side: Values | Scalar) -> tuple[Vector, Values]:
+        # With the side's sign the tangents of both flanks of a cone point to the throat, so that slips compare.
+        tangent = plane.Vector(side * normal.y, -side * normal.x)
+        return tangent, velocity.dot(tangent)
+
+
+class Segment(PlaneShape):
     """A straight flank; each field is a scalar or an array with an entry a segment (M30).
 
     The foot stays on the segment, so both ends are met as points and the normal turns continuously there.
@@ -74,7 +117,7 @@ class Segment(Shape):
         return Foot(foot_x, foot_y, off_x / distance, off_y / distance, distance)
 
 
-class Hole(Shape):
+class Hole(PlaneShape):
     """A round hole, seen from inside: the wall around a pin (M105).
 
     The foot lies where the line from the hole's centre through the pin's meets the wall. Where the centres coincide
@@ -98,3 +141,32 @@ class Hole(Shape):
         out_y = jnp.where(apart, off_y / eccentricity, 0.0)
         distance = self.radius - jnp.where(apart, eccentricity, 0.0)
         return Foot(self.x + self.radius * out_x, self.y + self.radius * out_y, -out_x, -out_y, distance)
+
+
+class Revolved(Shape):
+    """A surface of revolution about the x axis of the shape's axes, in space: a cone, a funnel, a round hole (M217).
+
+    - ``meridian``: what is turned, in the half plane of x and the distance ρ from the axis; its `foot` is the surface's
+      in the half plane of the ball's centre.
+    """
+
+    meridian: Segment
+
+    def nearest(self, place: space.Vector, side: Values | Scalar) -> Nearest:  # type: ignore[override]
+        square = jnp.asarray(place.y * place.y + place.z * place.z)
+        # On the axis all directions are alike: any will do, and a root of zero has no derivative.
+        off_axis = square > 0.0
+        radius = jnp.sqrt(jnp.where(off_axis, square, 1.0))
+        y, z = jnp.where(off_axis, place.y / radius, 1.0), jnp.where(off_axis, place.z / radius, 0.0)
+        foot = self.meridian.foot(place.x, jnp.where(off_axis, radius, 0.0), side)
+        around = lambda x, r: space.Vector(x, r * y, r * z)  # noqa: E731
+        return Nearest(around(foot.x, foot.y), around(foot.normal_x, foot.normal_y), foot.distance)
+
+    def slip(  # type: ignore[override]
+        self, velocity: space.Vector, normal: space.Vector, side: Values | Scalar
+    ) -> tuple[space.Vector, Values]:
+        """Return the direction of the slip, and its size (M218)."""
+        across = velocity - normal * velocity.dot(normal)
+        # Without the small number friction would have no slope where nothing slips.
+        size = jnp.sqrt(across.dot(across) + STILL * STILL)
+        return across * (1.0 / size), size

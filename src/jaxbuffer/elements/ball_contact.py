@@ -1,8 +1,11 @@
-"""A ball or a pin on one body of a system, against the segments of a shape, or a hole, on another (M29 to M36)."""
+"""A ball or a pin on one body of a system, against the segments of a shape, or a hole, on another (M29 to M36).
+
+In space the shape is a surface of revolution.
+"""
 
 import dataclasses
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax
@@ -11,14 +14,16 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from .._types import Scalar
-from ..basis import AnyBasis
-from ..contact import Approach, Ball, BallPair, Carrier, Segment
+from ..basis import AnyBasis, components, turn_array
+from ..contact import Approach, BallPair, Segment
 from ..errors import InputError, concrete
 from ..multibody import Kinematics, Load, MaterialPoint, Point, System, load_at
-from ..plane import Vector
+from ..plane import PLANE, Vector
+from ..space.either import Turn
+from ..space.either import Vector as AnyVector
 from .element import ROUNDED_LENGTH, Closed, ContactForces, Element, Magnitudes, Own, Switch
 from .report import Report
-from .stiff_terms import ContactTerm, contact_directions, contact_slopes
+from .stiff_terms import ContactTerm, SpringTerm, contact_directions, contact_slopes
 
 SLIP_SPEEDS = 10.0  # the largest slip, in slip speeds, that its error may be relative to (docs/decisions.md)
 SLOWEST_TOUCHDOWN, SLOWEST_SHARE = 1e-5, 1e-3  # m/s, and of a typical speed: the least δ̇⁻ is the smaller one (M36)
@@ -36,7 +41,7 @@ class BallState(NamedTuple):
     - ``approach``: geometry and relative motion, an entry a segment.
     - ``centre``: the ball's centre on its body.
     - ``origin``: the origin of the shape's axes on its carrier.
-    - ``spin``: of the ball [rad/s].
+    - ``spin``: of the ball [rad/s], in space a vector.
     - ``memory``: δ̇⁻, the approach speed of each segment at its last touchdown [m/s].
     - ``forces``: where they are known already.
     """
@@ -44,7 +49,7 @@ class BallState(NamedTuple):
     approach: Approach
     centre: MaterialPoint
     origin: MaterialPoint
-    spin: Scalar
+    spin: Turn
     memory: Segments
     forces: ContactForces | None = None
 
@@ -69,17 +74,19 @@ class BallContact(Element):
       material there.
     - ``name``: of the contact.
     - ``names``: of the segments, whose contact forces are watched; empty: the one segment has the contact's name.
-    - ``spin_inertia``: of a ball that spins freely on its body, with a velocity of its own [kg m²]; None: it is fixed.
+    - ``spin_inertia``: of a ball that spins freely on its body, with velocities of its own, one or in space three
+      [kg m²]; None: it is fixed.
     - ``onset_length``: over which the force of a contact without events sets in, open or closed (M60) [m]; None: the
       contact opens and closes by events.
     - ``fixed_foot``: where along its segment the force acts on the carrier, wherever the foot is, as the paper has it
-      [m]; None: at the foot. That conserves no angular momentum; it is there for comparison.
+      [m]; None: at the foot. That conserves no angular momentum; it is there for comparison, in the plane.
     - ``memory_time``: [s]; if given, no event sets the memory: it follows the approach speed while the contact is open
       (M61).
     - ``first_contact``: which segments are closed at t = 0, unless the mechanism says it, and their memory there [m/s],
       from their approach speeds and the least memory [m/s]; None: they are open, and the memory is the approach speed,
       of an open segment no less than the typical speed.
     - ``typical_speed``: that the mechanism's velocities are of the order of [m/s]; None: the mechanism says it.
+    - ``basis``: of the mechanism, which says it.
     """
 
     body: int = eqx.field(static=True)
@@ -94,6 +101,7 @@ class BallContact(Element):
     memory_time: Scalar | None = None
     first_contact: FirstContact | None = eqx.field(static=True, default=None)
     typical_speed: Scalar | None = None
+    basis: AnyBasis = PLANE
     name: str = eqx.field(static=True, default="contact")
 
     def __check_init__(self) -> None:
@@ -107,7 +115,8 @@ class BallContact(Element):
         return BallReport(self)
 
     def in_mechanism(self, speed: Scalar, basis: AnyBasis) -> "BallContact":
-        return self if self.typical_speed is not None else dataclasses.replace(self, typical_speed=speed)
+        speed = speed if self.typical_speed is None else self.typical_speed
+        return dataclasses.replace(self, typical_speed=speed, basis=basis)
 
     @property
     def segments(self) -> int:
@@ -126,17 +135,18 @@ class BallContact(Element):
 
     @property
     def spin_inertias(self) -> tuple[Scalar, ...]:
-        return () if self.spin_inertia is None else (self.spin_inertia,)
+        return () if self.spin_inertia is None else (self.spin_inertia,) * len(self.basis.unit_turns)
 
     @property
     def variables(self) -> tuple[str, ...]:
-        return (*["spin"] * self.spins, *(f"touchdown_speed_{name}" for name in self.segment_names))
+        spins = ("spin",) if len(self.spin_inertias) == 1 else ("spin_x", "spin_y", "spin_z")
+        return (*spins * self.spins, *(f"touchdown_speed_{name}" for name in self.segment_names))
 
     def start(self, kin: Kinematics) -> Own:
         # Which segments are closed does not depend on the memory, which `after_start` sets.
         memory = jnp.ones(self.segments)
         # A ball that spins freely begins with the spin of its body.
-        return jnp.append(kin.point(self.body, self.point).spin, memory) if self.spins else memory
+        return jnp.append(turn_array(kin.point(self.body, self.point).spin), memory) if self.spins else memory
 
     def closed_at_start(self, at: BallState) -> list[Scalar]:
         if self.first_contact is None:
@@ -153,10 +163,10 @@ class BallContact(Element):
         return at._replace(memory=memory), self._with_memory(own, memory)
 
     def _with_memory(self, own: Own, memory: Segments) -> Own:
-        return jnp.concatenate([own[:1], memory]) if self.spins else memory
+        return jnp.concatenate([own[: len(self.spin_inertias)], memory]) if self.spins else memory
 
     def touchdown_speeds(self, own: Own) -> Segments:
-        return own[1:] if self.spins else own
+        return own[len(self.spin_inertias) :] if self.spins else own
 
     @property
     def _speed(self) -> Scalar:
@@ -180,10 +190,11 @@ class BallContact(Element):
 
     def scales(self, size: Magnitudes) -> list[Scalar]:
         # A ball that rolls at the typical speed spins at that over its radius.
-        return [size.speed / self.pair.radius] * self.spins + [size.speed] * self.segments
+        return [size.speed / self.pair.radius] * len(self.spin_inertias) + [size.speed] * self.segments
 
     def scale_limits(self) -> list[Scalar] | None:
-        return [self.spin_scale_limit, *[jnp.inf] * self.segments] if self.spins else None
+        limits = [self.spin_scale_limit] * len(self.spin_inertias)
+        return [*limits, *[jnp.inf] * self.segments] if self.spins else None
 
     @property
     def switches(self) -> tuple[Switch, ...]:
@@ -220,15 +231,14 @@ class BallContact(Element):
     def evaluate(self, kin: Kinematics, own: Own | None = None) -> BallState:
         """Return geometry and relative motion. Without ``own`` numbers the ball turns with its body, and its memory
         means nothing."""
-        spin = own[0] if own is not None and self.spins else None
         centre, origin = kin.point(self.body, self.point), kin.point(self.carrier, self.carrier_point)
-        turning = centre.spin if spin is None else spin
-        ball = Ball(*centre.place, *centre.velocity, turning)
-        carrier = Carrier(*origin.place, origin.cos, origin.sin, *origin.velocity, origin.spin)
-        approach = self.pair.approach(ball, carrier)
-        if self.segments == 1:
-            # One segment has an axis too, so that all that follows treats one and several alike.
-            approach = Approach(*(jnp.reshape(part, (1,)) for part in approach))
+        turning = centre.spin
+        if own is not None and self.spins:
+            turning = kin.basis.turn(*(own[k] for k in range(len(kin.basis.unit_turns))))
+        approach = self.pair.approach(centre.frame._replace(spin=turning), origin.frame)
+        # One segment has an axis too, so that all that follows treats one and several alike; so has what no segment
+        # changes.
+        approach = jax.tree.map(lambda part: jnp.broadcast_to(jnp.asarray(part), (self.segments,)), approach)
         memory = jnp.ones(self.segments) if own is None else self.touchdown_speeds(own)
         return BallState(approach, centre, origin, turning, memory)
 
@@ -261,39 +271,34 @@ class BallContact(Element):
 
     def loads_of(self, at: BallState, forces: ContactForces) -> tuple[Load, Load]:
         """Return the loads on both bodies at the foot (M33)."""
-        a = at.approach
-        x, y = self._force_of_segments(a, forces)
-        push = Vector(jnp.sum(x), jnp.sum(y))
-        foot_x: Array | float = a.foot_x
-        foot_y: Array | float = a.foot_y
+        each, foot = self._force_of_segments(at.approach, forces), at.approach.foot
+        push = _sum(each)
         if self.fixed_foot is not None:
             # The paper's arm is fixed in the carrier, where the first contact was (M34).
             shape, axes = self.pair.shape, at.origin
             assert isinstance(shape, Segment)
-            frozen_x = shape.start_x + self.fixed_foot * shape.direction_x
-            frozen_y = shape.start_y + self.fixed_foot * shape.direction_y
-            foot_x, foot_y = axes.cos * frozen_x - axes.sin * frozen_y, axes.sin * frozen_x + axes.cos * frozen_y
-        on_carrier = -jnp.sum(foot_x * y - foot_y * x)
+            along = Vector(shape.direction_x, shape.direction_y) * self.fixed_foot
+            foot = axes.turn(Vector(shape.start_x, shape.start_y) + along)
+        on_carrier = -_sum(foot.cross(each))
         # A ball that spins freely takes this moment by itself (M8); its body feels the force alone.
         on_ball = 0.0 if self.spins else self.spin_moment(at, forces)
         return load_at(at.centre, push, on_ball), load_at(at.origin, -push, on_carrier)
 
-    def _force_of_segments(self, a: Approach, forces: ContactForces) -> tuple[Segments, Segments]:
+    def _force_of_segments(self, a: Approach, forces: ContactForces) -> AnyVector:
         """Return the force on the ball in inertial axes, an entry a segment [N]."""
-        x = forces.normal * a.normal_x + forces.friction * a.tangent_x
-        return x, forces.normal * a.normal_y + forces.friction * a.tangent_y
+        return a.normal * forces.normal + a.tangent * forces.friction
 
-    def spin_moment(self, at: BallState, forces: ContactForces) -> Scalar:
+    def spin_moment(self, at: BallState, forces: ContactForces) -> Turn:
         """Return the moment on the ball about its centre [N m] (M34)."""
         if self.fixed_foot is not None:
             return jnp.zeros(())
-        a = at.approach
-        x, y = self._force_of_segments(a, forces)
         # About the ball's centre the foot's arm is -distance · normal, so only friction turns the ball.
-        return -jnp.sum(a.distance * (a.normal_x * y - a.normal_y * x))
+        arm = at.approach.normal
+        return -_sum(arm.cross(self._force_of_segments(at.approach, forces)) * at.approach.distance)
 
     def rates(self, at: BallState, closed: Closed) -> list[Scalar]:
-        spins = [self.spin_moment(at, self.contact_forces(at, closed)) / inertia for inertia in self.spin_inertias]
+        moment = components(self.spin_moment(at, self.contact_forces(at, closed))) if self.spins else ()
+        spins = [entry / inertia for entry, inertia in zip(moment, self.spin_inertias, strict=True)]
         if self.memory_time is None:
             return [*spins, *[0.0] * self.segments]
         follows = self._memory_decay(at) * (jnp.maximum(at.approach.approach_speed, self.slowest_touchdown) - at.memory)
@@ -308,7 +313,7 @@ class BallContact(Element):
         return 0.5 * (1.0 + jnp.tanh(at.approach.gap / onset)) / self.memory_time
 
     def decays(self, at: BallState) -> list[Scalar] | None:
-        return None if self.memory_time is None else [*[0.0] * self.spins, *self._memory_decay(at)]
+        return None if self.memory_time is None else [*[0.0] * len(self.spin_inertias), *self._memory_decay(at)]
 
     def elastic_energy(self, at: BallState, closed: Closed) -> Scalar:
         """Return the energy that the contact stores [J]."""
@@ -340,6 +345,10 @@ class BallContact(Element):
 
     def directions(self, system: System, at: BallState) -> tuple[Array, Array]:
         """Return columns b with δ̇ = b·w and columns b with v_t = b·w, one a segment."""
+        normals, tangents, _ = self._directions(system, at)
+        return normals, tangents
+
+    def _directions(self, system: System, at: BallState) -> tuple[Array, Array, Array]:
         side = jnp.reshape(jnp.asarray(self.pair.side, float), (self.segments,))
         return contact_directions(system, at.approach, side, at.centre, at.origin, self.spins)
 
@@ -360,7 +369,12 @@ class BallContact(Element):
 
     def contact_term(self, system: System, at: BallState, closed: Closed) -> ContactTerm:
         slopes = contact_slopes(self.pair, self._onset(at.approach), at.memory, self._exerting(closed))
-        return ContactTerm(*self.directions(system, at), *slopes)
+        normals, tangents, across = self._directions(system, at)
+        normal = self.pair.normal_force(self._onset(at.approach), at.memory) * self._exerting(closed)
+        # In space the slip may change its direction: friction resists that by its size over the slip (M218).
+        resisting = -self.pair.friction_force(at.approach, normal) / at.approach.slip if across.shape[1] else normal
+        turning = tuple(SpringTerm(across[:, k], 0.0, resisting[k]) for k in range(across.shape[1]))
+        return ContactTerm(normals, tangents, *slopes, turning)
 
 
 class BallReport(Report[BallContact]):
@@ -369,3 +383,8 @@ class BallReport(Report[BallContact]):
     @property
     def balls(self) -> tuple[BallContact, ...]:
         return (self.element,)
+
+
+def _sum(of_segments: Any) -> Any:
+    """Return the sum over the segments of a vector or a turn."""
+    return jax.tree.map(jnp.sum, of_segments)

@@ -9,7 +9,8 @@ from jaxtyping import Array, Float
 
 from .._types import Scalar
 from ..basis import AnyBasis
-from ..multibody import Joint, Kinematics, Load, System, Turn, Vector
+from ..multibody import Joint, Kinematics, Load, System
+from ..space.either import Turn, Vector
 from .report import Report
 from .stepping import Closed as Closed
 from .stepping import Own as Own

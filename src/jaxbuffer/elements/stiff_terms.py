@@ -12,10 +12,14 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._types import Scalar, stacked
+from ..basis import components, plus
 from ..contact import Approach, BallPair
 from ..hybrid import Linearisation
 from ..multibody import Block, Kinematics, MaterialPoint, System
-from ..plane import Vector
+from ..space.either import Turn, Vector
+from ..space.vectors import normals_to
+
+STILL = 1e-9  # of a tangent: what gives one that vanishes a direction
 
 
 class SpringTerm(NamedTuple):
@@ -30,7 +34,8 @@ class ContactTerm(NamedTuple):
     """Contacts of one pair, m of them.
 
     ``normals`` and ``tangents`` (velocities, m): directions with δ̇ = b·w and v_t = b·w; ``per_depth``, ``per_speed``
-    and ``per_slip``: derivatives of (F_n, -F_t), m each, by penetration, approach speed and slip.
+    and ``per_slip``: derivatives of (F_n, -F_t), m each, by penetration, approach speed and slip; ``across``: in space,
+    what friction does against a change of the slip's direction, a damper a contact.
     """
 
     normals: Float[Array, "velocities m"]
@@ -38,6 +43,7 @@ class ContactTerm(NamedTuple):
     per_depth: tuple[Float[Array, " m"], Float[Array, " m"]]
     per_speed: tuple[Float[Array, " m"], Float[Array, " m"]]
     per_slip: tuple[Float[Array, " m"], Float[Array, " m"]]
+    across: tuple[SpringTerm, ...] = ()
 
 
 def linearised(
@@ -109,34 +115,49 @@ def contact_directions(
     ball: MaterialPoint,
     carrier: MaterialPoint,
     free_spin: bool = False,
-) -> tuple[Float[Array, "velocities m"], Float[Array, "velocities m"]]:
-    """Return columns b with δ̇ = b·w and v_t = b·w of a ball's m contacts.
+) -> tuple[Float[Array, "velocities m"], Float[Array, "velocities m"], Float[Array, "velocities across"]]:
+    """Return columns b with δ̇ = b·w and columns b with v_t = b·w of a ball's m contacts, and in space, where m columns
+    more do, with the speed across both.
 
     **Arguments:** ``side`` of the tangents (see `BallPair`); ``ball``: its centre; ``carrier``: the origin of the
-    shape's axes; ``free_spin``: whether the ball spins on its own, with one velocity more, rather than with its body.
+    shape's axes; ``free_spin``: whether the ball spins on its own, with velocities more, rather than with its body.
     """
     normals: list[Array] = []
     tangents: list[Array] = []
+    across: list[Array] = []
+    basis, planar = system.basis, system.basis.dimensions == 2
+    still = jnp.zeros(()) if planar else basis.turn(0.0, 0.0, 0.0)
+
+    def column(k: int, along: Vector, lever: Turn) -> Array:
+        """Return how a speed of the ball against the carrier at the foot goes with the velocities. ``lever``: of the
+        foot seen from the ball's centre."""
+        foot = -jax.tree.map(lambda entry: entry[k], approach.foot).cross(along)
+        # A ball that spins freely has velocities of its own behind the coordinates': the slip feels those, not the
+        # body's.
+        own = still if free_spin else lever
+        blocks = {
+            carrier.body: _sum(carrier.along(-along), carrier.turning(foot)),
+            ball.body: _sum(ball.along(along), ball.turning(own)),
+        }
+        whole = system.direction(blocks)
+        return jnp.concatenate([whole, stacked(components(lever))]) if free_spin else whole
+
     for k in range(approach.gap.shape[0]):
-        lever = side[k] * approach.distance[k]  # the foot seen from the ball's centre: only the slip feels the spin
-        for columns, x, y, spin in (
-            (normals, -approach.normal_x[k], -approach.normal_y[k], jnp.zeros(())),
-            (tangents, approach.tangent_x[k], approach.tangent_y[k], lever),
-        ):
-            along = Vector(x, y)
-            # A ball that spins freely has a velocity of its own behind the coordinates': the slip feels that, not the
-            # body's.
-            own = 0.0 if free_spin else spin
-            foot = Vector(approach.foot_x[k], approach.foot_y[k]).cross(along)
-            blocks = {
-                carrier.body: _combined(carrier.along(-along), -foot, carrier.turning()),
-                ball.body: _combined(ball.along(along), own, ball.turning()),
-            }
-            column = system.direction(blocks)
-            columns.append(jnp.append(column, spin) if free_spin else column)
-    return jnp.stack(normals, axis=1), jnp.stack(tangents, axis=1)
+        normal, tangent = jax.tree.map(lambda entry: entry[k], (approach.normal, approach.tangent))  # noqa: B023
+        normals.append(column(k, -normal, still))
+        if planar:
+            tangents.append(column(k, tangent, side[k] * approach.distance[k]))
+            continue
+        # Where nothing slips any two directions do: there friction is the same in all.
+        along = tangent + normals_to(normal)[0] * STILL
+        along = along * (1.0 / jnp.sqrt(along.dot(along)))
+        arm = normal * -approach.distance[k]
+        for columns, direction in ((tangents, along), (across, normal.cross(along))):
+            columns.append(column(k, direction, arm.cross(direction)))
+    thin = jnp.zeros((len(normals[0]), 0))
+    return jnp.stack(normals, axis=1), jnp.stack(tangents, axis=1), jnp.stack(across, axis=1) if across else thin
 
 
-def _combined(along: Block, factor: Scalar, turning: Block) -> Block:
-    """Return a block plus ``factor`` times another."""
-    return tuple(a + factor * b for a, b in zip(along, turning, strict=True))
+def _sum(a: Block, b: Block) -> Block:
+    """Return the sum of two blocks."""
+    return tuple(plus(x, y) for x, y in zip(a, b, strict=True))

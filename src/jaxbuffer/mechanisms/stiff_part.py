@@ -27,7 +27,10 @@ def stiff_part(system: System, layout: Layout, at: EvaluatedState, active: Close
     ):
         springs += [_spring_term(system, layout, spring) for spring in element.springs(it, closed)]
         term = element.contact_term(system, it, closed)
-        contacts += [] if term is None else [_with_spins(layout, term, k)]
+        if term is not None:
+            term = _with_spins(layout, term, k)
+            springs += term.across
+            contacts.append(term._replace(across=()))
     if not springs and not contacts:
         return dataclasses.replace(
             Linearisation.none(n, system.coordinates),
@@ -75,4 +78,5 @@ def _with_spins(layout: Layout, term: ContactTerm, element: int) -> ContactTerm:
         own = columns[rows:]
         return jnp.concatenate([columns[:rows], jnp.pad(own, ((before, after), (0, 0)))])
 
-    return term._replace(normals=widened(term.normals), tangents=widened(term.tangents))
+    across = tuple(it._replace(direction=widened(it.direction[:, None])[:, 0]) for it in term.across)
+    return term._replace(normals=widened(term.normals), tangents=widened(term.tangents), across=across)

@@ -31,8 +31,6 @@ from .kinematics import Block as Block
 from .kinematics import Kinematics as Kinematics
 from .kinematics import MaterialPoint as MaterialPoint
 from .kinematics import Point as Point
-from .kinematics import Turn as Turn
-from .kinematics import Vector as Vector
 from .primitives import CoincidentPoints as CoincidentPoints
 from .primitives import PerpendicularVectors as PerpendicularVectors
 from .primitives import Row as Row

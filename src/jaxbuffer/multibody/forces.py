@@ -10,7 +10,8 @@ from .. import space
 from .._types import Scalar
 from ..basis import components, is_zero, squared, times
 from ..plane.unit_vector import check_unit
-from .kinematics import Block, Kinematics, MaterialPoint, Point, Turn, Vector
+from ..space.either import Turn, Vector
+from .kinematics import Block, Kinematics, MaterialPoint, Point
 
 PASSING = 1e-6  # m
 

@@ -19,6 +19,7 @@ from ..basis import AnyBasis, is_zero
 from ..plane.unit_vector import check_unit
 from ..space import AXES, Quaternion
 from ..space import Vector as SpaceVector
+from ..space.vectors import normals_to
 from .kinematics import Kinematics, Point
 from .primitives import CoincidentPoints, EqualAngles, PerpendicularVectors, Primitive, Row, blocks, negative
 
@@ -97,18 +98,8 @@ class Revolute(Joint):
     axis: Direction = (0.0, 0.0, 1.0)
 
     def primitives(self, basis: AnyBasis) -> Primitives:
-        across = (PerpendicularVectors(self.axis, normal) for normal in _normals(self.axis))
+        across = (PerpendicularVectors(self.axis, normal) for normal in normals_to(self.axis))
         return (CoincidentPoints(), *_in_space(basis, *across))
-
-
-def _normals(axis: Direction) -> tuple[SpaceVector, SpaceVector]:
-    """Return two unit vectors perpendicular to a unit vector, and to each other (Duff and others 2017)."""
-    x, y, z = axis
-    # Plain numbers stay plain, so that their zeros cost nothing.
-    sign = jnp.where(z < 0.0, -1.0, 1.0) if isinstance(z, jax.Array) else -1.0 if z < 0.0 else 1.0
-    a = -1.0 / (sign + z)
-    b = x * y * a
-    return SpaceVector(1.0 + sign * x * x * a, sign * b, -sign * x), SpaceVector(b, sign + y * y * a, -y)
 
 
 class Spherical(Joint):

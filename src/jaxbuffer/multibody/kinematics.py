@@ -5,7 +5,7 @@ centre of mass and quaternion (M209); then the modal coordinates of flexible bod
 same order. A body is an index into that order; ``GROUND`` is the inertial frame.
 """
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -16,16 +16,9 @@ from .._types import Scalar, stacked
 from ..basis import AnyBasis, components, less, times
 from ..errors import InputError
 from ..plane import PLANE, cos_sin
+from ..space.either import Frame, Turn, Vector
 from .coordinates import Coordinates
 from .flexible.modes import Marker
-
-if TYPE_CHECKING:  # what is said of the plane's holds of space's, which have the same operations
-    from ..plane import Frame, Vector
-
-    Turn = Scalar
-else:
-    Frame, Vector = plane.Frame | space.Frame, plane.Vector | space.Vector
-    Turn = Scalar | space.Vector
 
 GROUND: int = -1
 

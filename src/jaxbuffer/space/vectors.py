@@ -2,6 +2,9 @@
 
 from typing import NamedTuple
 
+import jax
+import jax.numpy as jnp
+
 from ..basis import Entry, is_zero, less, plus, times
 
 
@@ -38,3 +41,13 @@ class Vector(NamedTuple):
             less(times(self.z, other.x), times(self.x, other.z)),
             less(times(self.x, other.y), times(self.y, other.x)),
         )
+
+
+def normals_to(axis: tuple[Entry, ...]) -> tuple[Vector, Vector]:
+    """Return two unit vectors perpendicular to a unit vector, and to each other (Duff and others 2017)."""
+    x, y, z = axis
+    # Plain numbers stay plain, so that their zeros cost nothing.
+    sign = jnp.where(z < 0.0, -1.0, 1.0) if isinstance(z, jax.Array) else -1.0 if z < 0.0 else 1.0
+    a = -1.0 / (sign + z)
+    b = x * y * a
+    return Vector(1.0 + sign * x * x * a, sign * b, -sign * x), Vector(b, sign + y * y * a, -y)
