@@ -8,8 +8,9 @@ import jax.numpy as jnp
 
 from .._types import Scalar
 from ..basis import AnyBasis, components, squared
-from ..multibody import GROUND, Kinematics, Load, Turn, Vector
+from ..multibody import GROUND, Kinematics, Load
 from ..plane import PLANE
+from ..space.either import Turn, Vector
 from .element import Closed, Element, Magnitudes, Own, Switch
 from .report import Report
 

@@ -3,6 +3,7 @@
 import jax.numpy as jnp
 
 from ..._types import Scalar, stacked
+from ...contact import Revolved
 from ...multibody import CrossSpringDamper
 from ..assembled import Assembled
 from ..probe_cone.assembly import (
@@ -11,8 +12,9 @@ from ..probe_cone.assembly import (
     UPPER_SIDE,
     Parts,
     elements_of,
+    flank,
+    tip_against,
     tip_in_cone,
-    tip_on_flanks,
 )
 from ..probe_cone.bodies import B, S, probe_masses
 from ..probe_cone.parts import holder_of
@@ -34,7 +36,8 @@ def assemble(design: Design3D, scenario: Scenario3D, stabilisation: Scalar = 20.
     holder = holder_of(design)
     q, v = start_motion(design, scenario, probe)
     # The cone is the upper flank, turned about its axis.
-    tip = tip_in_cone(design, scenario, probe, tip_on_flanks(design, UPPER_SIDE), CONTACTS)
+    cone = tip_against(design, Revolved(flank(design, UPPER_SIDE)), UPPER_SIDE)
+    tip = tip_in_cone(design, scenario, probe, cone, CONTACTS)
     hinge = CrossSpringDamper(S, B, design.buffer.k_T, design.buffer.c_T)
     # As in the plane; a quaternion's numbers are half an angle.
     length, turn = 1e-3, 0.5e-3 / 0.1

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Array
 
 from ..._types import Scalar, stacked
-from ...contact import BallPair, RegularisedCoulomb, Segment, contact_law
+from ...contact import BallPair, RegularisedCoulomb, Segment, Shape, contact_law
 from ...elements import BallContact, Buffer, BufferForce, Element, SpringDamper
 from ...multibody import AxialSpringDamper, ForceElement, TorsionalSpringDamper
 from ..assembled import Assembled
@@ -130,16 +130,25 @@ def axial_force(buffer: ProbeBuffer, probe: Masses) -> AxialSpringDamper:
     )
 
 
-def tip_on_flanks(design: DockingDesign[Any], side: Any = SIDE) -> BallPair:
-    """Return the tip against both flanks, or that of one ``side``, in the axes of T (M30)."""
-    angle, side = design.cone.half_angle, jnp.asarray(side)
-    flanks = Segment(
+def tip_on_flanks(design: DockingDesign[Any]) -> BallPair:
+    """Return the tip against both flanks, in the axes of T (M30)."""
+    return tip_against(design, flank(design, jnp.asarray(SIDE)), jnp.asarray(SIDE))
+
+
+def flank(design: DockingDesign[Any], side: Any) -> Segment:
+    """Return both flanks, or that of one ``side``, in the axes of T (M30)."""
+    angle = design.cone.half_angle
+    return Segment(
         start_x=-design.cone.offset,
         start_y=-side * design.cone.throat_radius,
         direction_x=-jnp.cos(angle),
         direction_y=-side * jnp.sin(angle),
         length=design.cone.length,
     )
+
+
+def tip_against(design: DockingDesign[Any], shape: Shape, side: Any) -> BallPair:
+    """Return the tip against a shape, with the design's law and friction."""
     contact = design.contact
     numbers = {
         "stiffness": design.contact_stiffness,
@@ -151,7 +160,7 @@ def tip_on_flanks(design: DockingDesign[Any], side: Any = SIDE) -> BallPair:
     }
     return BallPair(
         radius=design.probe.tip_radius,
-        shape=flanks,
+        shape=shape,
         side=side,
         law=contact_law(contact.law, numbers),
         friction=RegularisedCoulomb(contact.friction, contact.slip_speed),
