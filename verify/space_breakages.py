@@ -12,6 +12,11 @@ IN_A_CONE = (
     "::test_the_foot_is_the_nearest_point_and_speeds_are_those_of_the_material_there"
 )
 ROLLING = "tests/elements/test_ball_in_space.py::test_a_sliding_ball_comes_to_roll"
+LATCHED = "tests/elements/test_in_space.py::test_latches_hold_a_body_by_its_rotation_vector"
+CONSERVED = "tests/elements/test_in_space.py::test_it_acts_on_two_bodies_and_its_energies_are_its_powers[thrust]"
+RIGID = "tests/mechanisms/test_in_space.py::test_the_energy_of_the_whole_as_a_rigid_body_is_that_of_one_body"
+CONTROLLED = "tests/elements/test_attitude_control.py::test_in_space_each_axis_of_the_body_has_its_own_limit"
+TOUCHES = "tests/elements/test_attitude_control.py::test_it_ends_at_the_first_touchdown[Turned]"
 NEWTON = "tests/hybrid/test_in_space.py::test_newtons_matrix_solves_with_the_stiff_part"
 
 
@@ -96,6 +101,61 @@ def _free_ball_without_moment() -> None:
     BallContact.spin_moment = broken
 
 
+def _latch_without_roll() -> None:
+    from jaxbuffer.elements import Latch
+    from jaxbuffer.space import Vector
+
+    evaluate = Latch.evaluate
+
+    def broken(self, kin, own):
+        at = evaluate(self, kin, own)
+        return at._replace(angle=at.angle._replace(x=0.0)) if isinstance(at.angle, Vector) else at
+
+    Latch.evaluate = broken
+
+
+def _thrust_about_its_body() -> None:
+    from jaxbuffer.elements import Thrust
+
+    rates = Thrust.rates
+    Thrust.rates = lambda self, at, closed: [*rates(self, at, closed)[:-3], 0.0, 0.0, 0.0]
+
+
+def _inertia_about_the_origin() -> None:
+    from jaxbuffer.mechanisms import relative_energy
+
+    inertia = relative_energy._central_inertia
+    relative_energy._central_inertia = lambda system, turns, mass, centre, balls: inertia(
+        system, turns, 0.0 * mass, centre, balls
+    )
+
+
+def _control_in_inertial_axes() -> None:
+    from jaxbuffer.basis import components
+    from jaxbuffer.elements import AttitudeControl
+
+    evaluate = AttitudeControl.evaluate
+
+    def broken(self, kin, own):
+        at = evaluate(self, kin, own)
+        return at._replace(spins=components(at.frame.spin))
+
+    AttitudeControl.evaluate = broken
+
+
+def _control_without_work() -> None:
+    from jaxbuffer.elements import AttitudeControl
+
+    rates = AttitudeControl.rates
+    AttitudeControl.rates = lambda self, at, closed: [0.0, *rates(self, at, closed)[1:]]
+
+
+def _control_to_the_end() -> None:
+    from jaxbuffer.elements import AttitudeControl
+
+    AttitudeControl._acting = lambda self, closed: 1.0
+
+
 SPACE = (
     Breakage("gyroscopic moment", "a free body's spin stays as it is", _no_gyroscopic_moment, (EULER,)),
     Breakage("quaternion's rate", "the spin taken in the body's axes", _spin_of_the_body, (TURNING, ROWS)),
@@ -106,4 +166,10 @@ SPACE = (
     Breakage("slip direction", "friction along one fixed tangent", _slip_towards_the_throat, (IN_A_CONE,)),
     Breakage("surface of revolution", "the foot in the plane z = 0", _meridian_of_the_plane, (IN_A_CONE,)),
     Breakage("free ball in space", "it turns about x alone", _free_ball_without_moment, (ROLLING,)),
+    Breakage("latch in space", "it does not hold the roll", _latch_without_roll, (LATCHED,)),
+    Breakage("thrust in space", "its angular impulse is not counted", _thrust_about_its_body, (CONSERVED,)),
+    Breakage("rigid motion in space", "the inertia about the origin", _inertia_about_the_origin, (RIGID,)),
+    Breakage("attitude control's axes", "the spin in inertial axes", _control_in_inertial_axes, (CONTROLLED,)),
+    Breakage("attitude control's work", "it is not counted", _control_without_work, (CONTROLLED,)),
+    Breakage("attitude control's end", "it acts on after a touchdown", _control_to_the_end, (TOUCHES,)),
 )

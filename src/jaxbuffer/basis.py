@@ -43,7 +43,7 @@ class Basis(eqx.Module, Generic[V, T, F]):
     """Vectors V, turns T (a spin, a moment, a rotation) and frames F of bodies, of the plane or of space.
 
     Vectors of both have ``+``, ``-``, ``*`` by a number, ``dot`` and ``cross``, which is a turn; frames have ``turn``,
-    ``unturn``, ``velocity_at``, ``rate_of`` and ``centripetal``.
+    ``unturn``, ``in_axes``, ``from_axes``, ``x_axis``, ``velocity_at``, ``rate_of`` and ``centripetal``.
 
     - ``dimensions``: components of a vector.
     - ``positions``, ``velocities``: numbers of one body's position and of its velocity.
@@ -63,6 +63,11 @@ class Basis(eqx.Module, Generic[V, T, F]):
     @abstractmethod
     def turn(self, *components: Entry) -> T:
         """Return the turn of some components."""
+
+    @property
+    @abstractmethod
+    def unit_vectors(self) -> tuple[V, ...]:
+        """Return the inertial axes."""
 
     @property
     @abstractmethod

@@ -10,6 +10,7 @@ from jaxbuffer import InputError
 from jaxbuffer.contact import BallPair, Hole, KelvinVoigt, RegularisedCoulomb, Segment
 from jaxbuffer.contact.laws import Hertz, HuntCrossley
 from jaxbuffer.elements import (
+    AttitudeControl,
     BallContact,
     Buffer,
     BufferForce,
@@ -56,6 +57,7 @@ ELEMENTS = {
     "stops": STOPS,
     "latch": (LATCH,),
     "thrust": (Thrust(1, 7.0, 2.0, axis=(0.6, 0.8)),),
+    "attitude control": (AttitudeControl(1, 20.0, 3.0, 5.0),),
     "pin": (PIN,),
     "drive": (DRIVE,),
     "motor": (MOTOR,),

@@ -1,104 +1,177 @@
-"""Attitude control of one body against closed forms, in the plane and in space, with its work and impulse."""
+"""The control of a body's attitude, in the plane and in space, against closed forms."""
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
+from scipy.spatial.transform import Rotation
 
 import jaxbuffer as jb
-from jaxbuffer.elements import AttitudeControl
+from jaxbuffer.contact import BallPair, KelvinVoigt, RegularisedCoulomb, Revolved, Segment
+from jaxbuffer.elements import AttitudeControl, BallContact
 from jaxbuffer.fields import POSITIVE, Part, number
 from jaxbuffer.mechanisms.assembled import Assembled
-from jaxbuffer.mechanisms.mechanism import Mechanism
-from jaxbuffer.mechanisms.quantity import Quantity
+from jaxbuffer.mechanisms.mechanism import Defaults, Mechanism
+from jaxbuffer.mechanisms.registry import register
 from jaxbuffer.multibody import Body, System
 from jaxbuffer.plane import PLANE
-from jaxbuffer.space import SPACE, Quaternion, Vector
-from registration import registered
+from jaxbuffer.space import SPACE
 
-INERTIA, ANGLE, RATE, STIFFNESS, DAMPING = 0.4, 0.3, -0.2, 2.0, 0.5
-AXIS = {"x": 0, "y": 1, "z": 2}
+MASS, INERTIA, ANGLE, SPIN, DURATION = 2.0, 0.4, 0.3, -0.5, 1.5
+STIFFNESS, DAMPING, SPEED = 5.0, 0.7, 0.8  # N m/rad, N m s/rad, m/s
+SKEW = np.array([0.48, -0.6, 0.64])
 
 
-class Satellite(Part):
+class Control(Part):
+    section = "control"
+    limit: float = number(1e5, "N m", **POSITIVE)
     stiffness: float = number(STIFFNESS, "N m/rad", **POSITIVE)
 
 
 class Turned(Part):
+    control: Control = Control()
+
+
+class Thrown(Part):
     section = "scenario"
-    angle: float = number(ANGLE, "rad")
+    gap: float = number(1.7, "m", doc="to the wall that the body flies to")
 
 
-def flat(design, scenario, stabilisation=20.0):
-    """One body in the plane, turned and turning, under control."""
-    control = AttitudeControl(0, design.stiffness, DAMPING)
-    q, v = jnp.zeros(3).at[2].set(scenario.angle), jnp.zeros(3).at[2].set(RATE)
-    return Assembled(
-        System((Body(2.0, INERTIA),)), q, v, (control,), size=(1e-2, 1e-2), energy_size=1e-2, momentum_size=1.0
-    )
+def mechanism_of(basis, axis):
+    """A body that turns about an axis, and flies to a wall without friction on another body at rest."""
+
+    def turned(design, scenario, stabilisation=20.0):
+        wall = Segment(-1e3, 0.0, 1.0, 0.0, 2e3)
+        shape, side = (wall, -1.0) if basis is PLANE else (Revolved(Segment(-1e3, 2.0, 1.0, 0.0, 2e3)), 1.0)
+        ball = BallContact(0, 1, BallPair(0.1, shape, side, KelvinVoigt(1e5, 10.0), RegularisedCoulomb(0.0, 1.0)))
+        control = AttitudeControl(0, design.control.stiffness, DAMPING, design.control.limit, until=ball)
+        high = 0.1 + scenario.gap - (0.0 if basis is PLANE else 2.0)
+        if basis is PLANE:
+            moments, first, second, spin = INERTIA, [ANGLE], [0.0], [SPIN]
+            places, speeds = ([0.0, high], [0.0, 0.0]), ([0.0, -SPEED], [0.0, 0.0])
+        else:
+            moments, second, spin = (INERTIA,) * 3, [1.0, 0.0, 0.0, 0.0], SPIN * axis
+            first = Rotation.from_rotvec(ANGLE * axis).as_quat(scalar_first=True)
+            places, speeds = ([0.0, high, 0.0], [0.0, 0.0, 0.0]), ([0.0, -SPEED, 0.0], [0.0, 0.0, 0.0])
+        q = jnp.concatenate([jnp.asarray([*place, *turn]) for place, turn in zip(places, (first, second), strict=True)])
+        v = jnp.concatenate([jnp.asarray([*speeds[0], *spin]), jnp.zeros(basis.velocities)])
+        system = System((Body(MASS, moments),) * 2, stabilisation=stabilisation, basis=basis)
+        size = (1e-2, 1.0)
+        return Assembled(system, q, v, (ball, control), size=size, energy_size=1.0, momentum_size=MASS * SPEED)
+
+    return turned
 
 
-def spatial(axis):
-    """The same in space, about one of the body's axes."""
-
-    def assembled(design, scenario, stabilisation=20.0):
-        control = AttitudeControl(0, design.stiffness, DAMPING, basis=SPACE)
-        turn = [0.0, 0.0, 0.0]
-        turn[AXIS[axis]] = scenario.angle
-        q = jnp.stack([jnp.asarray(x, float) for x in (0.0, 0.0, 0.0, *Quaternion.of_rotation_vector(Vector(*turn)))])
-        v = jnp.zeros(6).at[3 + AXIS[axis]].set(RATE)
-        system = System((Body(2.0, (INERTIA, INERTIA, INERTIA)),), basis=SPACE)
-        return Assembled(system, q, v, (control,), size=(1e-2, 1e-2), energy_size=1e-2, momentum_size=1.0)
-
-    return assembled
+class TurnedInSpace(Turned):
+    pass
 
 
-def oscillation(time):
-    """Angle and rate of the damped oscillator that the body is."""
+def of(name, design, basis, axis):
+    made = mechanism_of(basis, axis)
+    register(Mechanism(name, design, Thrown, {}, made, defaults=Defaults(duration=DURATION)))
+
+
+of("turned in the plane", Turned, PLANE, None)
+of("turned in space", TurnedInSpace, SPACE, SKEW)
+BOTH = pytest.mark.parametrize("design", [Turned, TurnedInSpace])
+
+
+def simulated(design, control=None, scenario=None):
+    return jb.simulate(design(control or Control()), scenario or Thrown(), rtol=1e-10, atol=1e-10, history=True)
+
+
+def seen(run):
+    """Time, angle about the axis and spin about it; nothing turns about another axis."""
+    time, position, velocity = (np.array(it) for it in (run.history.time, run.history.position, run.history.velocity))
+    if position.shape[-1] == 3:
+        return time, position[:, 0, 2], velocity[:, 0, 2]
+    turns, spins = Rotation.from_quat(position[:, 0, 3:], scalar_first=True).as_rotvec(), velocity[:, 0, 3:]
+    assert_allclose(np.cross(turns, SKEW), 0.0, atol=1e-8)
+    return time, turns @ SKEW, spins @ SKEW
+
+
+@BOTH
+def test_small_moments_make_a_damped_oscillator(design):
+    run = simulated(design)
+    time, angle, _ = seen(run)
     decay = DAMPING / (2.0 * INERTIA)
-    omega = np.sqrt(STIFFNESS / INERTIA - decay**2)
-    sine = (RATE + decay * ANGLE) / omega
-    cos, sin, fall = np.cos(omega * time), np.sin(omega * time), np.exp(-decay * time)
-    angle = fall * (ANGLE * cos + sine * sin)
-    return angle, fall * (omega * (sine * cos - ANGLE * sin)) - decay * angle
+    rate = np.sqrt(STIFFNESS / INERTIA - decay**2)
+    sine = (SPIN + decay * ANGLE) / rate
+    at = lambda t: np.exp(-decay * t) * (ANGLE * np.cos(rate * t) + sine * np.sin(rate * t))  # noqa: E731
+    assert_allclose(angle, at(time), atol=1e-8)
+    # Its work is what the kinetic energy has changed by, its impulse the spin's.
+    spin = float(seen(run)[2][-1])
+    work = 0.5 * INERTIA * (spin**2 - SPIN**2)
+    assert float(run.energy.stored["control"]) == pytest.approx(-work, rel=1e-7)
+    for error in (run.balance.energy, run.balance.angular_momentum, run.balance.linear_momentum):
+        assert abs(float(error)) < 1e-8
+    assert abs(work) > 0.01
 
 
-LEFT = Quantity("J", lambda run: run.energy.kinetic, "kinetic energy at the end", "energy left", swept=True, tuned=True)
+def test_at_its_limit_the_moment_is_constant():
+    """In the plane: until the angle is near zero, φ = φ_0 + ω_0 t - M t²/2I."""
+    run = simulated(Turned, Control(limit=0.2, stiffness=3e4))
+    time, angle, _ = seen(run)
+    short = time < 0.45
+    assert_allclose(angle[short], ANGLE + SPIN * time[short] - 0.1 / INERTIA * time[short] ** 2, atol=1e-8)
+    assert float(run.maxima["control_moment"]) == pytest.approx(0.2, rel=1e-9) and np.sum(short) > 2
 
 
-@pytest.mark.parametrize("assembled", [flat, spatial("x"), spatial("y"), spatial("z")], ids=["plane", "x", "y", "z"])
-def test_one_body_is_a_damped_oscillator(assembled):
-    with registered(Mechanism("satellite", Satellite, Turned, {"energy_left": LEFT}, assembled)):
-        run = jb.simulate(Satellite(), Turned(), 1.5, rtol=1e-9, history=True)
-    angle, rate = oscillation(1.5)
-    last = np.asarray(run.history.position)[-1, 0]
-    assert np.abs(last).max() == pytest.approx(abs(angle), rel=1e-6)
-    assert float(run.energy.kinetic) == pytest.approx(0.5 * INERTIA * rate**2, rel=1e-6)
-    # What the control put in is all that changed the energy, and all that changed the angular momentum.
-    work = 0.5 * INERTIA * (rate**2 - RATE**2)
-    assert -float(run.energy.stored["attitude_control"]) == pytest.approx(work, rel=1e-6)
-    assert float(run.balance.energy) == pytest.approx(0.0, abs=1e-7)
-    assert float(run.balance.angular_momentum) == pytest.approx(0.0, abs=1e-9)
+def test_in_space_each_axis_of_the_body_has_its_own_limit():
+    """At one instant, by NumPy: -M tanh((k φ + c ω)/M) about the body's axes, in which φ is as in inertial ones."""
+    rng = np.random.default_rng(2)
+    turn = Rotation.from_rotvec([0.9, -0.4, 1.1])
+    q, v = jnp.asarray([0.0, 0.0, 0.0, *turn.as_quat(scalar_first=True)]), jnp.asarray(rng.normal(size=6))
+    control = AttitudeControl(0, STIFFNESS, DAMPING, 3.0)
+    system = System((Body(MASS, (0.2, 0.3, 0.4)),), basis=SPACE)
+    made = Assembled(system, q, v, (control,), energy_size=1.0, momentum_size=1.0)
+    state, active = made.start()
+    at = made.evaluate(state)
+    found = control.loads(at.elements[0], active)[0].moment
+    own = turn.inv().apply(np.array(v[3:]))
+    expected = turn.apply(-3.0 * np.tanh((STIFFNESS * turn.as_rotvec() + DAMPING * own) / 3.0))
+    assert_allclose([*found], expected, rtol=1e-12)
+    rate = made.derivative(0.0, state, active)
+    momenta = jax.jvp(made.momentum, (state,), (rate,))[1]
+    energy = jax.jvp(lambda y: made.energy_at(made.evaluate(y), active).total, (state,), (rate,))[1]
+    assert_allclose([*momenta[0], *momenta[1], energy], 0.0, atol=1e-12)
+    # For implicit steps: how the moment answers to the spin.
+    free = lambda w: system.motion(system.kinematics(q, w)).acceleration  # noqa: E731
+    acting = lambda w: made.derivative(0.0, state.at[7:13].set(w), active)[7:13]  # noqa: E731
+    slopes = np.asarray(jax.jacfwd(acting)(v) - jax.jacfwd(free)(v))
+    stiff = made.linearisation(0.0, state, active)
+    linear = -np.asarray(stiff.response) @ np.asarray(stiff.damping) @ np.asarray(stiff.directions).T
+    assert_allclose(linear, slopes, atol=1e-10)
 
 
-def test_moment_about_each_axis_stays_below_the_limit():
-    rotation, spin = np.array([0.3, -0.2, 0.5]), np.array([0.4, 0.1, -0.3])
-    quaternion = Quaternion.of_rotation_vector(Vector(*map(jnp.asarray, rotation)))
-    q = jnp.asarray([0.1, 0.2, 0.3, *map(float, quaternion)])
-    system = System((Body(2.0, (0.3, 0.4, 0.5)),), basis=SPACE)
-    kin = system.kinematics(q, jnp.asarray([0.0, 0.0, 0.0, *spin]))
-    control = AttitudeControl(0, STIFFNESS, DAMPING, limit=0.4, basis=SPACE)
-    axes = np.array([[float(x) for x in axis] for axis in kin.frame(0).axes])
-    wanted = STIFFNESS * rotation + DAMPING * axes @ spin
-    moment = np.array([float(x) for x in control.evaluate(kin, jnp.zeros(4)).moment])
-    np.testing.assert_allclose(axes @ moment, -0.4 * np.tanh(wanted / 0.4), rtol=1e-12)
+@BOTH
+def test_it_ends_at_the_first_touchdown(design):
+    """With its limit far below what it would need, the spin falls evenly until the ball touches, and stays then."""
+    touches, limit = 0.4, 0.2
+    run = simulated(design, Control(limit=limit, stiffness=3e4), Thrown(gap=touches * SPEED))
+    time, spin = spun(run)
+    before, after = time <= touches + 1e-9, time >= touches - 1e-9
+    assert float(run.impacts.time[0]) == pytest.approx(touches, rel=1e-6)
+    slope = -limit / INERTIA
+    assert_allclose(spin[before], slope * time[before], atol=1e-7)
+    assert_allclose(spin[after], slope * touches, atol=1e-6)
+    assert time[-1] == pytest.approx(DURATION)
+    assert abs(float(run.balance.energy)) < 1e-7 and abs(float(run.balance.angular_momentum)) < 1e-8
 
 
-def test_without_a_limit_it_is_the_law_of_a_large_one():
-    system = System((Body(2.0, INERTIA),))
-    kin = system.kinematics(jnp.asarray([0.0, 0.0, ANGLE]), jnp.asarray([0.0, 0.0, RATE]))
-    moments = [
-        float(AttitudeControl(0, STIFFNESS, DAMPING, it).evaluate(kin, jnp.zeros(2)).moment) for it in (None, 1e6)
-    ]
-    assert moments[0] == pytest.approx(-(STIFFNESS * ANGLE + DAMPING * RATE))
-    assert moments[0] == pytest.approx(moments[1])
-    assert AttitudeControl(0, STIFFNESS, DAMPING).basis is PLANE
+def spun(run):
+    """Time, and by how much the spin has changed: in space about the body's x axis, since one moment about each of the
+    axes of a body with equal moments of inertia changes the spin about each evenly."""
+    time, position, velocity = (np.array(it) for it in (run.history.time, run.history.position, run.history.velocity))
+    if position.shape[-1] == 3:
+        return time, velocity[:, 0, 2] - velocity[0, 0, 2]
+    turns = Rotation.from_quat(position[:, 0, 3:], scalar_first=True)
+    spin = turns.inv().apply(velocity[:, 0, 3:])[:, 0]
+    return time, spin - spin[0]
+
+
+@BOTH
+def test_a_start_in_contact_has_none_of_it(design):
+    _, spin = spun(simulated(design, Control(), Thrown(gap=0.0)))
+    assert_allclose(spin, 0.0, atol=1e-9)

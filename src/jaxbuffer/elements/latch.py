@@ -12,8 +12,9 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from .._types import Scalar
+from ..basis import AnyBasis, components, squared
 from ..multibody import Block, Kinematics, Load, MaterialPoint, Point, SpringDirection, load_at
-from ..plane import Vector
+from ..space.either import Turn, Vector
 from .element import ROUNDED_LENGTH, Closed, Element, Magnitudes, Own, Switch
 from .picture import Level, Panel, PanelCurve
 from .report import EnergyShare, Report
@@ -30,8 +31,10 @@ class LatchState(NamedTuple):
     - ``receding``: how fast that grows [m/s].
     - ``off_seat``: r, from the seat to the point [m].
     - ``velocity``: u of the point less that of the other body's material there [m/s].
-    - ``angle``, ``spin``: of the first body against the second [rad, rad/s].
+    - ``angle``, ``spin``: of the first body against the second [rad, rad/s], in space vectors in inertial axes, the
+      angle a rotation vector.
     - ``held``, ``opposite``: the point on the first body, and the second body's material point there.
+    - ``basis``: plane or space.
     """
 
     since: Scalar
@@ -41,10 +44,11 @@ class LatchState(NamedTuple):
     receding: Scalar
     off_seat: Vector
     velocity: Vector
-    angle: Scalar
-    spin: Scalar
+    angle: Turn
+    spin: Turn
     held: MaterialPoint
     opposite: MaterialPoint
+    basis: AnyBasis
 
 
 class Latch(Element):
@@ -55,7 +59,8 @@ class Latch(Element):
     - ``plane``: where along the x axis of the second body's frame the latches begin to close [m].
     - ``seat``: K, where they hold the point, in the axes of the second body [m] (M175).
     - ``stiffness`` [N/m], ``damping`` [N s/m]: of the seat, in any direction.
-    - ``turn_stiffness`` [N m/rad], ``turn_damping`` [N m s/rad]: against a turn of the bodies (M176).
+    - ``turn_stiffness`` [N m/rad], ``turn_damping`` [N m s/rad]: against a turn of the bodies (M176), in space of their
+      rotation vector (M219).
     - ``preload`` [N], ``preload_length`` [m]: a pull to the seat, which is there as soon as the point is off it by more
       than the length.
     - ``closing_time``: from crossing the plane to closed [s].
@@ -67,7 +72,7 @@ class Latch(Element):
     second: int = eqx.field(static=True)
     point: Point
     plane: Scalar
-    seat: tuple[Scalar, Scalar]
+    seat: tuple[Scalar, ...]
     stiffness: Scalar
     damping: Scalar = 0.0
     turn_stiffness: Scalar = 0.0
@@ -95,21 +100,23 @@ class Latch(Element):
         off_origin = held.place - other.origin
         local = other.unturn(off_origin)
         moves = other.unturn(held.velocity - other.velocity)
-        opposite = kin.point(self.second, (local.x, local.y))
+        opposite = kin.point(self.second, tuple(local))
+        # The plane turns with the second body: to the relative velocity comes that of the turning axes.
+        turning = other._replace(spin=other.in_axes(other.spin)).rate_of(local)
         share, rate = self._share(jnp.asarray(own[0], float))
         return LatchState(
             since=own[0],
             share=share,
             share_rate=rate,
             before=self.plane - local.x,
-            # The plane turns with the second body: to the relative velocity comes that of the turning axes.
-            receding=-jnp.asarray(moves.x + other.spin * local.y),
-            off_seat=off_origin - other.turn(Vector(*self.seat)),
+            receding=-jnp.asarray(moves.x - turning.x),
+            off_seat=off_origin - other.turn(kin.basis.vector(*self.seat)),
             velocity=held.velocity - opposite.velocity,
-            angle=body.angle - other.angle,
+            angle=kin.basis.relative_rotation(other, body),
             spin=body.spin - other.spin,
             held=held,
             opposite=opposite,
+            basis=kin.basis,
         )
 
     def _share(self, since: Float[Array, ""]) -> tuple[Scalar, Scalar]:
@@ -151,13 +158,13 @@ class Latch(Element):
     def _closed_energy(self, at: LatchState) -> Scalar:
         """Return what closed latches would store [J]."""
         square, length = at.off_seat.dot(at.off_seat), self.preload_length
-        spring = 0.5 * self.stiffness * square + 0.5 * self.turn_stiffness * at.angle**2
+        spring = 0.5 * self.stiffness * square + 0.5 * self.turn_stiffness * squared(at.angle)
         return spring + self.preload * (jnp.sqrt(square + length * length) - length)
 
     def loads(self, at: LatchState, closed: Closed) -> tuple[Load, ...]:
         force = self.force(at, closed)
-        moment = -closed[0] * at.share * (self.turn_stiffness * at.angle + self.turn_damping * at.spin)
-        none = Vector(0.0, 0.0)
+        moment = (at.angle * self.turn_stiffness + at.spin * self.turn_damping) * (-closed[0] * at.share)
+        none = at.basis.vector(0.0, 0.0)
         turning = Load(self.first, none, moment), Load(self.second, none, -moment)
         # Both forces act at one point, on each body's material there, so that they conserve angular momentum (M175).
         return load_at(at.held, force), load_at(at.opposite, -force), *turning
@@ -170,7 +177,7 @@ class Latch(Element):
         return (f"{self.name}_damper",)
 
     def losses(self, at: LatchState, closed: Closed) -> dict[str, Scalar]:
-        power = self.damping * at.velocity.dot(at.velocity) + self.turn_damping * at.spin**2
+        power = self.damping * at.velocity.dot(at.velocity) + self.turn_damping * squared(at.spin)
         return {f"{self.name}_damper": closed[0] * at.share * power}
 
     def supplied(self, own: Own) -> dict[str, Scalar]:
@@ -211,17 +218,25 @@ class Latch(Element):
     # --- time stepping ------------------------------------------------------------------------------------------------
 
     def springs(self, at: LatchState, closed: Closed) -> tuple[SpringDirection, ...]:
-        """Return a spring along x, one along y, and one against a turn."""
+        """Return a spring along each axis, and one against a turn about each there is."""
         length, share = self.preload_length, closed[0] * at.share
         pull = self.preload / jnp.sqrt(at.off_seat.dot(at.off_seat) + length * length)
-        # For implicit steps the pull is a spring that is as stiff along x and y as it is towards the seat.
+        # For implicit steps the pull is a spring that is as stiff along all axes as it is towards the seat.
         stiffness, damping = share * (self.stiffness + pull), share * self.damping
         straight = [
             SpringDirection({self.first: at.held.along(x), self.second: at.opposite.along(-x)}, stiffness, damping)
-            for x in (Vector(1.0, 0.0), Vector(0.0, 1.0))
+            for x in at.basis.unit_vectors
         ]
-        turning = {self.first: (0.0, 0.0, 1.0), self.second: (0.0, 0.0, -1.0)}
-        return *straight, SpringDirection(turning, share * self.turn_stiffness, share * self.turn_damping)
+        still = (0.0,) * at.basis.dimensions
+        turning = [
+            SpringDirection(
+                {self.first: (*still, *components(turn)), self.second: (*still, *components(-turn))},
+                share * self.turn_stiffness,
+                share * self.turn_damping,
+            )
+            for turn in at.basis.unit_turns
+        ]
+        return *straight, *turning
 
     def stiff_force(self, at: LatchState, closed: Closed) -> Scalar:
         return _size(self.force(at, closed))

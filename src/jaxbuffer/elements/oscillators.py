@@ -3,6 +3,7 @@
 They stand for equipment. What one feels is the largest absolute acceleration of its mass until the run ends.
 """
 
+import dataclasses
 from typing import Any, NamedTuple
 
 import equinox as eqx
@@ -10,16 +11,18 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._types import Scalar, stacked
+from ..basis import AnyBasis
 from ..errors import InputError
 from ..hybrid import PassiveOscillators
 from ..multibody import Coordinates, Kinematics
+from ..plane import PLANE
 from .element import ROUNDED_LENGTH, Closed, Element, Magnitudes, Own
 from .report import Report
 from .telling import largest
 
 
 class OscillatorState(NamedTuple):
-    """All oscillators at one instant, twice each, for both axes.
+    """All oscillators at one instant, an entry for each and each axis there is.
 
     - ``deflection``: [m].
     - ``velocity``: absolute velocity of the mass [m/s].
@@ -32,18 +35,20 @@ class OscillatorState(NamedTuple):
 
 
 class Oscillators(Element):
-    """Oscillators on the centres of mass of bodies, each swinging in any direction of the plane.
+    """Oscillators on the centres of mass of bodies, each swinging in any direction of the plane, or of space.
 
     - ``bodies``: which body carries each.
     - ``frequencies``: of each [Hz].
     - ``names``: of each, as the quantity that is watched.
     - ``damping``: ζ of all, the share of the critical one [-].
+    - ``basis``: of the mechanism, which says it.
     """
 
     bodies: tuple[int, ...] = eqx.field(static=True)
     frequencies: tuple[Scalar, ...]
     names: tuple[str, ...] = eqx.field(static=True)
     damping: Scalar = 0.05
+    basis: AnyBasis = PLANE
     name: str = eqx.field(static=True, default="oscillators")
 
     def __check_init__(self) -> None:
@@ -51,19 +56,22 @@ class Oscillators(Element):
         if any(body < 0 for body in self.bodies):
             raise InputError("an oscillator is on the ground, which does not move: name a body that does")
 
+    def in_mechanism(self, speed: Scalar, basis: AnyBasis) -> "Oscillators":
+        return dataclasses.replace(self, basis=basis)
+
     @property
     def rates_of_axes(self) -> Float[Array, " axes"]:
-        """Return ω of each oscillator, twice, for both axes [rad/s]."""
-        return 2.0 * jnp.pi * stacked([frequency for frequency in self.frequencies for _ in range(2)])
+        """Return ω of each oscillator, once for each axis [rad/s]."""
+        return 2.0 * jnp.pi * stacked([it for it in self.frequencies for _ in range(self.basis.dimensions)])
 
     @property
     def axes(self) -> int:
         """Return the number of deflections; as many velocities follow."""
-        return 2 * len(self.bodies)
+        return self.basis.dimensions * len(self.bodies)
 
     @property
     def variables(self) -> tuple[str, ...]:
-        axes = [f"{name}_{axis}" for name in self.names for axis in "xy"]
+        axes = [f"{name}_{axis}" for name in self.names for axis in "xyz"[: self.basis.dimensions]]
         return (*(f"{it}_deflection" for it in axes), *(f"{it}_velocity" for it in axes))
 
     def start(self, kin: Kinematics) -> Own:
@@ -75,7 +83,7 @@ class Oscillators(Element):
         return [*(size.speed / self.rates_of_axes), *[size.speed] * self.axes]
 
     def _base(self, kin: Kinematics) -> Float[Array, " axes"]:
-        return stacked([speed for body in self.bodies for speed in Coordinates.translation(kin.v, body)])
+        return stacked([speed for body in self.bodies for speed in kin.frame(body).velocity])
 
     def evaluate(self, kin: Kinematics, own: Own) -> OscillatorState:
         return OscillatorState(own[: self.axes], own[self.axes :], self._base(kin))
@@ -94,15 +102,17 @@ class Oscillators(Element):
 
     def observables(self, at: OscillatorState, closed: Closed) -> dict[str, Scalar]:
         # The small number below the root keeps its slope finite where nothing moves.
-        of = self.acceleration(at)
-        return {name: jnp.sqrt(of[2 * k] ** 2 + of[2 * k + 1] ** 2 + 1e-24) for k, name in enumerate(self.names)}
+        of, n = self.acceleration(at), self.basis.dimensions
+        squares = [[of[k] ** 2 for k in range(first, first + n)] for first in range(0, self.axes, n)]
+        sizes = [jnp.sqrt(sum(rest, start=first) + 1e-24) for first, *rest in squares]
+        return dict(zip(self.names, sizes, strict=True))
 
     def roundoff(self) -> dict[str, Scalar]:
-        sizes = ROUNDED_LENGTH * self.rates_of_axes[::2] ** 2
+        sizes = ROUNDED_LENGTH * self.rates_of_axes[:: self.basis.dimensions] ** 2
         return dict(zip(self.names, sizes, strict=True))
 
     def followers(self, first: int, order: Coordinates) -> PassiveOscillators:
-        shaken_by = tuple(column for body in self.bodies for column in order.columns(body)[:2])
+        shaken_by = tuple(column for body in self.bodies for column in order.columns(body)[: self.basis.dimensions])
         return PassiveOscillators(first, shaken_by, self.rates_of_axes, self.damping)
 
     @property

@@ -10,7 +10,7 @@ import jax.numpy as jnp
 from .._types import Scalar
 from ..contact import ContactLaw, KelvinVoigt
 from ..multibody import AxialSpringDamper, Kinematics, Load, MaterialPoint, SpringDirection, load_at
-from ..plane import Vector
+from ..space.either import Vector
 from .element import Closed, Element, Own, Switch
 from .report import EnergyShare, Report
 from .telling import largest, reached

@@ -1,14 +1,16 @@
 """A thrust that pushes a body along an axis of its own for a while (M178)."""
 
+import dataclasses
 from typing import Any, NamedTuple
 
 import equinox as eqx
-import jax.numpy as jnp
 
 from .._types import Scalar
+from ..basis import AnyBasis, components
 from ..multibody import Kinematics, Load
-from ..plane import Frame, Vector
+from ..plane import PLANE
 from ..plane.unit_vector import check_unit
+from ..space.either import Frame, Turn, Vector
 from .element import Closed, Element, Magnitudes, Own, Switch
 from .report import Report
 
@@ -27,13 +29,15 @@ class Thrust(Element):
     - ``size``: F [N].
     - ``time``: how long it pushes [s].
     - ``axis``: unit vector in the axes of the body [-].
+    - ``basis``: of the mechanism, which says it.
     - ``name``: of the energy that it puts in; its switch, which closes where it ends, is the name with " over".
     """
 
     body: int = eqx.field(static=True)
     size: Scalar
     time: Scalar
-    axis: tuple[float, float] = eqx.field(static=True, default=(1.0, 0.0))
+    axis: tuple[float, ...] = eqx.field(static=True, default=(1.0, 0.0))
+    basis: AnyBasis = PLANE
     name: str = eqx.field(static=True, default="thrust")
 
     def __check_init__(self) -> None:
@@ -42,10 +46,13 @@ class Thrust(Element):
 
     @property
     def variables(self) -> tuple[str, ...]:
-        return ("time", "work", "impulse_x", "impulse_y", "impulse_turn")
+        return ("time", "work", *impulse_names(self.basis))
+
+    def in_mechanism(self, speed: Scalar, basis: AnyBasis) -> "Thrust":
+        return dataclasses.replace(self, basis=basis)
 
     def scales(self, size: Magnitudes) -> list[Scalar]:
-        return [1.0, size.energy, size.momentum, size.momentum, size.momentum]
+        return [1.0, size.energy, *[size.momentum] * len(impulse_names(self.basis))]
 
     @property
     def switches(self) -> tuple[Switch, ...]:
@@ -60,22 +67,23 @@ class Thrust(Element):
 
     def force(self, at: ThrustState, closed: Closed) -> Vector:
         """Return the force [N]."""
-        along = Vector(at.frame.cos, at.frame.sin) if self.axis == (1.0, 0.0) else at.frame.turn(Vector(*self.axis))
+        ahead = self.axis[0] == 1.0
+        along = at.frame.x_axis if ahead else at.frame.turn(self.basis.vector(*self.axis))
         return along * (self.size * (1.0 - closed[0]))
 
     def loads(self, at: ThrustState, closed: Closed) -> tuple[Load, ...]:
-        return (Load(self.body, self.force(at, closed), jnp.zeros(())),)
+        return (Load(self.body, self.force(at, closed), self.basis.turn(*[0.0] * len(self.basis.unit_turns))),)
 
     def rates(self, at: ThrustState, closed: Closed) -> list[Scalar]:
         # Work and impulses are states, so that energy and momentum can be checked though they come from outside (M178).
         force = self.force(at, closed)
-        return [1.0, force.dot(at.frame.velocity), force.x, force.y, at.frame.origin.cross(force)]
+        return [1.0, force.dot(at.frame.velocity), *force, *components(at.frame.origin.cross(force))]
 
     def supplied(self, own: Own) -> dict[str, Scalar]:
         return {self.name: own[1]}
 
-    def impulse(self, own: Own) -> tuple[Vector, Scalar]:
-        return Vector(own[2], own[3]), own[4]
+    def impulse(self, own: Own) -> tuple[Vector, Turn]:
+        return impulses(self.basis, own[2:])
 
     def settled(self, at: ThrustState) -> Scalar:
         return at.time >= self.time
@@ -83,6 +91,19 @@ class Thrust(Element):
     @property
     def report(self) -> "ThrustReport":
         return ThrustReport(self)
+
+
+def impulse_names(basis: AnyBasis) -> tuple[str, ...]:
+    """Return the names of the components of an impulse and an angular impulse, as `variables` of an element."""
+    axes = "xyz"[: basis.dimensions]
+    turns = ("turn",) if len(basis.unit_turns) == 1 else tuple(f"turn_{axis}" for axis in axes)
+    return tuple(f"impulse_{name}" for name in (*axes, *turns))
+
+
+def impulses(basis: AnyBasis, own: Own) -> tuple[Vector, Turn]:
+    """Return impulse and angular impulse from their components."""
+    entries = [own[k] for k in range(len(impulse_names(basis)))]
+    return basis.vector(*entries[: basis.dimensions]), basis.turn(*entries[basis.dimensions :])
 
 
 class ThrustReport(Report[Thrust]):

@@ -27,6 +27,10 @@ class Plane(Basis[Vector, Scalar, Frame]):
         return angle
 
     @property
+    def unit_vectors(self) -> tuple[Vector, ...]:
+        return Vector(1.0, 0.0), Vector(0.0, 1.0)
+
+    @property
     def unit_turns(self) -> tuple[Scalar, ...]:
         return (1.0,)
 

@@ -67,6 +67,19 @@ class Frame(NamedTuple):
             self.cos * inertial.y - self.sin * inertial.x,
         )
 
+    def in_axes(self, turn: Scalar) -> Scalar:
+        """Return a turn, as a spin, in the body's axes: the same."""
+        return turn
+
+    def from_axes(self, turn: Scalar) -> Scalar:
+        """Return a turn that is given in the body's axes: the same."""
+        return turn
+
+    @property
+    def x_axis(self) -> Vector:
+        """Return the body's x axis in inertial axes."""
+        return Vector(self.cos, self.sin)
+
     def velocity_at(self, arm: Vector) -> Vector:
         """Return the velocity of the body's material point at ``arm`` (inertial axes, from the centre of mass) [m/s]
         (M3)."""

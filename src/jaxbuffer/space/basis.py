@@ -63,6 +63,10 @@ class Space(Basis[Vector, Vector, Frame]):
         return Vector(*components)
 
     @property
+    def unit_vectors(self) -> tuple[Vector, ...]:
+        return AXES
+
+    @property
     def unit_turns(self) -> tuple[Vector, ...]:
         return AXES
 

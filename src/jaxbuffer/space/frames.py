@@ -34,6 +34,19 @@ class Frame(NamedTuple):
         """Turn a direction or arm into the body's axes. ``inertial``: the same in inertial axes."""
         return Vector(*(axis.dot(inertial) for axis in self.axes))
 
+    def in_axes(self, turn: Vector) -> Vector:
+        """Return a turn, as a spin, in the body's axes."""
+        return self.unturn(turn)
+
+    def from_axes(self, turn: Vector) -> Vector:
+        """Return a turn in inertial axes that is given in the body's."""
+        return self.turn(turn)
+
+    @property
+    def x_axis(self) -> Vector:
+        """Return the body's x axis in inertial axes."""
+        return self.axes[0]
+
     def rate_of(self, arm: Vector) -> Vector:
         """Return the rate of an arm, or any other vector, that turns with the body; in inertial axes."""
         return self.spin.cross(arm)

@@ -13,7 +13,7 @@ Motion = tuple[Float[Array, " coordinates"], Float[Array, " velocities"]]
 
 
 def start_motion(design: Design3D, scenario: Scenario3D, masses: Masses) -> Motion:
-    """Return positions and velocities at t = 0 (M218): S, B and P lie in line behind the tip along x of S, and turn
+    """Return positions and velocities at t = 0 (M222): S, B and P lie in line behind the tip along x of S, and turn
     about the centre of mass of S as one body.
 
     **Arguments:** ``design``; ``scenario``; ``masses``: of the probe. **Returns:** q, 28 entries, and v, 24.

@@ -1,19 +1,20 @@
-"""Attitude control of the active vehicle (M217)."""
+"""Attitude control of the active vehicle (M221)."""
 
 from typing import Any, ClassVar
 
 from ....elements import AttitudeControl, Element
+from ....errors import InputError
 from ....fields import NON_NEGATIVE, POSITIVE, Number, Part, choice, number, on
 from .latch import LATCH
 from .part import Joined, ProbePart, S, Supply
 
 
 class Control(Part):
-    """Thrusters that turn the active vehicle back to the inertial axes, by their mean moment (M217).
+    """Thrusters that turn the active vehicle back to the inertial axes, by their mean moment (M221).
 
     - ``stiffness``: k_p [N m/rad]; None: no control.
     - ``damping``: c_p [N m s/rad].
-    - ``limit``: M_max, which the moment about no axis exceeds [N m]; None: it has no limit.
+    - ``limit``: M_max, which the moment about no axis exceeds [N m]; it belongs to ``stiffness``.
     - ``until``: "contact", the first touchdown (a start in contact has no control), "latch", where the latches begin to
       close, or "end".
     """
@@ -25,9 +26,7 @@ class Control(Part):
     damping: Number = number(
         0.0, "N m s/rad", **NON_NEGATIVE, needs=on("stiffness"), doc="moment c_p per rate of the active vehicle"
     )
-    limit: Number = number(
-        None, "N m", **POSITIVE, needs=on("stiffness"), doc="largest moment about each axis; not set: none"
-    )
+    limit: Number = number(None, "N m", **POSITIVE, needs=on("stiffness"), doc="largest moment M_max about each axis")
     until: str = choice(
         "end",
         "contact",
@@ -36,6 +35,10 @@ class Control(Part):
         needs=on("stiffness"),
         doc="how long it acts: to the first contact, until the latches close, or to the end",
     )
+
+    def check_together(self) -> None:
+        if self.has("stiffness") and not self.has("limit"):
+            raise InputError("control.stiffness needs control.limit [N m] too")
 
 
 class ControlPart(ProbePart):
@@ -55,9 +58,9 @@ class ControlPart(ProbePart):
 
 
 CONTROL = ControlPart(
-    name="attitude_control",
+    name="control",
     path="control.stiffness",
     recorded={"control_moment": "N m"},
-    supply=Supply("attitude_control", "the attitude control"),
+    supply=Supply("control", "the attitude control"),
     has_events=True,
 )
