@@ -1,12 +1,14 @@
 """How large the programs of a run and of its derivatives are: equations of their jaxprs, calls inlined.
 
-`python -m benchmarks equations [--mechanism NAME] [--functions N] [--hlo]`. An equation counts to the loop if it is in
-the program's largest `while`, which steps the run; all others run once, or once for each of a few instants, and what a
-`scan` or a short loop repeats counts once. With ``--hlo`` each program is compiled, and the lines of its optimised HLO
-are counted too.
+`python -m benchmarks equations [--mechanism NAME] [--functions N] [--hlo] [--seconds]`. An equation counts to the loop
+if it is in the program's largest `while`, which steps the run; all others run once, or once for each of a few instants,
+and what a `scan` or a short loop repeats counts once. With ``--hlo`` each program is compiled, and the lines of its
+optimised HLO are counted too. With ``--seconds`` it is traced and compiled first, and the processor time that this took
+is printed last.
 """
 
 import dataclasses
+import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from typing import Annotated, Any, NamedTuple
@@ -181,23 +183,33 @@ def hlo_lines(function: Callable[..., Any], *arguments: Any) -> int:
     return len(jax.jit(function).lower(*arguments).compile().as_text().splitlines())
 
 
+def compilation_seconds(function: Callable[..., Any], *arguments: Any) -> float:
+    """Return the processor time of all threads in which a function's program is traced and compiled [s]."""
+    start = time.process_time()
+    jax.jit(function).lower(*arguments).compile()
+    return time.process_time() - start
+
+
 def main(
     mechanism: Annotated[list[str] | None, typer.Option(help="of a case; all unless given")] = None,
     program: Annotated[list[str] | None, typer.Option(help="of a program; all unless given")] = None,
     functions: Annotated[int, typer.Option(help="how many functions are listed below each program")] = 0,
     hlo: Annotated[bool, typer.Option(help="whether programs are compiled")] = False,
+    seconds: Annotated[bool, typer.Option(help="whether compilation is timed")] = False,
 ) -> None:
     """Print the sizes."""
-    jb.configure()
+    jb.configure(cache=None)  # what is read from disk is not compiled
     known = cases()
     for name in chosen(mechanism, known, "mechanism"):
         for what, (function, arguments) in programs(known[name]).items():
             if program and what not in program:
                 continue
             once = "reading off" in what
+            # Before anything is traced: JAX keeps parts of that.
+            took = f"{compilation_seconds(function, *arguments):8.1f} s" if seconds else ""
             size = size_of(function, *arguments, once=once)
             lines = f"{hlo_lines(function, *arguments):8}" if hlo else ""
-            print(f"{name:14} {what:26} {size.loop:8} {size.outside:8}{lines}", flush=True)
+            print(f"{name:14} {what:26} {size.loop:8} {size.outside:8}{lines}{took}", flush=True)
             if functions:
                 for caller, count in by_function(function, *arguments, once=once).most_common(functions):
                     print(f"{'':16}{count:8}  {caller}")

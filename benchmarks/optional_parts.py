@@ -78,7 +78,7 @@ class Structure:
         first = {path: float(np.sqrt(low * high)) for path, (low, high) in logarithmic.items() if _new(self, path)}
         first |= {path: 0.5 * (low + high) for path, (low, high) in even.items() if _new(self, path)}
         design, scenario = (jb.replace(*pair) for pair in _split(self.design, self.scenario, changes | first))
-        latched = "latch" in parts
+        latched = any(path.startswith("latch.") for path in logarithmic)
         duration = 20.0 if latched else self.duration
         return Structure(design, scenario, duration, logarithmic, even, tuple(parts))
 
@@ -173,6 +173,14 @@ DOCKING_PARTS: dict[str, OptionalPart] = {
             "latch.turn_stiffness": (1.0, 300.0),  # N m/rad
             "latch.turn_damping": (0.1, 20.0),
             "latch.closing_time": (0.005, 0.1),  # s
+        }
+    ),
+    "lockout": OptionalPart(
+        logarithmic={
+            "latch.stiffness": (200.0, 1e4),  # without a latch the run ends where it would engage
+            "latch.damping": (5.0, 200.0),
+            "lockout.stiffness": (1e3, 1e6),  # N/m
+            "lockout.damping": (10.0, 1e3),
         }
     ),
     "thrust": OptionalPart(logarithmic={"scenario.thrust": (0.1, 3.0), "scenario.thrust_time": (0.1, 3.0)}),  # N, s

@@ -6,11 +6,15 @@ import jaxbuffer as jb
 from jaxbuffer.fitting.fitted import Fitted, FittedNumber, RecordBesideFit
 
 
-def made_up_fit(tests=("a.csv",), converged=True, told=(), inflation=1.0, residual=0.5, **others) -> Fitted:
+def made_up_fit(
+    tests=("a.csv",), converged=True, told=(), inflation=1.0, residual=0.5, clips=False, **others
+) -> Fitted:
     """Two numbers; ``told``: what is not told apart; ``inflation`` of the variances; ``residual`` of the column."""
     times = np.linspace(0.0, 0.1, 11)
     stroke = np.array([0.01 * np.sin(30.0 * times)])
-    record = RecordBesideFit(("stroke [mm]",), ("stroke",), ("m",), times, stroke, stroke + 1e-5)
+    # The sixth row, the largest but one, is beyond the sensor's range.
+    clipped = np.arange(11)[None] == 5 if clips else np.zeros((1, 11), bool)
+    record = RecordBesideFit(("stroke [mm]",), ("stroke",), ("m",), times, stroke, stroke + 1e-5, clipped)
     shift = FittedNumber(0.008, 0.0079, 0.0081, "s")
     return Fitted(
         start=jb.table2(),

@@ -35,10 +35,17 @@ def loaded_by(code: str) -> set[str]:
         "import jaxbuffer",
         "from jaxbuffer import InputError",
         "from jaxbuffer.cli.entry import run; run(['--help'])",
-        "from jaxbuffer.cli.entry import run; run(['sweep', '--help'])",
     ],
 )
 def test_neither_the_package_nor_its_help_imports_jax_or_numpy(code):
+    assert not loaded_by(code) & {"jax", "numpy", "equinox", "diffrax", "optax", "matplotlib"}
+
+
+def test_a_commands_help_imports_jax_once(tmp_path, monkeypatch):
+    """It lists fields, which the mechanisms say; their names are kept until the package changes."""
+    monkeypatch.setenv("JAXBUFFER_CACHE", str(tmp_path))
+    code = "from jaxbuffer.cli.entry import run; run(['sweep', '--help'])"
+    assert "jax" in loaded_by(code)
     assert not loaded_by(code) & {"jax", "numpy", "equinox", "diffrax", "optax", "matplotlib"}
 
 

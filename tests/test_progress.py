@@ -1,6 +1,8 @@
 """Progress in Python: a bar for True, nothing otherwise, and the caller's own function as it is."""
 
 import jaxbuffer as jb
+from jaxbuffer.cli.commands.progress import working
+from jaxbuffer.programs.cache import Compilation, _announced
 from jaxbuffer.progress import counted, reported
 
 
@@ -27,3 +29,14 @@ def test_nothing_is_shown_unasked(capsys):
         with reported(moves, str) as report:
             assert report is shown
     assert capsys.readouterr() == ("", "")
+
+
+def test_a_compilation_that_takes_no_time_has_no_line(capsys):
+    def work():
+        for what, seconds in (("a program", 0.3), ("a run", 7.0)):
+            with _announced(Compilation(what, seconds)):
+                pass
+
+    working("simulating", work)
+    said = ["simulating", "compiling a run, which usually takes about 7 s (first run only)…"]
+    assert capsys.readouterr().err.splitlines() == said

@@ -57,7 +57,16 @@ def test_a_field_as_text(value, unit, expected):
 
 
 def test_a_number_in_a_table_is_shown_to_the_unit_from_ten_thousand_on():
-    assert [text.table_text(x) for x in (9999.6, 12345.6, 2.5e6)] == ["1e+04", "12346", "2.5e+06"]
+    assert [text.table_text(x) for x in (9999.6, 12345.6, 2.5e6)] == ["10000", "12346", "2.5e+06"]
+
+
+def test_what_has_more_digits_than_are_shown_is_shown_to_the_unit_and_not_with_an_exponent():
+    assert text.with_unit(2e4, "N", 4) == "20000 N" and text.with_unit(-19572.4, "N", 4, sign=True) == "-19572 N"
+    assert text.with_unit(1e5, "N m/rad", 5) == "100000 N m/rad" and text.with_unit(2.5e6, "N", 4) == "2.5e+06 N"
+    assert text.range_text(2000.0, 1e5, "N", 4) == "2000 to 100000 N"
+    assert text.with_unit(2.5e-7, "m", 4) == "2.5e-07 m"
+    # Rounding leaves 6e-16 m of an extension: it has none.
+    assert text.before_and_after(0.883, 6.106e-13) == "0.883 → 0"
 
 
 @pytest.mark.parametrize(("value", "bound", "digits"), [(26.0, 25.0, 4), (25.0002, 25.0, 6), (24.9999999, 25.0, 9)])

@@ -15,6 +15,11 @@ THRUST = f"{LATCH}::test_a_thrusts_impulse_and_work_stand_in_the_ledgers"
 FIRST = "tests/verification/test_first_impact.py::test_two_materials"
 MATERIALS = "tests/docking/test_two_materials.py::test_every_law_with_a_stiffness_takes_both_materials[hertz]"
 SWING = "tests/docking/test_oscillators.py::test_a_half_sine_in_any_direction_by_closed_form"
+LOCKOUT = "tests/elements/test_lockout.py"
+HELD, LOCKED_GRADIENTS = (
+    f"{LOCKOUT}::test_a_mass_is_held_where_it_crosses",
+    f"{LOCKOUT}::test_its_gradients_are_those_of_the_closed_form",
+)
 RUBBER = "tests/elements/test_rubber_stop.py::test_a_mass_into_rubber_by_energy"
 CURVED = (
     "tests/verification/test_optional_parts.py"
@@ -117,6 +122,23 @@ def _soft_rubber() -> None:
     RubberBlock.elastic = lambda self, penetration: self.linear_stiffness * penetration
 
 
+def _held_at_nothing() -> None:
+    from jaxbuffer.elements import Lockout
+
+    Lockout.after_closing = lambda self, at, own, closing, speed: own
+
+
+def _held_at_a_fixed_time() -> None:
+    import jax
+
+    from jaxbuffer.elements import Lockout
+
+    closing = Lockout.after_closing
+    Lockout.after_closing = lambda self, at, own, closed, speed: closing(
+        self, at._replace(before=jax.lax.stop_gradient(at.before)), own, closed, speed
+    )
+
+
 def _one_material() -> None:
     from jaxbuffer.mechanisms.probe_cone.design import Design
 
@@ -133,6 +155,13 @@ DOCKING = (
     Breakage("threshold of nothing", "the threshold of a force's rounding is NaN", _threshold_of_nothing, (CURVED,)),
     Breakage("flat curve", "a measured curve is constant beyond its last point", _flat_curve, (STRAIGHT,)),
     Breakage("soft rubber", "an end stop of rubber that does not stiffen", _soft_rubber, (RUBBER,)),
+    Breakage("held at nothing", "a lockout that does not keep the stroke it holds", _held_at_nothing, (HELD,)),
+    Breakage(
+        "held at a fixed time",
+        "the stroke that is held does not move with its instant",
+        _held_at_a_fixed_time,
+        (LOCKED_GRADIENTS,),
+    ),
     Breakage("torn unseen", "latches hold whatever pulls at them", _untearable, (TORN,)),
     Breakage("turning counts", "turning of the whole counts as relative motion", _turning_counts, (RIGID, TWO_BODIES)),
     Breakage("shock along x", "the shock of equipment in one direction alone", _one_direction, (SWING,)),

@@ -12,8 +12,8 @@ SURPLUS = 0.2  # what each further word of that name costs
 EVEN = 1e-9
 Meaning = Callable[[str], str]
 
-# What people call the same thing, as whole names of a span, a limit or a choice …
-NAMES = (
+# What people call the same thing, as whole names of a span, a limit or a choice …; mechanisms add their fields'.
+NAMES: list[tuple[str, ...]] = [
     ("from", "start", "low", "lower", "min", "minimum", "first", "begin", "at_least", "lo", "gt", "ge"),
     ("to", "stop", "end", "high", "upper", "max", "maximum", "last", "at_most", "until", "hi", "lt", "le"),
     ("count", "num", "n", "number", "points", "steps", "size", "samples", "values"),
@@ -38,44 +38,44 @@ NAMES = (
     ("saltelli", "indices"),
     ("smooth", "continuous"),
     ("linear", "lin", "linspace"),
-    ("offset", "lateral_offset", "miss", "eccentricity"),
-    ("play", "clearance", "gap"),
-    ("strength", "max_force", "peak_force", "limit"),
     ("log", "logarithmic", "geom", "geometric", "logspace", "geomspace"),
-)
+]
 # … and as words within a name.
-WORDS = (
+WORDS: list[tuple[str, ...]] = [
     ("peak", "max", "maximum", "maximal", "largest", "highest", "greatest", "worst"),
     ("speed", "velocity", "v0", "v"),
     ("stiffness", "rigidity", "spring", "stiff"),
     ("damping", "damper", "dampening", "dashpot", "viscosity"),
     ("force", "load", "thrust", "reaction"),
     ("angle", "rotation", "attitude", "tilt", "turning"),
-    ("stroke", "shortening"),
     ("mass", "weight"),
     ("inertia", "moment"),
     ("time", "duration"),
     ("energy", "work"),
-    ("latch", "latches", "lock", "clamp"),
-    ("stop", "bumper"),
     ("radius", "diameter"),
     ("length", "distance", "depth"),
     ("friction", "mu"),
     ("restitution", "e"),
     ("young", "e", "elastic", "modulus"),
     ("poisson", "nu"),
-    ("along", "axial", "cylinder", "a"),
-    ("about", "torsional", "angular", "rotational", "hinge", "t"),
     ("approach", "closing", "impact"),
     ("contact", "impact", "collision"),
     ("settling", "settle", "rest"),
     ("acceleration", "accel", "deceleration"),
-    ("active", "chaser", "servicer"),
-    ("passive", "target", "client"),
     ("lateral", "transverse", "sideways"),
-    ("standoff", "gap"),
     ("share", "ratio", "fraction", "percentage"),
-)
+]
+
+
+def same_name(*names: str) -> None:
+    """Make it known that these whole names mean one thing: the module that declares a field says what else people call
+    it."""
+    NAMES.append(names)
+
+
+def same_word(*words: str) -> None:
+    """Make it known that these words, within a name, mean one thing."""
+    WORDS.append(words)
 
 
 def suggest(name: Any, known: Iterable[str], meaning: Meaning | None = None) -> str:

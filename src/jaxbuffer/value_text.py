@@ -10,7 +10,7 @@ from typing import Any
 DIGITS = 6  # significant ones, unless a call says otherwise
 UNKNOWN = "–"  # in a table, of a value that is not known
 ROUNDING = 1e-12  # what is smaller is shown as 0
-WHOLE, LARGE = 1e4, 1e6  # between these a table shows a number to the unit
+WHOLE, LARGE = 1.0, 1e6  # between these no number has an exponent: one with too many digits is shown to the unit
 MOST = 17  # digits that a number has at most
 
 
@@ -24,9 +24,17 @@ def unit_text(unit: str, before: str = " ") -> str:
     return "" if is_plain(unit) else unit if unit == "°" else f"{before}{unit}"
 
 
+def number_text(value: float, digits: int = DIGITS, sign: bool = False) -> str:
+    """Return a number with so many significant ``digits``: "0.1512", "20000"; ``sign``: whether a positive one has its
+    sign."""
+    plus = "+" if sign else ""
+    text = f"{value:{plus}.{digits}g}"
+    return f"{value:{plus}.0f}" if "e" in text and WHOLE <= abs(value) < LARGE else text
+
+
 def with_unit(value: float, unit: str, digits: int = DIGITS, sign: bool = False) -> str:
     """Return a number with its unit: "25 mm"; ``sign``: whether a positive one has its sign."""
-    return f"{value:{'+' if sign else ''}.{digits}g}{unit_text(unit)}"
+    return f"{number_text(value, digits, sign)}{unit_text(unit)}"
 
 
 def degrees_text(angle: float, digits: int = 4, sign: bool = True) -> str:
@@ -38,7 +46,7 @@ def range_text(low: float, high: float, unit: str, digits: int = DIGITS, to: str
     """Return a range with its unit: "5 to 30 cm/s", "-2° to +3°"."""
     if unit == "°":
         return f"{degrees_text(low, digits)}{to}{degrees_text(high, digits)}"
-    return f"{low:.{digits}g}{to}{with_unit(high, unit, digits)}"
+    return f"{number_text(low, digits)}{to}{with_unit(high, unit, digits)}"
 
 
 def interval_text(
@@ -56,14 +64,15 @@ def table_text(value: Any) -> str:
         return UNKNOWN
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return str(value).lower() if isinstance(value, bool) else str(value)
-    if isinstance(value, int) or WHOLE <= abs(value) < LARGE:
+    if isinstance(value, int):
         return f"{value:.0f}"
-    return "0" if abs(value) < ROUNDING else f"{value:.4g}"
+    return "0" if abs(value) < ROUNDING else number_text(value, 4)
 
 
 def before_and_after(before: float, after: float, digits: int = 4) -> str:
     """Return what became of a number: "253.1 → 148.2"; a dash for one that is NaN, not known."""
-    return " → ".join(UNKNOWN if math.isnan(value) else f"{value:.{digits}g}" for value in (before, after))
+    each = (0.0 if abs(value) < ROUNDING else value for value in (before, after))
+    return " → ".join(UNKNOWN if math.isnan(value) else number_text(value, digits) for value in each)
 
 
 def relative_change(before: float | None, after: float | None) -> float | None:

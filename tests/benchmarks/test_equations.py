@@ -25,7 +25,9 @@ def known() -> dict[str, Case]:
     return cases()
 
 
-@pytest.mark.parametrize("name", MOST)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=() if name in ("capture", "bar_drop") else pytest.mark.slow) for name in MOST]
+)
 def test_what_a_run_compiles_to_run_once(known, name):
     made = programs(known[name])
     stepping, reading = (made[f"run, {part}"] for part in ("stepping", "reading off"))
@@ -34,7 +36,7 @@ def test_what_a_run_compiles_to_run_once(known, name):
     assert before.outside < 0.15 * before.loop
 
 
-@pytest.mark.parametrize("name", ["capture", "bar_drop"])
+@pytest.mark.parametrize("name", [pytest.param("capture", marks=pytest.mark.slow), "bar_drop"])
 def test_what_a_gradient_compiles_to_run_once(known, name):
     function, arguments = programs(known[name])["jax.grad"]
     assert size_of(function, *arguments).outside <= MOST[name][1]

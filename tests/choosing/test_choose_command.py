@@ -65,7 +65,7 @@ def test_where_none_keeps_the_limits_the_command_ends_with_1(study, capsys):
     assert run(["choose", "study.toml", "--output", "out"]) == 1
     shown = capsys.readouterr()
     assert "no combination keeps all limits, of 4 combinations" in shown.err.splitlines()[-1]
-    assert "broken: 0.14 m/s, 0°: stroke " in shown.out and (study / "out" / "choice.csv").is_file()
+    assert "broken: scenario 2 (0.14 m/s, 0°): stroke " in shown.out and (study / "out" / "choice.csv").is_file()
 
 
 def test_resuming_where_nothing_was_begun_is_refused(study, capsys):

@@ -115,6 +115,7 @@ DOCKING = [
     toml("[latch]\nstiffness = 2e5\nclosing_time = 0\nstrength = 15", "latch.closing_time = 0 s with a latch.strength"),
     toml("[latch]\nstifness = 2e5", "latch.stifness is unknown; did you mean latch.stiffness?"),
     line("simulate --latch.stifness 2e5", "latch.stifness is unknown; did you mean latch.stiffness?"),
+    toml("[lockout]\nstifness = 2e5", "lockout.stifness is unknown; did you mean lockout.stiffness?"),
     toml("[latches]\nstiffness = 2e5", "[latches] is unknown; did you mean latch?"),
     *[
         line(
@@ -125,6 +126,7 @@ DOCKING = [
         for name, part in (
             ("peak_latch_force", "latch.stiffness"),
             ("latch_share", "latch.strength"),
+            ("peak_lockout_force", "lockout.stiffness"),
             ("active_shock_1", "shock.active_1"),
         )
     ],

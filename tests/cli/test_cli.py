@@ -16,8 +16,9 @@ from rich.console import Console
 
 import jaxbuffer
 from jaxbuffer import Design, InputError, Outcome, Scenario, table2
+from jaxbuffer.cli.commands.names import all_names
 from jaxbuffer.cli.entry import main, run
-from jaxbuffer.cli.overrides import FIELDS, WITH_QUANTITIES, split
+from jaxbuffer.cli.overrides import fields_text, quantities_text, split
 from jaxbuffer.cli.quick import prepare
 from jaxbuffer.fields import paths, unit
 from jaxbuffer.mechanisms import all_mechanisms
@@ -159,8 +160,7 @@ def test_quantities_and_certificate_are_chosen_by_name(computed, capsys, tmp_pat
 
 
 def test_the_quantities_in_the_help_are_those_there_are():
-    block = WITH_QUANTITIES.split("Fields (")[0]
-    listed = dict(re.findall(r"(\S+) \[(.+?)\]", block))
+    listed = dict(re.findall(r"(\S+) \[(.+?)\]", quantities_text(all_names()[PROBE_CONE.name])))
     assert listed == {name: q.unit for name, q in CATALOGUE.items()} | {
         f"impact.N.{field}": symbol for field, symbol in OF_IMPACT.items()
     }
@@ -406,7 +406,8 @@ def test_help_shows_examples_and_every_field_with_its_unit(computed, capsys):
 
 
 def test_the_fields_in_the_help_are_those_of_design_and_scenario():
-    blocks = dict(re.findall(r"^  (\w+) +(.*(?:\n {12}.*)*)", FIELDS, flags=re.MULTILINE))
+    text = fields_text(all_names()[PROBE_CONE.name])
+    blocks = dict(re.findall(r"^  (\w+) +(.*(?:\n {12}.*)*)", text, flags=re.MULTILINE))
     listed = {
         f"{section}.{name}": symbol
         for section, block in blocks.items()

@@ -125,3 +125,12 @@ def test_a_sweep_over_two_fields_has_an_envelope(computed, capsys, tmp_path):
     words = " ".join(capsys.readouterr().out.split())
     assert "Safe (captured, peak force ≤ 305 N): 4 of 6 captures" in words  # 110 200 210 300 | 310 400 N
     assert "largest rectangle of safe captures, 4 of them (2 × 2)" in words and "0.1 … 0.2 m/s" in words
+
+
+def test_an_envelope_says_what_is_between_the_scenarios_of_a_grid(computed, capsys, tmp_path):
+    """Made-up forces are 110 200 210 300 310 400 N; those at 0.1 and 0.2 m/s lie within the grid's speeds."""
+    grid = "[problem.grid]\napproach_speed = [0.1, 0.2]\nmisalignment = [-0.01, 0.01]\n"
+    (tmp_path / "study.toml").write_text(f"[problem.constraints]\npeak_force = 205.0\n{grid}")
+    over = ["--over", "scenario.approach_speed=0.1:0.3:3", "--over", "scenario.misalignment=-0.01,0.01"]
+    assert run(["sweep", "study.toml", *over, "--output", "out"]) == 0
+    assert "Between the study's scenarios (approach speed 0.1 … 0.2 m/s, " in " ".join(capsys.readouterr().out.split())

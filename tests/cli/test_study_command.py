@@ -105,6 +105,9 @@ def test_a_study_is_explained(computed, capsys, tmp_path):
         stroke = {min = "0.001 m", max = "25 mm"}
         [problem.grid]
         approach_speed = [0.1, 0.2]
+        [problem.then]
+        stroke = 1.0
+        tolerance = 0.05
         [sweep]
         buffer.k_A = [100, 200]
         buffer.c_A = {from = 1, to = 9, count = 8}
@@ -132,9 +135,12 @@ def test_a_study_is_explained(computed, capsys, tmp_path):
         "buffer.c_A in [1, 60] N s/m, log, from 5 N s/m",
         "stroke ≤ 25 mm",
         "stroke ≥ 1 mm",
-        "every case must end captured or held or latched",
+        "every load case must end captured or held or latched",
         "buffer.k_A 100, 200 N/m",
         "buffer.c_A 1 to 9 N s/m, 8 values, linear",
+        "then                   stroke, worst over the cases, among those within 5 % of the least objective",
+        "scenarios              1: 0.1 m/s, +3°",
+        "                       2: 0.2 m/s, +3°",
         "one capture: 0.1 m/s, +3°",
         "2 × 8 = 16 captures",
         "1 variables over 2 scenarios",

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
+from jaxbuffer.output.page_data import force_record
 
 LATCH = {"latch.stiffness": 2e3, "latch.damping": 50.0}  # N/m, N s/m
 DESIGN = jb.replace(jb.table2(), LATCH)
@@ -24,6 +25,18 @@ def test_the_extension_is_the_deepest_stroke_at_any_time():
     before, there, after = (-float(docked(at + shift).history.stroke[-1]) for shift in (-1e-3, 0.0, 1e-3))
     assert there == pytest.approx(extension, rel=1e-8) and max(before, after) < extension * (1.0 - 1e-9)
     assert f"{1e3 * extension:.6g} mm beyond the free length at" in repr(run)
+
+
+@pytest.mark.slow
+def test_the_pages_curves_reach_the_largest_values():
+    """To the six digits that a page has: evenly spread times alone would miss a short latch force by parts in a
+    thousand."""
+    run = docked()
+    curves = {chart["axis"]: chart["curves"][0][chart["axis"]] for chart in force_record({"capture": run}, "")["more"]}
+    stroke = curves["stroke [mm]"]
+    assert max(stroke) == pytest.approx(1e3 * float(run.stroke), rel=2e-6)
+    assert min(stroke) == pytest.approx(-1e3 * float(run.extension), rel=2e-6)
+    assert max(curves["latch force [N]"]) == pytest.approx(float(run.quantity("peak_latch_force")), rel=2e-6)
 
 
 def test_it_is_a_quantity_like_the_others():

@@ -1,6 +1,6 @@
 """Where everything is, and how it moves, at a free start: section "start" of the model, in plain trigonometry."""
 
-import jax.numpy as jnp
+import jax
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -90,13 +90,13 @@ def test_a_tip_that_goes_round_the_rim_has_escaped_before_it_is_behind_the_flank
     state, _ = assembled.start()
     rim = np.array([-0.096 - 0.0735 * np.sqrt(0.5), side * (0.015 + 0.0735 * np.sqrt(0.5))])
     tip = np.asarray(assembled.evaluated(assembled.evaluate(state), "throat").tip)
-    guards = []
+    guards, terminals = [], jax.jit(lambda state: assembled.terminals_at(assembled.evaluate(state)))
     for turn in np.radians(np.linspace(-60.0, 150.0, 106)):  # from the axis' direction back over the rim
         centre = rim + 1.3 * 0.015 * np.array([-np.cos(turn), side * np.sin(turn)])
         moved = np.array(state)
         for body in range(3):
             moved[3 * body : 3 * body + 2] += centre - tip
-        guards.append(assembled.terminals_at(assembled.evaluate(jnp.asarray(moved))))
+        guards.append(terminals(moved))
     names = assembled.end_outcomes
     escaped, deep = (np.asarray(guards)[:, names.index(name)] > 0.0 for name in ("escaped", "failed_penetration"))
     assert not escaped[0] and escaped[-1] and deep.any(), "it goes all the way"

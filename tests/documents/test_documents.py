@@ -9,6 +9,7 @@ import pytest
 import jaxbuffer
 from documents.examples import DOCS, ROOT, blocks
 from jaxbuffer.contact.laws.registry import _all as laws
+from jaxbuffer.study.load import load
 
 HEADING = "**Example:**"
 COMPILES = re.compile(r"\.(simulate|sensitivity|sweep|sample|tune|pareto|choose|diffeqsolve)\(")
@@ -54,6 +55,19 @@ def test_the_reference_has_every_public_name_once():
         for name in re.findall(r"^\.\. auto\w+:: jaxbuffer\.(\w+)$", page.read_text(encoding="utf-8"), re.MULTILINE)
     ]
     assert sorted(entries) == sorted(jaxbuffer.__all__)
+
+
+NUMBERED = re.compile(r"--scenario-number (\d+).*# of the grid: the (\w+) approach")
+
+
+@pytest.mark.parametrize("name", ["hold_20_kg", "hold_8_t"])
+def test_a_scenario_number_of_a_guide_is_that_of_its_study(name, tmp_path):
+    page = (DOCS / "howto" / f"{name}.md").read_text(encoding="utf-8")
+    study = tmp_path / "study.toml"
+    study.write_text(re.search(r"<<'END'\n(.*?)^END$", page, re.DOTALL | re.MULTILINE).group(1))
+    speeds = [case.scenario.approach_speed for case in load(study).cases]
+    ((number, which),) = NUMBERED.findall(page)
+    assert speeds[int(number) - 1] == {"slow": min, "fast": max}[which](speeds) and min(speeds) < max(speeds)
 
 
 @pytest.mark.parametrize("file", sorted(DOCS.glob("notebook/*.ipynb")), ids=lambda file: file.name)

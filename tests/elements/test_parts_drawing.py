@@ -12,6 +12,7 @@ from jaxbuffer.mechanisms.assembled import Assembled
 from jaxbuffer.mechanisms.drawing import Disc, Outline, Spot, Spring
 from jaxbuffer.mechanisms.parts_drawing import assembled_drawing
 from jaxbuffer.multibody import GROUND, AxialSpringDamper, Body, Prismatic, Revolute, System
+from jaxbuffer.output.sketch import bounds, fills
 
 SMOOTH = RegularisedCoulomb(0.0, 1.0)
 
@@ -39,8 +40,10 @@ def test_balls_flanks_holes_and_springs_where_they_are():
     discs = {(shape.centre, shape.radius, shape.filled) for shape in drawing.shapes if isinstance(shape, Disc)}
     assert discs == {(Spot(0, 0.1, 0.2), 0.02, True), (Spot(1), 0.01, True), (Spot(GROUND, 1.3, 2.0), 0.011, False)}
     lines = [shape for shape in drawing.shapes if isinstance(shape, Outline)]
-    assert [(line.body, line.part) for line in lines] == [(0, "ball"), (0, ""), (1, "box"), (1, ""), (1, ""), (1, "")]
-    np.testing.assert_allclose([line.corners for line in lines[-2:]], [[[0, 0], [0.5, 0]], [[1, 2], [1, 2.5]]])
+    # Crosses stand in front of the balls, which would hide them.
+    assert [(line.body, line.part) for line in lines] == [(1, ""), (1, ""), (0, "ball"), (0, ""), (1, "box"), (1, "")]
+    np.testing.assert_allclose([line.corners for line in lines[:2]], [[[0, 0], [0.5, 0]], [[1, 2], [1, 2.5]]])
+    assert not any(line.endless for line in lines)
     ends = [(shape.first, shape.second) for shape in drawing.shapes if isinstance(shape, Spring)]
     assert ends == [(Spot(0, 0.0, 1.0), Spot(1)), (Spot(GROUND), Spot(1, 0.5))]
     assert [touch.side for touch in drawing.touches] == [1.0, -1.0, 1.0]
@@ -100,3 +103,19 @@ def test_a_flank_of_arrays_with_one_entry_is_drawn_as_one_of_numbers():
         made = Assembled(System((Body(1.0, 1.0),)), jnp.zeros(3), jnp.zeros(3), (BallContact(0, GROUND, pair),))
         drawn.append([shape.corners for shape in assembled_drawing(made).shapes if isinstance(shape, Outline)][-1])
     assert np.array_equal(drawn[1], drawn[0]) and np.array_equal(drawn[2], drawn[0])
+
+
+def test_a_flank_longer_than_the_mechanism_is_seen_where_it_is_touched():
+    """A ball of 20 mm on an anvil of 2 m: the picture is as wide as the ball, and reaches down to the anvil."""
+    anvil = BallPair(0.02, Segment(-1.0, 0.0, 1.0, 0.0, 2.0), -1.0, Hertz(1.0), SMOOTH)
+    system = System((Body(1.0, 1.0),), (Prismatic(GROUND, 0, normal=(1.0, 0.0)),))
+    made = Assembled(system, jnp.array([0.1, 0.3, 0.0]), jnp.zeros(3), (BallContact(0, GROUND, anvil),))
+    drawing = assembled_drawing(made, ("ball",))
+    (line,) = (shape for shape in drawing.shapes if isinstance(shape, Outline) and shape.body == GROUND)
+    assert line.endless
+    np.testing.assert_allclose(bounds(drawing, np.array([[0.1, 0.3, 0.0]])), [[0.08, 0.0], [0.12, 0.32]], atol=1e-12)
+
+
+def test_no_two_of_seven_lines_have_one_colour():
+    lines = [Outline(0, np.zeros((2, 2)), filled=False, part=str(k)) for k in range(7)]
+    assert len(set(fills(lines).values())) == 7

@@ -69,17 +69,22 @@ def test_a_rig_s_summary_says_each_number_once_and_no_part_that_exceeds_its_whol
     """Gravity's work makes the total less than what is lost: each sum stands beside its own parts."""
     quantities = {
         "left_stroke": Quantity("m", lambda it: it.maxima["left_stroke"], "largest stroke", "left stroke", swept=True),
+        "gap": Quantity("m", lambda it: 2.5e-3, "in the unit of people", "gap"),
+        "turn": Quantity("rad", lambda it: 0.5 * np.pi, "in the unit of people", "turn"),
         "speed": Quantity("m/s", lambda it: 2.0, "speed", "speed", swept=True),
+        "left_stop_force": Quantity("N", lambda it: it.maxima["left_stop_force"], "at the end", "force at the end"),
     }
     told = run()
     told.mechanism = SimpleNamespace(quantities=quantities, meant=lambda value_at: [*quantities], view=View())
     told.outcome = SimpleNamespace(failed=False, reason="time is up")
     told.design = told.scenario = Part()
-    told.impact_count, told.elements, told.accepted, told.attempts = 0, (BUFFER,), 9, 10
-    told.energy = Energy({"kinetic": 0.25, "gravity": -2.81}, {"left_arm_damper": 4.57})
+    told.impact_count, told.elements, told.accepted, told.attempts = 0, (BUFFER, STOP), 9, 10
+    told.energy = Energy({"kinetic": 0.25, "gravity": -2.81}, {"left_arm_damper": 4.57, "left_stop": -0.0})
     told.balance = Balance(0.0, 0.0, 0.0, 0.0)
     lines = plain_summary(told).splitlines()
     assert [line for line in lines if "stroke" in line] == ["  left stroke              40 mm at 1.5 s"]
+    assert [line for line in lines if " 7 N" in line] == ["  left stop                from 50 mm on, at most 7 N"]
     assert "  speed                    2 m/s" in lines
+    assert "  gap                      2.5 mm" in lines and "  turn                     90 deg" in lines
     assert "  energy lost              4.57 J (left arm damper 4.57)" in lines
     assert "  energy stored at the end -2.56 J (gravity -2.81, kinetic 0.25)" in lines

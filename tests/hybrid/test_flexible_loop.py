@@ -108,11 +108,8 @@ def test_implicit_steps_pass_over_stiff_modes(evidence):
         evidence(TOPIC, f"{name} against explicit steps, the bar's place", error, 1e-5, "explicit steps", "m, rad")
 
 
-# The automatic solver has the steps of both others in its loop.
-ALONE = [pytest.param(it, marks=pytest.mark.slow) for it in (ExplicitRungeKutta(), DiagonallyImplicit())]
-
-
-@pytest.mark.parametrize("solver", [Automatic(), *ALONE])
+@pytest.mark.slow
+@pytest.mark.parametrize("solver", [Automatic(), ExplicitRungeKutta(), DiagonallyImplicit()])
 def test_the_loop_stays_one_kernel(solver):
     """XLA leaves out any loop that holds a call into a library."""
     mechanism = arrays(hanging(SOFT, contact=True, damping_ratio=0.02))

@@ -226,6 +226,7 @@ def test_implicit_steps_pass_over_a_stiff_spring():
     np.testing.assert_allclose(ends["automatic"], ends["explicit"], atol=2e-5)
 
 
+@pytest.mark.slow
 def test_the_loop_stays_one_kernel():
     """XLA leaves out any loop that holds a call into a library."""
     program = run.lower(stiffly_held(), 0.1, DiagonallyImplicit(), 1e-7).compile().compiled.as_text()

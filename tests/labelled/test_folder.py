@@ -15,7 +15,8 @@ def folder(tmp_path_factory):
     (place / "drop.toml").write_text('kind = "bar_drop"\n[scenario]\nheight = 0.15\n[impact]\ndamping = 2.5\n')
     study, out = str(place / "drop.toml"), str(place / "out")
     assert run(["simulate", study, "--duration", "0.2", "--output", out]) == 0
-    assert run(["sensitivity", study, "--duration", "0.2", "--certify", "none", "--output", out]) == 0
+    words = ["--wrt", "impact.damping", "--duration", "0.2", "--certify", "none"]
+    assert run(["sensitivity", study, *words, "--output", out]) == 0
     return place / "out"
 
 

@@ -4,17 +4,19 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
+from jaxbuffer.cli.commands.request import tuned_problem
 from jaxbuffer.cli.entry import run as command
 from jaxbuffer.fields import get, inactive, metadata, paths
 from jaxbuffer.mechanisms import all_mechanisms
 from jaxbuffer.mechanisms.cautions import cautions
 from jaxbuffer.mechanisms.probe_cone.mechanism import PROBE_CONE
+from jaxbuffer.study.load import load
 
 ROOT2 = np.sqrt(2.0)
 
 
 def said(changes, scenario=None, **varied):
-    return cautions(jb.replace(jb.table2(), changes), (scenario or jb.Scenario(),), **varied)
+    return cautions([(jb.replace(jb.table2(), changes), scenario or jb.Scenario())], **varied)
 
 
 def other_value(part, path):
@@ -51,6 +53,7 @@ def test_each_number_that_needs_another_is_named_with_what_it_needs(mechanism):
         ({"latch.stiffness": 2e3, "latch.preload_length": 1e-3}, "latch.preload_length", "latch.preload"),
         ({"shock.damping": 0.1}, "shock.damping", "shock.active_1"),
         ({"buffer.rebound_gap": 1e-3}, "buffer.rebound_gap", "buffer.rebound_stiffness"),
+        ({"lockout.stiffness": 1e4}, "lockout.stiffness", "latch.stiffness"),
         ({"buffer.friction": 0.0, "buffer.friction_speed": 0.01}, "buffer.friction_speed", "buffer.friction"),
         ({"hinge.bush_radius": 0.004}, "hinge.bush_radius", "hinge.play"),
         ({"probe.bending_modes": 5}, "probe.bending_modes = 5", "probe.bending_stiffness"),
@@ -116,8 +119,29 @@ def test_an_approach_that_misses_the_cone_is_said(numbers, miss):
 
 def test_one_of_several_scenarios_that_misses_is_numbered():
     scenarios = [jb.Scenario(start="free", offset=x) for x in (0.01, 0.3, 0.02)]
-    (line,) = cautions(jb.table2(), scenarios)
+    (line,) = cautions([(jb.table2(), it) for it in scenarios])
     assert line.endswith("(scenario 2 of 3)")
+
+
+def test_check_looks_at_every_scenario_of_a_grid(tmp_path, capsys):
+    """½ k_t φ² = 10 kN m/rad (1°)² = 3.05 J of ½ 4 t (5 cm/s)² = 5 J, at each of both angles."""
+    study = tmp_path / "study.toml"
+    study.write_text(
+        'active.mass = "8 t"\npassive.mass = "8 t"\nlatch.stiffness = 4000\nlatch.turn_stiffness = 20000\n'
+        '[problem.grid]\napproach_speed = ["5 cm/s", "20 cm/s"]\nmisalignment = ["-1 deg", "0 deg", "1 deg"]\n'
+    )
+    assert command(["check", str(study)]) == 0
+    told = " ".join(capsys.readouterr().out.split())
+    assert "adds up to 3.046 J by turning the probe, at the start's angle of 1 deg, 61 % of what" in told
+    assert "adds less (scenario 1 and 1 more of 6)" in told
+
+
+def test_of_several_scenarios_the_worst_is_said_with_its_number():
+    runs = [(jb.table2(), jb.Scenario(start="free", offset=x)) for x in (0.01, 0.3, -0.5, 0.2)]
+    (line,) = cautions(runs)
+    assert "500 mm off the axis" in line and line.endswith("(worst in scenario 3; so in 3 of 4)")
+    (line,) = cautions([runs[0], runs[1], runs[1]])
+    assert line.endswith("(scenario 2 and 1 more of 3)")
 
 
 def test_check_says_them(tmp_path, capsys):
@@ -127,6 +151,38 @@ def test_check_says_them(tmp_path, capsys):
     told = capsys.readouterr().out
     assert "latch.strength = 60 N has no effect: it needs latch.stiffness" in told
     assert "misses the cone: the tip passes its mouth 500 mm off the axis" in told
+
+
+GRID = """
+[latch]
+stiffness = 300
+turn_stiffness = 5
+[scenario]
+approach_speed = "12 cm/s"
+misalignment = "3 deg"
+[problem.grid]
+approach_speed = ["12 cm/s", "5 cm/s"]
+misalignment = ["0 deg", "3 deg"]
+"""
+
+
+def test_check_says_them_of_every_scenario_of_a_grid(tmp_path, capsys):
+    """½ · 5 N m/rad · (3°)² = 6.85 mJ is 8.2 % of what 23 and 24 kg bring at 12 cm/s, and 47 % at 5 cm/s:
+    scenario 4, though [scenario] itself is scenario 2."""
+    study = tmp_path / "study.toml"
+    study.write_text(GRID)
+    assert command(["check", str(study)]) == 0
+    told = capsys.readouterr().out
+    assert "adds up to 6.854 mJ by turning the probe" in told and "(scenario 4 of 4)" in told
+    for numbered in ("1: 0.12 m/s, 0°", "2: 0.12 m/s, +3°", "3: 0.05 m/s, 0°", "4: 0.05 m/s, +3°"):
+        assert f" {numbered}\n" in told
+
+
+def test_a_tuning_says_them_of_every_scenario_of_a_grid(tmp_path, capsys):
+    study = tmp_path / "study.toml"
+    study.write_text(GRID)
+    tuned_problem(load(study))
+    assert "(scenario 4 of 4)" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -165,6 +221,9 @@ def test_a_latch_that_puts_in_much_by_turning_is_said_before_a_run(turn, angle, 
     if much:
         assert "62.5 mJ" in lines[0] and "(50 mJ): " in lines[0] and "1.2 times" in lines[0]
         assert lines[0].endswith("a smaller latch.turn_stiffness adds less")
+        # A run measures it: its summary says that alone.
+        after = said(changes, jb.Scenario(misalignment=angle), measured=False)
+        assert not any("closing the latch" in it for it in after)
 
 
 @pytest.mark.quick
@@ -173,3 +232,37 @@ def test_a_latch_without_a_rebound_stop_is_said():
     assert checks(jb.replace(jb.table2(), LATCH)) == []
     (line,) = checks(jb.replace(jb.table2(), {"latch.stiffness": 2e3}))
     assert line.startswith("a latch without buffer.rebound_stiffness: ") and "pulls" in line
+
+
+TOLERANT = """
+[problem.variables]
+buffer.k_A = [100, 2000]
+[tolerances]
+probe.tip_radius = ["-0.2 mm", "0.5 mm"]
+buffer.k_A = "5 %"
+"""
+
+
+def test_check_and_tune_look_at_the_corners_of_tolerances(tmp_path, capsys):
+    """A ball of 15 mm passes a throat of 15 mm; with 0.5 mm more, in two of four corners, it does not. A stiffer spring
+    is no matter of geometry, and the first of equal corners is named."""
+    study = tmp_path / "study.toml"
+    study.write_text(TOLERANT)
+    problem = tuned_problem(load(study))
+    reach = 0.0155 / ROOT2 - np.sqrt(0.0155**2 - 0.015**2)
+    wide = [number for number, design, _ in problem.corner_runs if design.probe.tip_radius > 0.0151]
+    line = "15.5 mm is above cone.throat_radius 15 mm: the ball does not pass the throat; it comes to rest on the"
+    where = f"(scenario {wide[0]} and 1 more of 5)"
+    told = capsys.readouterr().err
+    assert len(wide) == 2 and line in told and f"{1e3 * reach:.3g} mm behind" in told and where in told
+    assert command(["check", str(study)]) == 0
+    assert where in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("latch", "ends"), [("", "captured"), ("[latch]\nstiffness = 2000\n", "held or latched")])
+def test_check_names_the_ends_that_a_design_can_have(tmp_path, capsys, latch, ends):
+    study = tmp_path / "study.toml"
+    study.write_text(f"{latch}[problem.constraints]\nstroke = 0.02\n")
+    assert command(["check", str(study)]) == 0
+    (line,) = (line for line in capsys.readouterr().out.splitlines() if "every load case must end" in line)
+    assert line.endswith(f"must end {ends}")

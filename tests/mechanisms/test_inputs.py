@@ -69,7 +69,10 @@ def test_input_errors_are_value_errors():
     [
         ({"buffer.kA": 1.0}, "buffer.kA is unknown; did you mean buffer.k_A?"),
         ({"probe.tipmass": 1.0}, "probe.tipmass is unknown; did you mean probe.tip_mass?"),
-        ({"zzz": 1.0}, "zzz is unknown; known: active, passive, buffer, probe, cone, contact, hinge, latch, shock"),
+        (
+            {"zzz": 1.0},
+            "zzz is unknown; known: active, passive, buffer, probe, cone, contact, hinge, latch, lockout, shock",
+        ),
         ({"buffer": 1.0}, "buffer is a section; name one of its fields"),
         (
             {"contact.memory": "evnt"},
@@ -101,6 +104,7 @@ OPTIONAL = (
         "buffer.rebound_stiffness",
         "latch.stiffness",
         "latch.strength",
+        "lockout.stiffness",
     ),
     *("hinge.play", "probe.bending_stiffness", "cone.young_modulus", "cone.poisson_ratio"),
     *(f"shock.{vehicle}_{k}" for vehicle in ("active", "passive") for k in (1, 2, 3)),
@@ -117,7 +121,7 @@ def test_reading_and_writing_know_the_same_paths(reader):
 
 def test_every_number_declares_its_unit():
     numbers = [path for path in paths(table2()) if not isinstance(get(table2(), path), (str, bool))]
-    assert len(numbers) == 75
+    assert len(numbers) == 77
     without = ["buffer.spring_curve", "buffer.damper_curve", "probe.bending_modes"]  # a curve's points have units
     assert [path for path in numbers if not unit(table2(), path)] == without
     assert unit(table2(), "buffer.c_T") == "N m s/rad"

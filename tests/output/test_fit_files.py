@@ -2,9 +2,11 @@
 
 import json
 
+import numpy as np
 import pytest
 
 import jaxbuffer as jb
+from jaxbuffer.output.fit_figure import fit_figure
 from jaxbuffer.pages.review import review
 from made_up_fit import made_up_fit
 
@@ -54,3 +56,16 @@ def test_rows_that_weigh_less_or_are_left_out_are_listed_in_every_file_and_on_th
     page = review([jb.load(tmp_path / "fitted")]).html()
     for said in ("30 rows stick out by more than five deviations", "20, 21 and 10 more.", "left out: 40, 41, 42."):
         assert said in text and said in page
+
+
+def test_a_clipped_row_is_beside_what_the_model_gives_and_has_no_residual(tmp_path):
+    fitted = made_up_fit(clips=True)
+    jb.save(fitted, tmp_path / "fitted", figures=False)
+    rows = [row.split(",") for row in (tmp_path / "fitted" / "fit.csv").read_text().splitlines()[1:]]
+    assert [row[-1] for row in rows].count("nan") == 1 and rows[5][-1] == "nan"
+    assert float(rows[5][-2]) - float(rows[5][-3]) == pytest.approx(1e-5)
+    left, right = fit_figure(fitted).axes
+    (marks,) = (line for line in left.lines if line.get_label() == "clipped, left out")
+    np.testing.assert_allclose(marks.get_xdata(), [0.05])
+    assert np.isfinite(right.lines[0].get_ydata()).sum() == 10
+    assert "clipped, left out" in [text.get_text() for text in left.get_legend().get_texts()]

@@ -100,7 +100,7 @@ def test_tune_figure_with_the_worst_scenario_over_time():
     tuned = made_up_tuning(Config().problem())
     figure = tune_figure(tuned, [made_up_capture(peak=400.0), made_up_capture(peak=320.0)])
     force = figure.axes[0]
-    assert force.get_title(loc="left") == "Force in the worst scenario, number 1: 0.1 m/s, 0°"
+    assert force.get_title(loc="left") == "Force in the worst scenario, 0.1 m/s, 0°"
     names = [text.get_text() for text in force.get_legend().get_texts()]
     assert names == ["before, at most 400 N", "after, at most 320 N"]
 

@@ -81,6 +81,22 @@ def test_a_table_tells_a_value_from_the_limit_that_it_breaks(tmp_path):
     assert any("broken in 4 of 4 scenarios" in line for line in results.tuned["broken_limits"])
 
 
+def test_what_stands_in_the_way_comes_first_on_the_page_too(tmp_path):
+    """Hinge angles of 4 mrad leave 9 % of 4.4 mrad, strokes of 10 mm 60 % of 25 mm; 0.1 % of the energy is above
+    0.09 %."""
+    limits = jb.Limits(held=True, at_most={"stroke": 0.025, "hinge_angle": 0.0044, "relative_energy": 0.0009})
+
+    def names(place, after):
+        page = review([folder_of(place, after, limits)])
+        (section,) = (part for part in page.sections if part.title == "Limits")
+        return [row[0] for row in section.tables[0].rows]
+
+    shares = ["hinge angle", "buffer stroke"]  # 4 of 4.4 mrad, 10 of 25 mm
+    found = names(tmp_path / "held", ["held"] * 4)
+    assert found[0] == "relative energy left" and [it for it in found if it in shares] == shares and found[-1] == "held"
+    assert names(tmp_path / "latched", ["held"] * 3 + ["latched"])[:2] == ["held", "relative energy left"]
+
+
 def test_compared_tunings_say_how_many_are_held(tmp_path):
     limits = jb.Limits(at_most={"stroke": 0.025})
     every = [folder_of(tmp_path / name, [name] * 4, limits) for name in ("held", "latched")]

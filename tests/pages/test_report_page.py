@@ -581,6 +581,17 @@ def test_compared_folders_say_which_limits_they_keep(folders, tmp_path):
     assert pills[f"second: captured, limits kept, peak force 250 N, {larger}"] == "good"
 
 
+def test_badges_of_several_runs_name_their_folders(folders, tmp_path):
+    first = {"limits": {"stroke": 0.005}, "limited": {"stroke": 0.0075}}
+    held(tmp_path, folders, first, {"limits": {"stroke": 0.005}, "limited": {"stroke": 0.004}, "stroke [m]": 0.004})
+    every = [load(tmp_path / "first"), load(tmp_path / "second")]
+    texts = [badge.text.rpartition("/")[2] for badge in review(every).verdicts]
+    assert texts[0].startswith("first: captured, 1 limit broken") and texts[1].startswith(
+        "second: captured, limits kept"
+    )
+    assert review(every[:1]).verdicts[0].text.startswith("captured, 1 limit broken")
+
+
 def test_a_value_at_its_limit_is_told(folders, tmp_path):
     """0.05 % below the limit is at it; half of it is kept."""
     changes = {"limits": {"stroke": 0.0075 / 0.9995, "peak_force": 500.0}}

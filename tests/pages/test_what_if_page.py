@@ -43,7 +43,7 @@ def test_the_table_at_the_tuned_design(results, found):
     """By hand: the third scenario's values are the largest of forces, strokes and the least of energies."""
     table, middle = rows(results), np.array([0.5, 0.5])
     assert float(table[0, "most"]["text"]) == pytest.approx(quantity("peak_force", 2, middle), rel=5e-3)
-    assert table[0, "most"]["where"] == "0.3 m/s, 0°" and table[0, "most"]["room"] == "–"
+    assert table[0, "most"]["where"] == "3: 0.3 m/s, 0°" and table[0, "most"]["room"] == "–"
     stroke = 1e3 * quantity("stroke", 2, middle)
     assert float(table[1, "most"]["text"]) == pytest.approx(stroke, rel=5e-4) and table[1, "most"]["limit_text"] == "25"
     share = (25.0 - stroke) / 25.0
@@ -58,7 +58,7 @@ def test_where_no_model_is_good_there_is_no_number(results, found):
     line = rows(results)[2, "most"]
     assert line["text"] == "no number: not good to 2 %" and line["where"] == "–"
     assert re.fullmatch(r"at most \d+ % in 20 runs", line["told"])
-    (case,) = [it for it in data(results.records["what_if"], results)["cases"] if it["label"].startswith("0.2")]
+    (case,) = [it for it in data(results.records["what_if"], results)["cases"] if it["label"].startswith("2: 0.2")]
     assert case["texts"][2] == "not good to 2 %" and case["texts"][1] != "not good to 2 %"
 
 
@@ -102,7 +102,8 @@ def test_times_at_which_runs_end_have_no_number_and_failed_runs_none(results):
     shown = data(folder.records["what_if"], folder)
     assert {row["text"] for row in shown["rows"]} <= {"–", "no number: not good to 2 %"}
     assert set(shown["cases"][2]["texts"]) == {"–"} and "–" not in shown["cases"][0]["texts"]
-    assert "some were not captured" in what_if(folder).text[3]
+    said = what_if(folder).text[3]
+    assert "some were not captured" in said and " in scenario 3 (0.3 m/s, 0°)" in said
 
 
 def test_models_of_another_design_are_not_shown(results):

@@ -1,5 +1,7 @@
 """Responses to pulses against printed maxima, the equation of motion, and closed forms of residuals."""
 
+from functools import cache, partial
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -41,10 +43,11 @@ def test_largest_responses_over_the_duration(pulse, evidence):
     ],
 )
 def test_the_worst_duration_of_each_pulse(pulse, ratio, largest):
-    assert float(largest_response(pulse, ratio)) == pytest.approx(largest, abs=6e-8)
-    slope = float(jax.grad(lambda r: largest_response(pulse, r))(ratio))
-    assert abs(slope) < 2e-3  # to the digits of the ratio: there the response neither rises nor falls
-    around = largest_response(pulse, np.linspace(0.05, 6.0, 400))
+    of_ratio = partial(largest_response, pulse)
+    found, slope = jax.jit(jax.value_and_grad(of_ratio))(ratio)
+    assert float(found) == pytest.approx(largest, abs=6e-8)
+    assert abs(float(slope)) < 2e-3  # to the digits of the ratio: there the response neither rises nor falls
+    around = jax.jit(of_ratio)(np.linspace(0.05, 6.0, 400))
     assert float(jnp.max(around)) <= largest + 1e-7
 
 
@@ -57,14 +60,20 @@ def test_initial_peak_saw_tooth_comes_near_two():
     assert exact == pytest.approx(1.902026, abs=6e-7)
 
 
+@cache
+def motion(pulse):
+    """The response by ratio and time, and its first and second derivative by time; compiled once for all ratios."""
+    x = partial(response, pulse)
+    rate = jax.grad(x, 1)
+    return tuple(map(jax.jit, (x, rate, jax.grad(rate, 1))))
+
+
 @pytest.mark.parametrize("pulse", PULSES)
 @pytest.mark.parametrize("ratio", [0.3, 0.5, 1.0, 2.7])
 def test_responses_solve_the_equation_of_motion(pulse, ratio, evidence):
     """ẍ/ω² + x = f, with x and ẋ zero at first, and continuous where the pulse's parts begin."""
-    w = 2.0 * np.pi * ratio
-    x = lambda s: response(pulse, ratio, s)  # noqa: E731
-    rate, curvature = jax.grad(x), jax.grad(jax.grad(x))
-    left = []
+    w, left = 2.0 * np.pi * ratio, []
+    x, rate, curvature = (partial(it, ratio) for it in motion(pulse))
     for s in (0.05, 0.31, 0.62, 0.93):
         left.append(float(curvature(s)) / w**2 + float(x(s)) - FORCES[pulse](s))
     left += [float(curvature(s)) / w**2 + float(x(s)) for s in (1.2, 2.9)]

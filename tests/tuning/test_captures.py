@@ -57,7 +57,10 @@ def test_an_evaluation_agrees_with_the_independent_reference():
     np.testing.assert_allclose(scattered.peaks_slope, drawn.peaks_slope, rtol=1e-4, atol=1e-3)
 
 
-@pytest.mark.parametrize(("duration", "outcome"), [(8.0, Outcome.captured), (0.6, Outcome.timeout)])
+@pytest.mark.parametrize(
+    ("duration", "outcome"),
+    [(8.0, Outcome.captured), pytest.param(0.6, Outcome.timeout, marks=pytest.mark.slow)],
+)
 def test_the_margin_has_the_right_slope_and_no_jump_between_outcomes(duration, outcome):
     """Table 2 is captured after 0.719 s. Against central differences of tight solves, step 1e-5 of each range."""
     problem = stated([Scenario()], duration=duration)

@@ -127,7 +127,7 @@ def test_a_run_that_is_latched_and_not_held_breaks_what_waits_for_held(limits):
     latched = latched._replace(margin=np.full(2, -math.log(0.02 / QUIET)))
     assert not goal.feasible(latched)
     assert all("not held (relative_energy 2 % is above 0.1 %)" in line for line in goal.broken(latched)[::2])
-    assert goal.obstacle(latched) == "not held (relative_energy 2 % is above 0.1 %) at 0.1 m/s, 0°"
+    assert goal.obstacle(latched) == "not held (relative_energy 2 % is above 0.1 %) at scenario 1 (0.1 m/s, 0°)"
     assert not stated.known(latched.code)[:, stated.names.index("settling_time")].any()
 
 

@@ -83,13 +83,13 @@ def test_the_summary_of_a_tuning_has_the_table():
     tuned = tuning(peak_force=200.0, stroke=0.1)
     peak = float(tuned.after.peak_force.max())
     rows = rows_of(repr(tuned), "Limits: what stands in the way")
-    assert next(iter(rows)) == "peak contact force" and rows["peak contact force"].endswith("0.15 m/s, 0° broken")
+    assert next(iter(rows)) == "peak contact force" and rows["peak contact force"].endswith("2: 0.15 m/s, 0° broken")
     assert f"{peak:.4g} N ≤ 200 N {100 * (1 - peak / 200):.3g} %" in rows["peak contact force"]
     assert rows["buffer stroke"].endswith("kept") and "≤ 100 mm" in rows["buffer stroke"]
     assert rows["share of the stroke (always)"].endswith("kept")
     assert rows["probe.tip_mass"] == "probe.tip_mass 0.02 kg ≥ 0.02 kg 0 % – at low bound"
     assert "buffer.k_A" not in rows
-    assert f"{peak:.4g} N ≥ {0.4 * peak:.4g} N 150 % 0.15 m/s, 0°" in rows["first impact: peak contact force"]
+    assert f"{peak:.4g} N ≥ {0.4 * peak:.4g} N 150 % 2: 0.15 m/s, 0°" in rows["first impact: peak contact force"]
 
 
 ELASTICITIES = {"cone.half_angle": 0.84, "probe.rod_mass": 0.31, "probe.tip_mass": 0.12, "active.mass": 0.009}
@@ -109,7 +109,7 @@ def test_a_limit_under_the_lower_bound_says_so_and_what_would_lower_it():
     tuned = dataclasses.replace(tuned, lower_bound=bound)
     message = SearchReport("", "2 searches").message(tuned.goal, tuned.after, bound)
     for text in (message, " ".join(tuned.broken_limits)):
-        assert "it lies under the lower bound of peak_hinge_force, 192 N at 0.1 m/s, 0°" in text
+        assert "it lies under the lower bound of peak_hinge_force, 192 N at scenario 1 (0.1 m/s, 0°)" in text
         assert "it would fall" not in text and "that would fall with probe.tip_mass below its bound of 0.02 kg" in text
         assert "cone.half_angle +0.84, probe.rod_mass +0.31" in text and "active.mass" not in text
     assert "widen" not in message
@@ -143,6 +143,6 @@ def test_progress_names_the_limit_and_the_load_case():
         goal = Goal(stated, stated.objective)
         return in_words(record_of(goal, made_up_evaluation(stated, stated.start()), 0, 0, 0, None), stated.success)
 
-    assert said(250.0).endswith("limits broken: peak_force 300 N is above 250 N by 20 % at 0.15 m/s, 0°")
-    assert said(301.0).endswith("300 N, 0.33 % of room to peak_force ≤ 301 N at 0.15 m/s, 0°")
+    assert said(250.0).endswith("limits broken: peak_force 300 N is above 250 N by 20 % at scenario 2 (0.15 m/s, 0°)")
+    assert said(301.0).endswith("300 N, 0.33 % of room to peak_force ≤ 301 N at scenario 2 (0.15 m/s, 0°)")
     assert said(400.0).endswith("300 N")

@@ -26,7 +26,8 @@ def test_a_variable_at_its_bound_holds_a_limit_back():
     of y, h = 20 (y / 4)^-4 is 10 at y = 4 · 2^(1/4) = 4.76."""
     _, _, (limit,) = broken(Limits(at_most={"peak_hinge_force": 10.0}), lambda x: 100.0 - 20.0 * x[1], [5.0, 4.0])
     assert limit.excess == 1.0
-    assert limit.heading == "peak_hinge_force ≤ 10 N: broken in 3 of 3 scenarios, worst 20 N at 0.1 m/s, 0°"
+    where = "scenario 1 (0.1 m/s, 0°)"
+    assert limit.heading == f"peak_hinge_force ≤ 10 N: broken in 3 of 3 scenarios, worst 20 N at {where}"
     assert (
         limit.reason == "it would fall with buffer.c_A above its bound of 4 N s/m, to about 4.8 N s/m (-0.8 N per 1 %)"
     )
@@ -44,12 +45,16 @@ def test_a_lower_limit_and_a_low_bound():
 
 def test_a_weak_variable_at_its_bound_is_named_if_no_other_is_strong():
     """h = 15 (y/4)^-0.09 at y = 4: 1 % of y brings -0.09 % only, and 10 N are reached at 4 · 1.5^(1/0.09) = 362, which
-    is beyond guessing; from 11 N on it is 4 · 1.1^(1/0.09) = 11.5."""
+    is beyond guessing: ten times the bound has 15 · 10^-0.09 = 12.2 N; from 11 N on it is 4 · 1.1^(1/0.09) = 11.5."""
     at = lambda least: broken(  # noqa: E731
         Limits(at_most={"peak_hinge_force": 10.0}), lambda x: least * (x[1] / 4.0) ** -0.09, [5.0, 4.0]
     )
     _, _, (limit,) = at(15.0)
-    assert limit.reason == "it would fall with buffer.c_A above its bound of 4 N s/m (-0.013 N per 1 %)"
+    assert limit.reason == (
+        "it would fall with buffer.c_A above its bound of 4 N s/m (-0.013 N per 1 %); bounds 10 times as far would"
+        " leave it at about 12 N: numbers that are no variables decide it"
+    )
+    assert limit.at_bounds == ()
     _, _, (limit,) = at(11.0)
     assert limit.at_bounds == ("buffer.c_A",) and ", to about 12 N s/m (-0.0099 N per 1 %)" in limit.reason
 
@@ -82,8 +87,8 @@ def test_limits_and_cases_are_told_the_worst_first():
     ]
     assert "captured: broken in 3 of 3 scenarios, worst capture_share -3 at" in found[0].heading
     assert "over its distance at the start" in found[0].heading
-    assert "broken in 2 of 3 scenarios, worst 7 N at 0.12 m/s" in found[2].heading
-    assert goal.broken(point)[0].startswith("0.12 m/s")
+    assert "broken in 2 of 3 scenarios, worst 7 N at scenario 3 (0.12 m/s, 0°)" in found[2].heading
+    assert goal.broken(point)[0].startswith("scenario 3 (0.12 m/s, 0°): ")
 
 
 def test_a_margin_that_rounding_leaves_below_zero_is_kept():

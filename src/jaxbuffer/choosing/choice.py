@@ -165,6 +165,10 @@ class Choice(Saved):
         """Return what people call a load case."""
         return self.problem.label(case)
 
+    def number(self, case: int) -> str:
+        """Return the number of a load case, which `lines` say; what people call it where there is one scenario."""
+        return self.problem.number_text(case) if len(self.problem.drawn) > 1 else self.label(case)
+
     def holding(self, alternative: Alternative) -> int:
         """Return in how many corners of the tolerances a combination keeps every limit and ends as it must."""
         problem = dataclasses.replace(self.problem, design=alternative.design)
@@ -211,7 +215,7 @@ def lines(choice: Choice) -> list[str]:
     counts = {
         "run at every scenario and within all limits": tally.complete,
         "dropped as beaten": tally.beaten,
-        "dropped for a limit": tally.infeasible,
+        "dropped for a limit or for how a run ended": tally.infeasible,
         "above a limit on price or mass": tally.priced_out,
         "dropped for a run that failed": tally.failed,
         "do not go together": tally.unfit,
@@ -219,6 +223,9 @@ def lines(choice: Choice) -> list[str]:
     made.append(f"of {tally.combinations} combinations " + ", ".join(f"{n} {it}" for it, n in counts.items() if n))
     share = percent_text(tally.spared / tally.possible, ".0f")
     made.append(f"{tally.runs} runs of {tally.possible}: {tally.spared} were spared ({share})")
+    if len(choice.problem.drawn) > 1:
+        # The ranking has their numbers alone.
+        made += [f"largest at {choice.label(case)}" for case in sorted({it.deciding for it in choice.ranked})]
     if choice.misfit:
         made.append(f"one that does not go together: {choice.misfit}")
     if best is not None and (corners := len(choice.problem.corners)):
@@ -280,8 +287,10 @@ def _ranking(choice: Choice) -> Table:
     symbol, factor = choice.criterion.objective.in_figures(choice.criterion.catalogue)
     known, then = choice.criterion.catalogue, choice.criterion.then
     then_symbol, then_factor = ("", 1.0) if then is None else then.objective.in_figures(known)
-    of_second = {} if then is None else {"then": then_symbol}
     totals = {name: known[name].in_figures[0] for name in (choice.best.totals if choice.best else ())}
+    # Price or mass alone has a column of its own.
+    has_column = then is None or dict(then.objective.weights) in [{name: 1.0} for name in totals]
+    of_second = {} if has_column else {"then": then_symbol}
     title = "Ranking" if choice.feasible else "Nearest to the limits, none within them"
     numbers = (*headings({"objective": symbol}), "above", *headings(of_second), *headings(totals))
     made = table(title, ("", *(it.role for it in choice.catalogues)), numbers)
@@ -299,7 +308,7 @@ def _ranking(choice: Choice) -> Table:
             "" if change is None else percent_text(change, ".2g"),
             *(f"{then_factor * it.second:.6g}" for _ in of_second if it.second is not None),
             *(f"{choice.criterion.catalogue[name].in_figures[1] * it.totals[name]:.5g}" for name in totals),
-            choice.label(it.deciding),
+            choice.number(it.deciding),
             "" if tightest is None else tightest.limit.name,
             "" if tightest is None else percent_text(tightest.share, ".3g"),
         )

@@ -42,7 +42,8 @@ class RunTally(NamedTuple):
     """How many combinations and runs an enumeration has had.
 
     ``combinations``; ``priced_out``: above a limit on price or mass, and never run; ``unfit``: their parts or a
-    scenario do not go together; ``failed``: a run had no numbers; ``infeasible``: dropped for a limit; ``beaten``;
+    scenario do not go together; ``failed``: a run had no numbers; ``infeasible``: dropped for a limit or for how a run
+    ended; ``beaten``;
     ``complete``: run at every load case within all limits; ``runs`` of ``possible`` ones.
     """
 

@@ -11,7 +11,7 @@ from .fitting import fit
 from .many_runs import choose, pareto, sample, sweep, tune
 from .one_run import animate, laws, sensitivity, simulate
 from .options import plain, verb
-from .overrides import WITH_QUANTITIES
+from .overrides import CommandOfQuantities
 from .studies import check, compare, fields, init, report, reproduce, schema
 
 # In rich's markup a unit in brackets, [kg] say, would be a style and not be shown.
@@ -66,7 +66,7 @@ def root(
 
 
 verb(app, simulate, "One run: peak forces, stroke, hinge angle, energies.")
-verb(app, sensitivity, "One run's gradients and elasticities, certified.", epilog=WITH_QUANTITIES)
+verb(app, sensitivity, "One run's gradients and elasticities, certified.", kind=CommandOfQuantities)
 verb(app, tune, "The best design over all scenarios, within bounds and limits.")
 verb(app, choose, "The best parts of catalogues, or values that can be built.")
 verb(app, fit, "The numbers of a design that measured tests tell, with 95 % intervals.", without=("solver",))

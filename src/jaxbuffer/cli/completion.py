@@ -144,7 +144,7 @@ def names(words: Sequence[str]) -> Mapping[str, Any]:
             # A study that is still being written may be no TOML yet: then fields are those of the usual mechanism.
             with contextlib.suppress(OSError, ValueError):
                 kind = tomllib.loads(Path(word).expanduser().read_text(encoding="utf-8")).get("kind", kind)
-    nothing: Mapping[str, Any] = {"fields": {}, "quantities": {}}
+    nothing: Mapping[str, Any] = {"fields": {}, "quantities": {}, "impacts": {}}
     # The file may give anything as its kind, a list say, which is no key.
     return known.get(kind, nothing) if isinstance(kind, str) else nothing
 

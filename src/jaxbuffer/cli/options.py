@@ -16,7 +16,7 @@ import typer
 
 from ..files import cache_folder, user_path
 from . import completion
-from .overrides import FIELDS, Command, Plain
+from .overrides import Command, Plain
 
 Figures = Annotated[
     str | None,
@@ -51,7 +51,7 @@ SHARED = {
     ],
     "rtol": Annotated[str | None, typer.Option(metavar="TOL", help="Relative error of a step; default 1e-6.")],
     "duration": Annotated[
-        str | None, typer.Option(metavar="S", help="Simulated time until timeout [s]; default 8, with a latch 20.")
+        str | None, typer.Option(metavar="S", help="Simulated time until timeout [s]; default: the mechanism's.")
     ],
     "output": Annotated[Path | None, typer.Option(metavar="DIR", help="Folder for result files; default: none.")],
     "force": Force,
@@ -94,14 +94,14 @@ def verb(
     function: Callable[..., None],
     summary: str,
     without: Collection[str] = (),
-    epilog: str = FIELDS,
+    kind: type[Command] = Command,
     module: str = "",
 ) -> None:
     """Make a function of options of its own a command of ``app`` that takes the shared options too.
 
     **Arguments:** ``summary``: its line in the list of commands; ``without``: names of shared options it has not;
-    ``epilog``: what its help ends with; ``module`` of `cli.commands`, by default of the same name: its function takes a
-    `CommandLine` and the command's own options.
+    ``kind`` of command, which says what its help ends with; ``module`` of `cli.commands`, by default of the same name:
+    its function takes a `CommandLine` and the command's own options.
     """
     name = function.__name__
     shared = {
@@ -136,7 +136,7 @@ def verb(
     command.__signature__ = inspect.Signature([context, first, *keywords, *others])  # type: ignore[attr-defined]
     command.__annotations__ = {p.name: p.annotation for p in [context, first, *keywords, *others]}
     command.__name__, command.__doc__ = name, function.__doc__
-    app.command(cls=Command, epilog=epilog, short_help=summary)(command)
+    app.command(cls=kind, short_help=summary)(command)
 
 
 def plain(app: typer.Typer, function: Callable[..., None], summary: str, module: str) -> None:

@@ -1,6 +1,6 @@
 """Design and scenario fields as command line options: ``--buffer.k_A 800`` or ``--buffer.k_A=800``."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 from typer import Context
@@ -9,87 +9,9 @@ from typer.core import TyperCommand
 from ..errors import InputError, nearest
 from . import completion
 
-FIELDS = """\
-\b
-Fields (each as --section.field VALUE here, or under [section] in CONFIG.toml;
-those of the capture mechanism, 'jaxbuffer fields KIND' has any mechanism's):
-  active    mass [kg], inertia [kg m²], hinge_offset [m]
-  passive   mass [kg], inertia [kg m²]
-  buffer    k_A [N/m], c_A [N s/m], k_T [N m/rad], c_T [N m s/rad],
-            free_length [m], cylinder_mass [kg], cylinder_length [m],
-            max_stroke [m] (default: free_length), stop_stiffness [N/m]
-            (default: no end stop), stop_damping [N s/m],
-            stop_thickness [m] (of rubber; default: it is linear),
-            spring_curve (points [stroke, force] in place of k_A),
-            damper_curve (points [speed, force] in place of c_A, c_A2):
-            "[[0.005, 2.0], [0.01, 6.0]]" say; one of their numbers is
-            --buffer.spring_curve.force[1] VALUE;
-            preload [N], preload_length [m], c_A2 [N s²/m²],
-            rebound_factor [-], friction [N], friction_speed [m/s],
-            rebound_stiffness [N/m] (default: the spring also pulls),
-            rebound_damping [N s/m], rebound_gap [m],
-            damping (physical, published)
-  probe     length [m], rod_mass [kg], tip_radius [m], tip_mass [kg],
-            free_tip (true, false), bending_stiffness [N m²] (default: rigid),
-            bending_modes (2, 3, …), bending_damping [s]
-  hinge     play [m] (default: none), bush_radius [m], damping [s/m],
-            young_modulus [Pa], poisson_ratio [-]
-  latch     stiffness [N/m] (default: no latch), damping [N s/m],
-            preload [N], preload_length [m], turn_stiffness [N m/rad],
-            turn_damping [N m s/rad], closing_time [s], depth [m],
-            strength [N] (default: none tears it), quiet [-]
-  shock     active_1 [Hz], active_2 [Hz], active_3 [Hz], passive_1 [Hz],
-            passive_2 [Hz], passive_3 [Hz] (default: none), damping [-]
-  cone      half_angle [rad], offset [m], throat_radius [m], length [m],
-            young_modulus [Pa], poisson_ratio [-] (default: contact's)
-  contact   law (lankarani-nikravesh, hertz, exact, kelvin-voigt, adams, …),
-            stiffness [N/m^1.5], restitution [-], friction [-],
-            slip_speed [m/s], young_modulus [Pa], poisson_ratio [-],
-            yield_stress [Pa] (default: not checked),
-            linear_stiffness [N/m], damping [N s/m], exponent [-],
-            ramp_depth [m], onset_length [m], memory_time [s],
-            memory (event, smooth), arms (moving, published)
-  scenario  approach_speed [m/s], contact_distance [m],
-            misalignment [rad], passive_rate [rad/s], start (contact, free);
-            of a free start: offset [m], standoff [m], active_angle [rad],
-            active_rate [rad/s], lateral_speed [m/s]; of any: thrust [N] with
-            thrust_time [s]
-"""
-
-WITH_QUANTITIES = (
-    """\
-\b
-Quantities (each as --of QUANTITY; whole run, then the first impact's closed form, then any impact;
-those of the capture mechanism, 'jaxbuffer fields KIND' has any mechanism's):
-  peak_force [N], peak_vehicle_force [N], peak_hinge_force [N], stroke [m], hinge_angle [rad], bending [m],
-  extension [m]        how far the buffer's rod goes out beyond its free position
-  end_time [s], peak_time [s], peak_buffer_force [N], contact_time [s],
-  stroke_time [s], extension_time [s], hinge_angle_time [s], peak_hinge_force_time [s],
-  peak_buffer_force_time [s], peak_latch_force_time [s]  without derivatives
-  relative_energy [-]  energy of relative motion at the end over that at the start; in joules:
-  energy_left [J]; over that of both vehicles at 0.1 m/s: reference_energy_left [-]
-  latch_energy [J], latch_energy_share [-]  put in by the closing of the latches, and over that at the start
-  arrest_stroke [m]    stroke at which the axial spring would store it
-  peak_latch_force [N], latch_share [-] of its strength, latch_time [s], settling_time [s] from there until held
-  lateral_miss [m], attitude_miss [rad], lateral_miss_rate [m/s], attitude_miss_rate [rad/s]  at the capture plane
-  active_shock_1 [m/s²], active_shock_2 [m/s²], active_shock_3 [m/s²], passive_shock_1 [m/s²],
-  passive_shock_2 [m/s²], passive_shock_3 [m/s²]  of equipment of the frequencies shock.active_1 and so on
-  peak_active_acceleration [m/s²], peak_passive_acceleration [m/s²], impulse [N s]
-  throat_distance [m]  of the tip before the capture plane at the end; at any time, with --duration
-  capture_margin [m]   of the tip beyond that plane at the duration, coasting on from the end; or, if less,
-  stroke_margin [m]    stroke left before the buffer's end
-  capture_share [-]    of the tip beyond that plane at the duration, over its distance from it at the start
-  stroke_share [-]     share of the buffer's stroke that is used, above 1 where the run bottoms
-  peak_stop_force [N], penetration [m], contact_pressure [Pa]
-  axial_loss [J], torsional_loss [J], contact_loss [J], friction_loss [J], stop_loss [J],
-  bending_loss [J], play_loss [J], buffer_friction_loss [J], rebound_loss [J], latch_loss [J], dissipated [J]
-  effective_mass [kg], effective_energy [J], elastic_first_peak [N], predicted_first_peak [N]
-  impact.N.peak_force [N], impact.N.approach_speed [m/s], impact.N.time [s], impact.N.release_time [s],
-  impact.N.effective_energy [J], impact.N.compression_end [s]
-
-"""
-    + FIELDS
-)
+OTHER_KINDS = "'jaxbuffer fields KIND' says what each means, of any mechanism"
+WIDE, INDENT = 100, 12  # characters of a line of help, and before the names in it
+FEW = 5  # words of a field that help shows
 
 
 class Plain(TyperCommand):
@@ -103,10 +25,14 @@ class Plain(TyperCommand):
 
 
 class Command(Plain):
-    """A command that sets dotted options aside, as text, in the context's ``obj``.
+    """A command that sets dotted options aside, as text, in the context's ``obj``; its help ends with their names.
 
     They are taken out before the parser sees them: to it their values would look like the CONFIG argument.
     """
+
+    def format_epilog(self, ctx: Context, formatter: Any) -> None:
+        """Write the fields of the usual mechanism below the help."""
+        formatter.write(f"\n{fields_text(completion.names(()))}\n")
 
     def parse_args(self, ctx: Context, args: list[str]) -> list[str]:
         """Parse what is left without the dotted options."""
@@ -129,6 +55,52 @@ class Command(Plain):
         words = ctx.meta.get(completion.WORDS, ())
         own = completion.field_options(words, incomplete) or completion.value(words, incomplete)
         return [*super().shell_complete(ctx, incomplete), *own]
+
+
+class CommandOfQuantities(Command):
+    """A command whose help names quantities too."""
+
+    def format_epilog(self, ctx: Context, formatter: Any) -> None:
+        """Write the quantities and the fields of the usual mechanism below the help."""
+        formatter.write(f"\n{quantities_text(completion.names(()))}\n")
+        super().format_epilog(ctx, formatter)
+
+
+def fields_text(names: Mapping[str, Any]) -> str:
+    """Return the fields of a mechanism, a section a paragraph, with units or words. ``names``: as completion has
+    them."""
+    sections = dict[str, list[str]]()
+    for path, known in names["fields"].items():
+        section, _, name = path.rpartition(".")
+        words = known["words"] if len(known["words"]) <= FEW else [*known["words"][:FEW], "…"]
+        taken = f"[{known['unit']}]" if known["unit"] else f"({', '.join(words) or known['takes']})"
+        sections.setdefault(section, []).append(f"{name} {taken}")
+    lines = [f"  {section:{INDENT - 2}}{_packed(shown)}" for section, shown in sections.items()]
+    return "\n".join(
+        ["Fields (each as --section.field VALUE here, or under [section] in CONFIG.toml;", f"{OTHER_KINDS}):", *lines]
+    )
+
+
+def quantities_text(names: Mapping[str, Any]) -> str:
+    """Return the quantities of a mechanism with their units: those with derivatives, then the others."""
+    known = names["quantities"]
+    shown = {
+        "whole run": [f"{name} [{it['unit']}]" for name, it in known.items() if it["differentiable"]],
+        "no slopes": [f"{name} [{it['unit']}]" for name, it in known.items() if not it["differentiable"]],
+        "impact N": [f"{name} [{unit}]" for name, unit in names["impacts"].items()],
+    }
+    lines = [f"  {title:{INDENT - 2}}{_packed(them)}" for title, them in shown.items() if them]
+    return "\n".join([f"Quantities (each as --of QUANTITY; {OTHER_KINDS}):", *lines])
+
+
+def _packed(names: Sequence[str]) -> str:
+    """Return names in lines, none of them broken."""
+    lines = [""]
+    for name in names:
+        if lines[-1] and INDENT + len(lines[-1]) + len(name) + 2 > WIDE:
+            lines.append("")
+        lines[-1] += f" {name}," if lines[-1] else f"{name},"
+    return f"\n{' ' * INDENT}".join(lines).removesuffix(",")
 
 
 def fields_like(option: str) -> list[str]:

@@ -16,6 +16,7 @@ from .element import Impacts as Impacts
 from .element import Magnitudes as Magnitudes
 from .element import Switch as Switch
 from .latch import Latch as Latch
+from .lockout import Lockout as Lockout
 from .oscillators import Oscillators as Oscillators
 from .picture import Level as Level
 from .picture import Panel as Panel

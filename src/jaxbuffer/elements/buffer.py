@@ -228,6 +228,10 @@ class BufferReport(Report[Buffer]):
             *((buffer.extension.replace("_", " "), text) for text in (extension_text(run, buffer.extension),) if text),
         ]
 
+    @property
+    def summary_observables(self) -> tuple[str, ...]:
+        return f"{self.element.name}_force", self.element.stroke
+
     def panels(self, run: Any) -> list[Panel]:
         buffer = self.element
         most = largest(run, buffer.stroke)

@@ -280,6 +280,10 @@ class LatchReport(Report[Latch]):
         heading = "latched" if latch.name == "latch" else f"{self.words} closed"
         return [(heading, f"at {closed:.6g} s{held}; {most}")]
 
+    @property
+    def summary_observables(self) -> tuple[str, ...]:
+        return (f"{self.element.name}_force",)
+
     def moments(self, run: Any) -> dict[str, float]:
         latch = self.element
         # With a closing time they are closed some time after the point has crossed the plane.

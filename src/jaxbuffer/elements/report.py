@@ -36,6 +36,11 @@ class Report(Generic[E]):
         """Return lines of a run's summary, each as its heading and its text."""
         return []
 
+    @property
+    def summary_observables(self) -> tuple[str, ...]:
+        """Return the observables whose largest values the lines of its summary say, where it has any lines."""
+        return ()
+
     def panels(self, run: Any) -> list[Panel]:
         """Return panels of a figure of a run that has a history."""
         return []

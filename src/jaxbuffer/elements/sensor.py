@@ -1,5 +1,6 @@
 """Sensors and integrals: quantities of the motion that are watched, shown in a history, or summed up over time."""
 
+import inspect
 import math
 from collections.abc import Callable
 from typing import Any
@@ -9,6 +10,7 @@ import jax.numpy as jnp
 from jaxtyping import Array
 
 from .._types import Scalar
+from ..errors import InputError
 from ..multibody import Kinematics
 from .ball_contact import BallContact
 from .element import Closed, Element, Magnitudes, Own
@@ -17,8 +19,9 @@ from .element import Closed, Element, Magnitudes, Own
 class Sensor(Element):
     """A quantity of the motion whose largest value is wanted, and which a history shows.
 
-    - ``of``: its value from the bodies' `Kinematics`, of a sensor ``of_acceleration`` also from the accelerations q̈,
-      and last ``numbers``. A function that a module defines: programs are compiled for it.
+    - ``of``: its value, called as ``of(kin, numbers)`` with the bodies' `Kinematics`; of a sensor ``of_acceleration``
+      as ``of(kin, acceleration, numbers)`` with the accelerations q̈. A function that a module defines: programs are
+      compiled for it.
     - ``numbers``: arrays, or parts of the mechanism, that the function needs; what a derivative may be taken by belongs
       here.
     - ``of_acceleration``: whether it depends on the accelerations.
@@ -35,6 +38,12 @@ class Sensor(Element):
     least: float = eqx.field(static=True, default=-math.inf)
     rounding: Scalar | None = None
     name: str = eqx.field(static=True, default="sensor")
+
+    def __check_init__(self) -> None:
+        """Raise `InputError` for a function that cannot be called as this sensor calls it."""
+        if self.of_acceleration and not self.watched:
+            raise InputError(f"{self.name}: a sensor of_acceleration cannot be watched=False: a history alone has none")
+        check_call(self.name, self.of, *(("kin", "acceleration") if self.of_acceleration else ("kin",)), "numbers")
 
     @property
     def observed(self) -> tuple[str, ...]:
@@ -77,6 +86,10 @@ class Integral(Element):
     watched: bool = eqx.field(static=True, default=True)
     name: str = eqx.field(static=True, default="integral")
 
+    def __check_init__(self) -> None:
+        """Raise `InputError` for a function that cannot be called as this integral calls it."""
+        check_call(self.name, self.of, "kin", "numbers")
+
     @property
     def variables(self) -> tuple[str, ...]:
         return ("integral",)
@@ -96,6 +109,25 @@ class Integral(Element):
 
     def observables(self, at: tuple[Kinematics, Scalar], closed: Closed) -> dict[str, Scalar]:
         return {name: at[1] for name in self.observed}
+
+
+def check_call(element: str, function: Callable[..., Scalar], *arguments: str) -> None:
+    """Check that an element's function takes as many positional arguments as it is called with.
+
+    **Arguments:** ``element``: its name; ``arguments``: what they are called.
+
+    **Raises:** `InputError` that says how the function is called.
+    """
+    name = getattr(function, "__name__", repr(function))
+    if not callable(function):
+        raise InputError(f"{element}: of = {name} is no function; it is called as of({', '.join(arguments)})")
+    try:
+        inspect.signature(function).bind(*arguments)
+    except TypeError:
+        given = f"{name}{inspect.signature(function)}"
+        raise InputError(f"{element}: of = {given} is called as {name}({', '.join(arguments)})") from None
+    except ValueError:  # a built-in function, which has no signature that could be looked at
+        return
 
 
 def deepest(kin: Kinematics, contacts: tuple[BallContact, ...]) -> Scalar:

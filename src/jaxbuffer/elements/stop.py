@@ -166,6 +166,10 @@ class EndStopReport(Report[EndStop]):
         most = f", at most {largest(run, force):.6g} N{reached(run, force)}" if stop.watched else ""
         return [(self.words, f"from {1e3 * float(stop.place):.6g} mm on{most}")]
 
+    @property
+    def summary_observables(self) -> tuple[str, ...]:
+        return self.element.observed
+
     def moments(self, run: Any) -> dict[str, float]:
         name = f"{self.element.name}_force"
         if not self.element.watched:

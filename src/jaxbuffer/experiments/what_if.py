@@ -12,7 +12,7 @@ from jaxtyping import Bool, Float
 from ..errors import check_type, check_whole
 from ..fields import as_displayed, get, unit_at
 from ..mechanisms.quantity import END_TIME
-from ..tuning.cases import Case, Distribution
+from ..tuning.cases import Case, Distribution, in_sentence, numbered
 from ..tuning.evaluation import Evaluation, Evaluator
 from ..tuning.problem import Problem
 from ..tuning.tolerances import moved
@@ -96,6 +96,14 @@ class WhatIf:
         pairs = ((c, q) for c in range(len(self.cases)) for q in range(len(self.quantities)))
         return sum(self.good(*pair) for pair in pairs)
 
+    def _names(self, case: Case) -> dict[str, str]:
+        """Return a case in words, for a table and a sentence, with its scenario's number where it is of one alone."""
+        problem, label = self.problem, case.label(self.cases)
+        places = [k for k, drawn in enumerate(problem.drawn, 1) if _without_slider(problem, drawn) == case]
+        # Samples that differ in numbers with a slider alone are one case here, which has none of their numbers.
+        number = str(places[0]) if len(places) == 1 < len(problem.drawn) else ""
+        return {"label": numbered(label, number), "in_sentence": in_sentence(label, number)}
+
     def record(self) -> dict[str, Any]:
         """Return what a page evaluates, as JSON: numbers of sliders in their units, of models in SI units."""
         every = zip(self.models, self.succeeded.T, self.endings, self.cases, strict=True)
@@ -108,7 +116,7 @@ class WhatIf:
             "omitted": list(self.omitted),
             "cases": [
                 {
-                    "label": case.label(self.cases),
+                    **self._names(case),
                     "succeeded": np.asarray(succeeded).tolist(),
                     **ending._asdict(),
                     "models": [None if model is None else model.record() for model in models],
@@ -325,8 +333,12 @@ def _factors(problem: Problem) -> Mapping[str, Distribution]:
 
 def _without_factors(problem: Problem) -> tuple[Case, ...]:
     """Return the cases, each once, without what has a slider of its own: factors, and corners of tolerances."""
-    cases = (_with_factors(case, dict.fromkeys(_factors(problem))) for case in problem.drawn)
-    return tuple(dict.fromkeys(cases))
+    return tuple(dict.fromkeys(_without_slider(problem, case) for case in problem.drawn))
+
+
+def _without_slider(problem: Problem, case: Case) -> Case:
+    """Return a case without the factors that have a slider of their own."""
+    return _with_factors(case, dict.fromkeys(_factors(problem)))
 
 
 def _with_factors(case: Case, factors: Mapping[str, float | None]) -> Case:

@@ -70,8 +70,8 @@ def outside_runs(reason: str) -> Needs:
 def inactive(
     design: Any, scenario: Any = None, varied: Collection[str] = (), units: Mapping[str, str] = MappingProxyType({})
 ) -> list[str]:
-    """Return a line for each field that was set and has no effect: "latch.strength = 60 N has no effect: it needs
-    latch.stiffness".
+    """Return a line for each field that was set and has no effect: "bar.depth = 3 mm has no effect: it needs
+    bar.modes".
 
     **Arguments:** ``design``; ``scenario``, if any: conditions on it count as fulfilled without one; ``varied``: paths
     that a sweep or a tuning gives values, which count as set; ``units``: those that numbers were typed with, by path.

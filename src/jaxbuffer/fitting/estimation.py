@@ -88,7 +88,8 @@ class Estimation:
         self.doubtful = self._doubts(np.array(start))
 
         def told(share: float, chi: float) -> None:
-            self.report(f"{share:.0%} of the records, {self.evaluations} runs")
+            # A doubt is said before the search ends, which may take long where there is one.
+            self.report("; ".join([f"{share:.0%} of the records, {self.evaluations} runs", *self.doubtful]))
 
         rows = max(len(it.times) for it in self.predictions)
         return StagedSearch(self.blocks, rows, told, self.check_ends)(np.array(start))
@@ -106,9 +107,20 @@ class Estimation:
     def _doubts(self, x: np.ndarray) -> list[str]:
         """Return a line for each column whose unit or sign may be another, from what a point gives."""
         lines: list[str] = []
-        for prediction, noise, block in zip(self.predictions, self.noise, self.blocks(x, 1.0), strict=True):
-            lines += doubts(prediction, prediction.values + block.values * noise[:, None], self.design)
+        for prediction, simulated in zip(self.predictions, self._simulated(x), strict=True):
+            lines += doubts(prediction, simulated, self.design)
         return lines
+
+    def _simulated(self, x: np.ndarray) -> list[np.ndarray]:
+        """Return what the model gives for the columns of each test at a point, also in rows that are left out: their
+        residuals are no difference."""
+        values = np.array([it.value(float(s)) for it, s in zip(self.unknowns, x, strict=True)])
+        first, made = len(self.variables), []
+        for prediction in self.predictions:
+            own = values[first : first + len(prediction.unknowns)]
+            made.append(prediction(values[: len(self.variables)], own, 1.0)[0])
+            first += len(own)
+        return made
 
     def _with_noise(self, best: LeastSquares) -> LeastSquares:
         """Return the minimum with noise that is not known estimated from the residuals."""
@@ -194,11 +206,12 @@ class Estimation:
         nuisance = {it.recording.name: {name: next(rest) for name in it.unknowns} for it in self.predictions}
         names = [*parameters, *(f"{test}: {name}" for test, own in nuisance.items() for name in own)]
         residual, noise, records = {}, {}, {}
-        for prediction, sigma, block in zip(self.predictions, self.noise, blocks, strict=True):
+        each = zip(self.predictions, self.noise, blocks, self._simulated(best.x), strict=True)
+        for prediction, sigma, block, simulated in each:
             test, figures = prediction.recording.name, np.sqrt(mean_squares(block.values, ~prediction.clipped))
             residual[test] = dict(zip(prediction.sensors, map(float, figures), strict=True))
             noise[test] = dict(zip(prediction.sensors, map(float, sigma), strict=True))
-            records[test] = _compared(prediction, block, sigma)
+            records[test] = _compared(prediction, simulated)
         return Fitted(
             start=self.design,
             scenario=self.scenario,
@@ -225,8 +238,8 @@ def _numbers(recording: Recording, rows: np.ndarray) -> tuple[int, ...]:
     return tuple(recording.lines[k] for k in places) if recording.lines else tuple(places)
 
 
-def _compared(prediction: Prediction, block: Block, noise: np.ndarray) -> RecordBesideFit:
-    """Return a test beside its fit."""
+def _compared(prediction: Prediction, simulated: np.ndarray) -> RecordBesideFit:
+    """Return a test beside what the fitted model gives for its columns."""
     quantities = tuple(it.quantity for it in prediction.sensors.values())
     return RecordBesideFit(
         columns=tuple(prediction.sensors),
@@ -234,7 +247,8 @@ def _compared(prediction: Prediction, block: Block, noise: np.ndarray) -> Record
         units=tuple(prediction.units[it] for it in quantities),
         times=prediction.times,
         measured=prediction.values,
-        fitted=prediction.values + block.values * noise[:, None],
+        fitted=simulated,
+        clipped=prediction.clipped,
     )
 
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from ..fields import Part, as_displayed, get, replace
 from ..labelled.saved import Saved
@@ -34,7 +34,7 @@ class FittedNumber(NamedTuple):
 
 class RecordBesideFit(NamedTuple):
     """A test beside its fit: ``columns``, the ``quantities`` that they recorded and their ``units``; ``times`` [s] of
-    the record; ``measured`` and ``fitted`` (columns, rows)."""
+    the record; ``measured`` and ``fitted`` (columns, rows), and which rows are ``clipped`` and left out."""
 
     columns: tuple[str, ...]
     quantities: tuple[str, ...]
@@ -42,6 +42,11 @@ class RecordBesideFit(NamedTuple):
     times: Float[np.ndarray, " rows"]
     measured: Float[np.ndarray, "columns rows"]
     fitted: Float[np.ndarray, "columns rows"]
+    clipped: Bool[np.ndarray, "columns rows"]
+
+    def residual(self, k: int, noise: float) -> Float[np.ndarray, " rows"]:
+        """Return the residuals of column k over its noise [-], NaN of rows that are left out."""
+        return np.where(self.clipped[k], np.nan, (self.measured[k] - self.fitted[k]) / noise)
 
 
 @dataclasses.dataclass(frozen=True)

@@ -1,5 +1,6 @@
 """What is said before anything is computed: numbers without effect, and what the geometry rules out."""
 
+import re
 from collections.abc import Collection, Mapping, Sequence
 from types import MappingProxyType
 
@@ -8,40 +9,53 @@ import numpy as np
 
 from ..fields import Part, inactive
 from .registry import mechanism_of
+from .view import Caution
+
+NUMBER = re.compile(r"(?<!\w)-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 
 
 def cautions(
-    design: Part,
-    scenarios: Sequence[Part],
+    runs: Sequence[tuple[Part, Part]],
     varied: Collection[str] = (),
     geometry: bool = True,
     units: Mapping[str, str] = MappingProxyType({}),
+    measured: bool = True,
+    corners: Sequence[tuple[str, Part, Part]] = (),
 ) -> list[str]:
     """Return a line for each number of a design that has no effect, and for what its geometry rules out.
 
-    **Arguments:** ``design``; ``scenarios``: those that it is run in, at least one; a line that does not hold for all
-    of several names the first for which it does; ``varied``: paths that a sweep or a tuning gives values;
-    ``geometry``: whether to look at the geometry, which a sweep may vary; ``units``: those that numbers were typed
-    with, by address.
+    Of several scenarios' lines on one subject it returns the worst, with the scenario's number.
+
+    **Arguments:** ``runs``: pairs of a design and the scenario that it is run in, at least one, in the order of their
+    numbers; ``varied``: paths that a sweep or a tuning gives values; ``geometry``: whether to look at the geometry,
+    which a sweep may vary; ``units``: those that numbers were typed with, by address; ``measured``: whether to say what
+    a run measures, too; ``corners``: further runs by their numbers, as a tuning's in the corners of tolerances, of
+    which the geometry alone counts, because what a number needs is the same in all corners.
     """
-    view = mechanism_of(design).view
-    numbers: dict[str, list[int]] = {}
-    for number, scenario in enumerate(scenarios, 1):
-        lines = inactive(design, scenario, varied, units)
+    by_subject: dict[str, list[tuple[str, Caution]]] = {}
+    numbered = [(str(number), *pair) for number, pair in enumerate(runs, 1)]
+    for k, (number, design, scenario) in enumerate([*numbered, *corners]):
+        lines = inactive(design, scenario, varied, units) if k < len(runs) else []
+        found = [Caution(line, line) for line in lines]
         # Numbers that are traced are not known, and arrays are many designs at once: neither has one geometry.
         if geometry and _plain(design) and _plain(scenario):
-            lines += view.contradictions(design, scenario)
-        for line in lines:
-            numbers.setdefault(line, []).append(number)
-    return [line + _where(those, len(scenarios)) for line, those in numbers.items()]
+            found += mechanism_of(design).view.contradictions(design, scenario)
+        for caution in found:
+            if measured or not caution.measured:
+                by_subject.setdefault(caution.subject, []).append((number, caution))
+    return [_worst_line(those, len(runs) + len(corners)) for those in by_subject.values()]
 
 
-def _where(numbers: list[int], count: int) -> str:
-    """Return in which of several scenarios that is so."""
-    if len(numbers) == count:
-        return ""
-    more = f" and {len(numbers) - 1} more" if len(numbers) > 1 else ""
-    return f" (scenario {numbers[0]}{more} of {count})"
+def _worst_line(those: list[tuple[str, Caution]], count: int) -> str:
+    """Return the worst of the lines on one subject, the first of equal ones, and in which of several scenarios that is
+    so."""
+    number, worst = max(those, key=lambda it: it[1].excess)
+    if len({caution.line for _, caution in those}) > 1:
+        return f"{worst.line} (worst in scenario {number}; so in {len(those)} of {count})"
+    if len(those) == count:
+        return worst.line
+    more = f" and {len(those) - 1} more" if len(those) > 1 else ""
+    return f"{worst.line} (scenario {number}{more} of {count})"
 
 
 def _plain(part: Part) -> bool:

@@ -36,7 +36,8 @@ class Outline(NamedTuple):
     """Corners (points, 2) [m] on a body, in the body's axes.
 
     ``filled``: a polygon, or else a line through the corners, ``dashed`` for what is no material; ``part``: what the
-    legend calls it, "" for what belongs to the part before.
+    legend calls it, "" for what belongs to the part before; ``endless``: so long that a picture need not show all of
+    it, but where it is touched.
     """
 
     body: int
@@ -44,6 +45,7 @@ class Outline(NamedTuple):
     filled: bool = True
     part: str = ""
     dashed: bool = False
+    endless: bool = False
 
 
 class Disc(NamedTuple):

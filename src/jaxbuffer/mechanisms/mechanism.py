@@ -259,8 +259,16 @@ class Mechanism:
         return self.successes[0] if self.successes else None
 
     def success_of(self, design: Part) -> str | None:
-        """Return how a run of a design should end, in a word: one with a latch "latched" rather than "captured"."""
+        """Return how a run of a design should end, in a word: a part of it may ask for an end of its own."""
         return self.defaults_for(design).success or self.success
+
+    def possible_successes(self, design: Part) -> tuple[str, ...]:
+        """Return the successes that a run of a design can end in: a part without which some ends do not come about, as
+        a latch, takes the place of the ends that need none."""
+        having = [end.outcomes for end in self.tuning.ends if get(design, end.part) is not None]
+        needing = {name for end in self.tuning.ends for name in end.outcomes}
+        possible = {name for outcomes in having for name in outcomes} or set(self.successes) - needing
+        return tuple(name for name in self.successes if name in possible)
 
     def required_end(self, names: Collection[str], quantities: Iterable[str] = ()) -> RequiredEnd | None:
         """Return the strictest of the ends that are named, or that some quantities wait for; None for no such end."""

@@ -59,9 +59,10 @@ def assembled_drawing(system: Assembled, bodies: tuple[str, ...] = ()) -> Drawin
     balls = [ball for element in system.elements for ball in element.report.balls]
     crosses = plain_drawing(None, names, CROSS * size).shapes
     for body in range(-1, count):
-        shapes += [cross for cross in crosses if cross.body == body]
         for contact in balls:
-            shapes += _shapes_on(contact, body)
+            shapes += _shapes_on(contact, body, size)
+    # In front of the balls, which would hide them.
+    shapes += crosses
     shapes += [_spring(force) for force in _springs(system)]
     shapes += _hinges(system, size)
     marks = [mark for element in system.elements if isinstance(element, EndStop) for mark in _marks(element)]
@@ -147,8 +148,9 @@ def _detail(system: Assembled, size: float, first: int) -> Detail | None:
     return None
 
 
-def _shapes_on(contact: BallContact, body: int) -> list[Any]:
-    """Return what a contact has on one body: the ball on its own, the shape on the carrier."""
+def _shapes_on(contact: BallContact, body: int, size: float) -> list[Any]:
+    """Return what a contact has on one body: the ball on its own, the shape on the carrier. A flank that is longer than
+    the picture's ``size`` [m] is one without end."""
     shapes: list[Any] = []
     if contact.body == body and isinstance(contact.point, tuple):
         shapes.append(Disc(_spot(body, contact.point), float(contact.pair.radius)))
@@ -161,7 +163,8 @@ def _shapes_on(contact: BallContact, body: int) -> list[Any]:
             elif isinstance(shape, Segment):
                 start = np.array([x + float(shape.start_x), y + float(shape.start_y)])
                 way = float(shape.length) * np.array([float(shape.direction_x), float(shape.direction_y)])
-                shapes.append(Outline(body, np.array([start, start + way]), filled=False))
+                endless = float(shape.length) > size
+                shapes.append(Outline(body, np.array([start, start + way]), filled=False, endless=endless))
     return shapes
 
 

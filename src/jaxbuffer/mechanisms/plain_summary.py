@@ -20,12 +20,14 @@ def plain_summary(run: Any) -> str:
         f"  {'scenario':24} {view.label(run.scenario)}",
         f"  {'impacts':24} {int(run.impact_count)}",
     ]
-    of_elements = dict(line for element in run.elements for line in element.report.summary(run))
+    reports = [element.report for element in run.elements]
+    of_elements = dict(line for report in reports for line in report.summary(run))
+    observables = {name for report in reports if report.summary(run) for name in report.summary_observables}
     for name in mechanism.meant(lambda path: get(run.design, path)):
         quantity = mechanism.quantities[name]
         title = quantity.title or name
         # An element's own line of the same number says when it was reached besides.
-        if not of_elements.keys() & {title, name.replace("_", " ")}:
+        if name.removeprefix("peak_") not in observables and not of_elements.keys() & {title, name.replace("_", " ")}:
             lines.append(f"  {title:24} {quantity.in_words(float(np.asarray(quantity.of(run))))}")
     lines += [f"  {heading:24} {text}" for heading, text in of_elements.items()]
     # NumPy's numbers, so that sums compile nothing.
@@ -41,6 +43,8 @@ def plain_summary(run: Any) -> str:
 
 
 def _each(energies: Mapping[str, Any]) -> str:
-    """Return energies by name in brackets; "" for none."""
-    texts = ", ".join(f"{name.replace('_', ' ')} {float(value):.3g}" for name, value in energies.items())
+    """Return energies by name in brackets, those that are exactly zero left out; "" for none."""
+    # Of a stop that is never reached, say; rounding may give it a sign.
+    acting = {name: float(value) for name, value in energies.items() if float(value) != 0.0}
+    texts = ", ".join(f"{name.replace('_', ' ')} {value:.3g}" for name, value in acting.items())
     return f" ({texts})" if texts else ""

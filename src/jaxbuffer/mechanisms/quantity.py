@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 from jaxtyping import Array, Float
 
 from ..errors import InputError, check_names, suggest
+from ..fields import display_unit
 from ..suggestions import Meaning
 from ..value_text import DIGITS, with_unit
 
@@ -20,7 +21,8 @@ class Quantity(NamedTuple):
     ``unit``; ``of``: its value from the `Run`; ``description``: what it is, in a line of help; ``title``: its name in
     figures; ``signed``: whether it can change sign, when a relative change of it means little and derivatives are shown
     instead of elasticities; ``swept``: whether sweeps, records and summaries have it; ``tuned``: whether an objective
-    or a limit may use it; ``shown``: unit in figures and how many of those a unit is (default: the unit itself);
+    or a limit may use it; ``shown``: unit in figures and how many of those a unit is (default: as of
+    `display_unit`, mm for m and degrees for rad);
     ``part``: path of the field of the design without which it means nothing (None or 0 there), or "";
     ``differentiable``: whether it has derivatives; one without is read off a finished run alone; ``awaits``: name of
     the `RequiredEnd` that it is the time of, "" for none: it is NaN in a run that does not end so.
@@ -41,7 +43,7 @@ class Quantity(NamedTuple):
     @property
     def in_figures(self) -> tuple[str, float]:
         """Return the unit that people are shown, and how many of those its own unit is."""
-        return self.shown or (self.unit, 1.0)
+        return self.shown or display_unit(self.unit)
 
     def in_words(self, value: float, digits: int = DIGITS) -> str:
         """Return a value in the unit that people are shown: "7.1 mm"."""
@@ -50,7 +52,6 @@ class Quantity(NamedTuple):
 
 
 Catalogue = Mapping[str, Quantity]
-MILLIMETRES = ("mm", 1e3)  # in which people are shown lengths in metres
 
 # what a mechanism with impacts may have, under any name: `Mechanism.name_of` finds them
 PEAK_FORCE = Quantity(

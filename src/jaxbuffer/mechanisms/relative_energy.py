@@ -1,6 +1,6 @@
 """The energy of relative motion: kinetic energy beyond that of the whole moving as one rigid body (M177).
 
-With what springs and contacts store it is what buffer, contact and latch have to take before the vehicles are at rest
+With what springs and contacts store it is what the parts between the vehicles have to take before these are at rest
 together.
 """
 

@@ -27,7 +27,7 @@ from .loads import load
 from .mechanism import Mechanism
 from .outcome import RunOutcome
 from .plain_summary import plain_summary
-from .quantity import LOAD_UNITS, OfImpact, check_quantities, of_impact
+from .quantity import LOAD_UNITS, NEGLIGIBLE, OfImpact, check_quantities, of_impact
 from .reading import Reading
 from .registry import mechanism_of
 from .run_arrays import history_columns, run_dataset
@@ -154,7 +154,7 @@ class Run(Portable, Saved):
     def maximum_times(self) -> dict[str, float]:
         """Return when each of the ``maxima`` is reached [s], by name; they have no derivatives.
 
-        NaN of one that stays zero, or where events are not located.
+        NaN of one that stays zero, of a quantity but for rounding, or where events are not located.
 
         **Raises:** `InputError` for a batch of runs, and inside compiled code.
 
@@ -181,7 +181,8 @@ class Run(Portable, Saved):
         def reached(name: str) -> float:
             column, largest = values[:, self._observed.index(name)], float(self.maxima[name])
             slot = int(np.argmax(column))
-            if not abs(largest) > 0.0:
+            quantity = self.mechanism.quantities.get(name)
+            if not abs(largest) > (0.0 if quantity is None else NEGLIGIBLE.get(quantity.unit, 0.0)):
                 return float("nan")
             # What no event comes up to was largest at the start.
             return float(time[slot]) if column[slot] >= largest * (1.0 - ROUNDING) else 0.0
@@ -314,7 +315,7 @@ class Run(Portable, Saved):
             return self._batch_text()
         summary = self.mechanism.view.summary or plain_summary
         first, *rest = summary(self).split("\n")
-        notes = [f"  note: {line}" for line in cautions(self.design, (self.scenario,))]
+        notes = [f"  note: {line}" for line in cautions(((self.design, self.scenario),), measured=False)]
         return "\n".join([first, *notes, *rest, *(f"  {line}" for line in self.diagnosis)])
 
     def _batch_text(self) -> str:

@@ -185,7 +185,7 @@ class ContactSystem(HybridSystem):
         alone = jnp.where(jnp.arange(self.contact_count) == contact, 1.0, none)
         onset = self.derivative(time, closed, alone) - self.derivative(time, closed, none)
         # Its own change counts only with the time that locating the event leaves open, which is next to nothing: to
-        # follow it takes a third of the compilation of a gradient with latches.
+        # follow it takes a third of the compilation of a gradient with such a contact.
         return -jax.lax.stop_gradient(onset) * self.time_to_contact(closed, contact)
 
     def time_to_contact(self, state: State, contact: Int[Array, ""]) -> Float[Array, ""]:

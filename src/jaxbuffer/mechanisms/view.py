@@ -3,7 +3,7 @@
 import dataclasses
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import numpy as np
@@ -84,6 +84,27 @@ def plain_panels(run: Any) -> list[Panel]:
     return panels
 
 
+class Synonym(NamedTuple):
+    """A ``section`` of a design that is called otherwise, and its ``meaning`` in words."""
+
+    section: str
+    meaning: str
+
+
+class Caution(NamedTuple):
+    """A line about a design in a scenario, known before anything is computed.
+
+    - ``subject``: of several scenarios' lines on one subject the worst alone is said;
+    - ``excess``: how far the numbers go, larger where it is worse [any unit];
+    - ``measured``: whether a run measures the same and says it better.
+    """
+
+    line: str
+    subject: str
+    excess: float = 0.0
+    measured: bool = False
+
+
 @dataclasses.dataclass(frozen=True)
 class View:
     """What is told and drawn of a mechanism; all of it has a plain default.
@@ -98,12 +119,13 @@ class View:
     - ``largest``: of a design, by the history's name, the largest size that a quantity of its runs can have;
     - ``larger_force``: of a run, a force that exceeds its peak contact force, for headlines: "the largest force on a
       vehicle is the latch's, 636 N", or "";
-    - ``contradictions``: of a design in a scenario, both with plain numbers, a line for each thing that their geometry
-      rules out, such as a tip that misses the cone;
+    - ``contradictions``: of a design in a scenario, both with plain numbers, a `Caution` for each thing that their
+      geometry rules out, such as a tip that misses the cone, or that they let expect;
     - ``limitations``: what the model leaves out, a line each, and where it is told; ``limitations_without``: what it
       leaves out of a design without a part, the part's path and a line each; ``warnings``: a line for each limit
       that a run exceeds, by default those of its elements; ``validity``: the same limits for many runs, from a
       design and what is known of their quantities, an array by name;
+    - ``synonyms``: what sections of its designs are called otherwise, by that other name;
     - ``chaotic``: whether small differences grow until later impacts cannot be known, so that the command line tells
       how many of them are (`jb.horizon`);
     - ``panels``: what to draw of a run, by default what its elements show, or else its quantities; ``meshes``: its
@@ -124,11 +146,12 @@ class View:
     sanity_checks: Callable[[Any], list[str]] = lambda design: []
     largest: Callable[[Any], Mapping[str, float]] = lambda design: {}
     larger_force: Callable[[Any], str] = lambda run: ""
-    contradictions: Callable[[Any, Any], list[str]] = lambda design, scenario: []
+    contradictions: Callable[[Any, Any], list[Caution]] = lambda design, scenario: []
     limitations: tuple[str, ...] = ()
     limitations_without: tuple[tuple[str, str], ...] = ()
     warnings: Callable[[Any], list[str]] = lambda run: [line for it in run.elements for line in it.report.warnings(run)]
     validity: Callable[[Any, Mapping[str, Any]], list[ValidityLimit]] = lambda design, quantities: []
+    synonyms: Mapping[str, Synonym] = dataclasses.field(default_factory=dict)
     chaotic: bool = False
     panels: Callable[[Any], list[Panel]] = plain_panels
     meshes: Callable[..., list[Meshed]] = lambda run, times=None: []

@@ -6,7 +6,7 @@ from .._types import Axes, Figure
 from ..fields import as_displayed, display_unit
 from ..fitting.fitted import Fitted
 from ..value_text import unit_text
-from .style import BLUE, GREY, ORANGE, label, panels, styled
+from .style import BLUE, GREY, ORANGE, RED, label, panels, styled
 
 MOST = 9  # columns that are drawn
 NOISE = 2.0  # deviations on either side, between which noise alone mostly stays
@@ -29,14 +29,23 @@ def _column(left: Axes, right: Axes, fitted: Fitted, test: str, k: int) -> None:
     symbol, factor = display_unit(unit)
     time = record.times
     left.plot(time, factor * record.measured[k], ".", color=GREY, markersize=2.0, label="measured")
+    if np.any(clipped := record.clipped[k]):
+        measured = factor * record.measured[k, clipped]
+        left.plot(time[clipped], measured, "x", color=RED, markersize=5.0, label="clipped, left out")
     left.plot(time, factor * record.fitted[k], color=BLUE, linewidth=0.8, label="fitted")
     name = fitted.own_name(test, column)
-    label(left, name, "time [s]", f"{record.quantities[k].replace('_', ' ')}{unit_text(symbol, ' [')}]", legend=k == 0)
-    residual = (record.measured[k] - record.fitted[k]) / fitted.noise[test][column]
+    label(
+        left,
+        name,
+        "time [s]",
+        f"{record.quantities[k].replace('_', ' ')}{unit_text(symbol, ' [')}]",
+        legend=k == 0 or bool(np.any(clipped)),
+    )
+    residual = record.residual(k, fitted.noise[test][column])
     right.plot(time, residual, ".", color=ORANGE, markersize=1.5)
     for side in (-NOISE, NOISE):
         right.axhline(side, color="black", linewidth=0.6, linestyle="--")
-    right.set_ylim(*(np.array([-1.0, 1.0]) * max(5.0, 1.05 * float(np.max(np.abs(residual))))))
+    right.set_ylim(*(np.array([-1.0, 1.0]) * max(5.0, 1.05 * float(np.nanmax(np.abs(residual))))))
     figure = with_figure(fitted.residual[test][column], fitted.noise[test][column], unit)
     label(right, f"residuals: {figure}", "time [s]", "measured - fitted [deviations]", legend=False)
 
@@ -44,4 +53,4 @@ def _column(left: Axes, right: Axes, fitted: Fitted, test: str, k: int) -> None:
 def with_figure(residual: float, noise: float, unit: str) -> str:
     """Return the root mean square of residuals and the noise that it is relative to."""
     shown, symbol = as_displayed(noise, unit)
-    return f"{residual:.3f} of a noise of {shown:.3g}{unit_text(symbol)}"
+    return f"{residual:.4g} of a noise of {shown:.3g}{unit_text(symbol)}"

@@ -69,9 +69,9 @@ def _estimate(it: FittedNumber) -> dict[str, Any]:
 def _rows(fitted: Fitted) -> Iterator[tuple[Any, ...]]:
     for test, record in fitted.records.items():
         for k, column in enumerate(record.columns):
-            deviation = fitted.noise[test][column]
-            for time, measured, found in zip(record.times, record.measured[k], record.fitted[k], strict=True):
-                yield test, column, float(time), float(measured), float(found), float((measured - found) / deviation)
+            residual = record.residual(k, fitted.noise[test][column])
+            for row in zip(record.times, record.measured[k], record.fitted[k], residual, strict=True):
+                yield test, column, *map(float, row)
 
 
 def _design(fitted: Fitted, units: Mapping[str, str]) -> str:

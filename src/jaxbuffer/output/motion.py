@@ -21,7 +21,7 @@ from .style import BLUE, GREY, RED, blank, styled
 from .words import force_text
 
 PANELS = 4  # of the chosen times, the start and the end among them
-MOMENTS = 2  # more of them at most, at which an end stop is pressed most or a latch closes
+MOMENTS = 2  # more of them at most, at which an element is loaded most or closes
 SAME = 1e-3  # of the run: what elements do within it of a largest force has the same picture
 APART = 0.05  # of the run: impacts nearer to each other are shown as one
 MARGIN = 1.08  # of what is seen, over what is drawn

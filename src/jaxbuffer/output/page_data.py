@@ -12,7 +12,7 @@ from ..mechanisms.run import Run
 from ..run.instants import at_times
 from .animation import frames_of, speed_in_words
 from .motion import Scene, contact_names, scene
-from .pulses import TIMES, force_over_time, last_contact
+from .pulses import TIMES, force_over_time, largest_times, last_contact
 from .sketch import INK, fills, is_filled, outline
 
 TIME, FORCE = heading("time", "s"), heading("force", "N")  # what curves of contact forces are drawn over and against
@@ -39,7 +39,8 @@ def _to_end(name: str, run: Run) -> list[dict[str, Any]]:
         return []
     end = float(np.asarray(run.history.time)[-1])  # type: ignore[union-attr]
     # Even times over the whole run, and as many again up to the last contact, where all impacts are.
-    time = np.union1d(np.linspace(0.0, end, TIMES), np.linspace(0.0, last_contact(run), TIMES))
+    spread = np.linspace(0.0, end, TIMES), np.linspace(0.0, last_contact(run), TIMES)
+    time = np.unique(np.concatenate([*spread, largest_times(run)]))
     whole = eqx.tree_at(lambda it: it.history, run, at_times(run, time))
     return [
         {

@@ -69,8 +69,8 @@ def last_contact(run: Run) -> float:
 def fine_times(run: Run, even: int = EVEN, until: float = np.inf) -> Float[np.ndarray, " n"]:
     """Return the times [s] through which forces are drawn smoothly.
 
-    These are a run's own steps, evenly spread times, the time of the peak, and parts of each shorter step in which a
-    contact is closed, because an impact has a handful of steps only.
+    These are a run's own steps, evenly spread times, those of the peak and of other maxima, and parts of each shorter
+    step in which a contact is closed, because an impact has a handful of steps only.
 
     **Arguments:** ``run``: one simulated with ``history=True``; ``even``: how many evenly spread ones, ``until``: the
     last of them [s].
@@ -84,9 +84,17 @@ def fine_times(run: Run, even: int = EVEN, until: float = np.inf) -> Float[np.nd
     # The more such steps there are, the fewer parts each has, so that the total stays about the same.
     parts = int(np.clip(MOST // max(first.size, 1), 1, FINE))
     inside = time[first] + np.outer(np.arange(1, parts) / parts, step[first])
-    # A run without an impact has no time of the peak.
-    peak = np.clip(np.nan_to_num(float(run.peak_time)), time[0], time[-1])
-    return np.unique(np.concatenate([time, spread, inside.ravel(), [peak]]))
+    return np.unique(np.concatenate([time, spread, inside.ravel(), largest_times(run)]))
+
+
+def largest_times(run: Run) -> Float[np.ndarray, " n"]:
+    """Return when the contact force and the observables with maxima are largest [s]: a curve through evenly spread
+    times would stay below them."""
+    assert run.history is not None
+    first, *_, last = np.asarray(run.history.time)
+    times = np.array([float(run.peak_time), *run.maximum_times.values()])
+    # What stays zero, and the force of a run without an impact, has no such time.
+    return np.unique(np.clip(times[np.isfinite(times)], first, last))
 
 
 def force_over_time(run: Run) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, " n"]]:

@@ -21,8 +21,14 @@ from ..version import version
 Table = tuple[list[str], list[Sequence[Any]]]
 
 
-def run_record(run: Run, constraints: Constraints | None = None, trust: Trust | None = None) -> dict[str, Any]:
-    """Return everything but the history; impacts count from 1. ``constraints``: the study's; ``trust`` in numbers."""
+def run_record(
+    run: Run, constraints: Constraints | None = None, trust: Trust | None = None, number: str = ""
+) -> dict[str, Any]:
+    """Return everything but the history; impacts count from 1.
+
+    **Arguments:** ``constraints``: the study's; ``trust`` in numbers; ``number``: of the scenario among the study's, ""
+    for a single one.
+    """
     mechanism, names = run.mechanism, run.mechanism.view.names(run.design)
     limits, own = (Limits(), {}) if constraints is None else constraints
     energy, balance = jax.tree.map(np.asarray, (run.energy, run.balance))
@@ -41,7 +47,7 @@ def run_record(run: Run, constraints: Constraints | None = None, trust: Trust | 
             "errors": {name: json_number(error) for name, error in trust.errors.items()},
         },
         "outside_validity": mechanism.view.warnings(run),
-        "cautions": cautions(run.design, (run.scenario,)),
+        "cautions": cautions(((run.design, run.scenario),), measured=False),
         "larger_force": mechanism.view.larger_force(run),
         "diagnosis": dict(mechanism.view.diagnosis(run)) if run.diagnosis else {},
         f"peak_{mechanism.view.contact}": names.contact(int(run.peak_contact))
@@ -65,6 +71,7 @@ def run_record(run: Run, constraints: Constraints | None = None, trust: Trust | 
         "steps_attempted": int(run.attempts),
         "design": part_record(run.design),
         "scenario": part_record(run.scenario),
+        "scenario_number": number,
         "jaxbuffer": version(),
     }
 

@@ -5,6 +5,7 @@ from ..mechanisms.run import Run
 from ..run.trust import Trust
 from ..sensitivities.result import Sensitivity, sensitivity_rows
 from ..tables import text
+from ..tuning.cases import numbered
 from ..tuning.limit_rows import run_limit_table
 from ..tuning.objective import Constraints
 from . import matlab, records, style
@@ -18,20 +19,25 @@ from .sensitivity_figure import drawn, sensitivity_figure
 
 
 def run_files(
-    run: Run, made: Made = None, constraints: Constraints | None = None, trust: Trust | None = None
+    run: Run,
+    made: Made = None,
+    constraints: Constraints | None = None,
+    trust: Trust | None = None,
+    number: str = "",
 ) -> Contents:
     """Return the files of `jaxbuffer simulate`, named after what the mechanism calls a run.
 
     **Arguments:** ``run``: without its history it has neither figures nor tables of it; ``made``: how it came about;
-    ``constraints``: of its study; ``trust``: how far its numbers can be trusted.
+    ``constraints``: of its study; ``trust``: how far its numbers can be trusted; ``number``: of its scenario among the
+    study's, "" for a single one.
     """
-    name, label = run.mechanism.view.run_name, run.mechanism.view.label(run.scenario)
+    name, label = run.mechanism.view.run_name, numbered(run.mechanism.view.label(run.scenario), number)
     files: Writers = {
-        f"{name}.json": lambda: record_text(records.run_record(run, constraints, trust), made),
+        f"{name}.json": lambda: record_text(records.run_record(run, constraints, trust, number), made),
         "force.json": lambda: compact_json(force_record({name: run}, label)),
         "history.csv": lambda: csv_text(*records.run_history(run)),
         "motion.json": lambda: compact_json(motion_record(run)),
-        f"{name}.txt": lambda: f"{run_text(run, constraints)}\n",
+        f"{name}.txt": lambda: f"{run_text(run, constraints, number)}\n",
         **style.both(name, lambda: run_figure(run)),
         **style.both("motion", lambda: motion_figure(run)),
         f"{name}{SUFFIX}": lambda: content(run.to_xarray()),
@@ -43,9 +49,9 @@ def run_files(
     return files if run.history is not None else {file: files[file] for file in without_history}
 
 
-def run_text(run: Run, constraints: Constraints | None = None) -> str:
-    """Return a run's summary, and below it the table of its study's limits. ``constraints``: of the study."""
-    limits = None if constraints is None else run_limit_table(run, constraints)
+def run_text(run: Run, constraints: Constraints | None = None, number: str = "") -> str:
+    """Return a run's summary, and below it the table of its study's limits; arguments as of `run_files`."""
+    limits = None if constraints is None else run_limit_table(run, constraints, number)
     return repr(run) if limits is None else f"{run!r}\n\n{text(limits)}"
 
 

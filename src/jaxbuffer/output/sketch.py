@@ -13,7 +13,7 @@ from .style import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, SKY
 # Of filled parts in their order, and how opaque: so that each is lighter than the next, also without colours.
 FILLS = ((SKY, 0.25), (ORANGE, 0.5), (GREEN, 0.45), (GREY, 0.75), (BLUE, 0.68), (RED, 1.0))
 INK = "#222222"
-LINES = (INK, RED, BLUE, PURPLE)  # of parts that are lines, likewise
+LINES = (INK, RED, BLUE, PURPLE, GREEN, ORANGE, GREY)  # of parts that are lines, likewise
 FORCE = "#B2182B"
 SHORTEST = 0.02  # of the longest arrow: what is shorter is a dot
 ROUND, TURNS = 60, 8  # corners of a disc; turns of a spring
@@ -137,9 +137,13 @@ def forces(
 
 
 def bounds(drawing: Drawing, frames: Frames) -> Float[np.ndarray, "2 2"]:
-    """Return the lower left and the upper right corner of a drawing [m]."""
+    """Return the lower left and the upper right corner of a drawing [m], of a line without end as far as the nearest
+    points to the balls that may touch it."""
+    endless = [getattr(shape, "endless", False) for shape in drawing.shapes]
+    shown = [outline(shape, frames) for shape, long in zip(drawing.shapes, endless, strict=True) if not long]
+    feet = [touch.at(frames)[0][None, :] for touch in drawing.touches if any(endless)]
     # Without any shape the places of the bodies say what there is to see.
-    points = np.concatenate([outline(shape, frames) for shape in drawing.shapes] or [frames[:, :2]])
+    points = np.concatenate([*shown, *feet] or [frames[:, :2]])
     return np.array([points.min(axis=0), points.max(axis=0)])
 
 

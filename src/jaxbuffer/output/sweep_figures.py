@@ -249,7 +249,7 @@ def _drawn(swept: Sweep, name: str) -> tuple[str, str, float]:
 def _marks(swept: Sweep) -> dict[str, tuple[str, str, str]]:
     """Return marker, colour in lines and colour in maps of each outcome that is not what should be.
 
-    Successes other than the best that occurs are marked, too: latched where other runs are held.
+    Successes other than the best that occurs are marked, too: those that are not yet at rest where other runs are.
     """
     ended = outcome_marks(swept.mechanism).items()
     ranked = success_marks(_successes(swept))

@@ -104,7 +104,7 @@ def _cases(axes: Axes, tuned: Tuned) -> None:
     limit = problem.limits.at_most.get(main)
     if limit is not None:
         axes.axvline(factor * limit, color=RED, label=f"limit, {with_unit(factor * limit, unit, 4)}")
-    names = [f"{problem.number_text(k)}: {problem.cases[k].label(problem.cases)}" for k in drawn]
+    names = [problem.label(k) for k in drawn]
     # Scenarios of a sample differ in many numbers. A few have room for all of that, with line breaks.
     numbered = len(names) > NAMED and max(map(len, names)) > LONGEST
     texts = [with_line_breaks(name, WIDE, SMALL) for name in names]
@@ -129,9 +129,10 @@ def _force(axes: Axes, tuned: Tuned, worst: Sequence[Run]) -> None:
         axes.plot(time, force, color=colour, linewidth=0.9, label=f"{name}, at most {most}")
     problem = tuned.problem
     worst_place = worst_case(tuned)
-    named = f"number {problem.number_text(worst_place)}: {problem.cases[worst_place].label(problem.cases)}"
     which = "sample with the largest force" if problem.samples else "worst scenario"
-    label(axes, f"Force in the {which}, {named}", f"time [{unit}]", "contact force [N]", beside=True)
+    label(
+        axes, f"Force in the {which}, {problem.label(worst_place)}", f"time [{unit}]", "contact force [N]", beside=True
+    )
 
 
 def _variables(axes: Axes, tuned: Tuned) -> None:
@@ -187,6 +188,8 @@ def _rows(tuned: Tuned) -> list[QuantityChange]:
         worst = np.min if lowest else np.max
         before, after = (float(worst(tuned.reported(point)[:, k])) for point in (tuned.before, tuned.after))
         title, symbol, factor = shown(problem.catalogue[name])
+        symbol, thousandth = in_thousands(symbol, *(factor * it for it in (before, after, limit or 0.0)))
+        factor *= thousandth
         text = f"{before_and_after(factor * before, factor * after)}{unit_text(symbol)}"
         if limit is not None:
             text += f", {'at least' if lowest else 'limit'} {with_unit(factor * limit, symbol, 4)}"

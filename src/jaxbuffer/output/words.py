@@ -109,7 +109,7 @@ def outcome_marks(mechanism: Any) -> dict[str, tuple[str, str]]:
 
 
 def success_marks(names: Sequence[str]) -> dict[str, tuple[str, str]]:
-    """Return marker and colour of each success, the best first: held before latched before captured, say."""
+    """Return marker and colour of each success, the best first: the strictest end before the others."""
     return {name: SUCCESSES[k % len(SUCCESSES)] for k, name in enumerate(names)}
 
 

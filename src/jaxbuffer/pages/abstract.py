@@ -17,7 +17,7 @@ from .fit import fit_abstract, fit_badges
 from .limit_check import end_count, limit_check
 from .limits import LimitCounts, corners_verdict, fails_in_corners_alone, limit_counts
 from .page import Cell
-from .records import by_quantity, ended, main_quantity, same, scenario_of, title, words
+from .records import by_quantity, ended, main_quantity, run_in_sentence, same, title, words
 from .sensitivities import MARKS
 
 INFEASIBLE = "no feasible design"
@@ -32,7 +32,8 @@ MANY = 4  # variables that are named
 
 
 def badges(every: Sequence[Results], others: Sequence[Results] = ()) -> list[Cell]:
-    """Return the badges of the page: for each folder what a reader asks first.
+    """Return the badges of the page: for each folder what a reader asks first, the folder's name before it where
+    several have results of its kind.
 
     ``others``: folders of which the first with limits provides those for folders that have none.
     """
@@ -43,7 +44,14 @@ def badges(every: Sequence[Results], others: Sequence[Results] = ()) -> list[Cel
         lambda results: _of_run(results, others),
         _of_many,
     ]
-    return [badge for results in every for kind in kinds for badge in kind(results)]
+    badges_of = [[kind(results) for kind in kinds] for results in every]
+    several = [sum(bool(each[k]) for each in badges_of) > 1 for k in range(len(kinds))]
+    return [
+        Cell(f"{results.folder}: {badge.text}", badge.mark) if several[k] else badge
+        for results, each in zip(every, badges_of, strict=True)
+        for k, of_kind in enumerate(each)
+        for badge in of_kind
+    ]
 
 
 def _of_tuning(results: Results, others: Sequence[Results]) -> list[Cell]:
@@ -240,11 +248,10 @@ def _run(results: Results, every: Sequence[Results]) -> str:
     record, mechanism = results.records.get("run"), results.mechanism
     if record is None:
         return ""
-    label = mechanism.view.label(scenario_of(mechanism, record["scenario"]))
     reason = mechanism.outcomes[record["outcome"]].reason
     end = record.get(mechanism.name_of(END_TIME) or "")
     after = "" if end is None else f" after {end:.4g} s"
-    text = f"At {label} the {mechanism.view.run_name} ends{after}: {reason}."
+    text = f"At {run_in_sentence(mechanism, record)} the {mechanism.view.run_name} ends{after}: {reason}."
     if (main := _main(results, record)) is not None:
         text += f" Its {_largest(mechanism, main[0])} is {main[1]}{_larger(record)}."
     # The paragraph of a folder's tuning tells its limits, so that of its run need not.

@@ -196,7 +196,9 @@ def _ranking(results: Results, record: Record) -> Table:
     ranked, roles = record["ranking"], [*record["ranking"][0]["parts"]]
     first, totals = ranked[0], [(name, unit) for name, unit, _ in _sums(ranked[0])]
     then_symbol, then_factor = _in_figures(results, record, "then") if "then" in record else ("", 1.0)
-    then = [heading("then", then_symbol)] if "then" in record else []
+    # Price or mass alone has a column of its own.
+    shown = "then" in record and record["then"] not in [name for name, _ in totals]
+    then = [heading("then", then_symbol)] if shown else []
     rows: list[Row] = []
     for place, it in enumerate(ranked, 1):
         # Against a combination that breaks limits, and may be low because of that, a difference says nothing.

@@ -11,13 +11,26 @@ from ..mechanisms.limit import Limit
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.quantity import PEAK_TIME
 from ..output.folder import Results
+from ..tuning.cases import numbered
 from ..value_text import percent_text, relative_change, table_text
 from .abstract import abstract, badges
 from .limit_check import end_count, limit_check, limits_of
 from .limits import limits
 from .origin import origin
 from .page import Cell, Page, PageSection, Table
-from .records import ROUNDING, Display, case_labels, display, ended, figure, main_quantity, same, scenario_of, words
+from .records import (
+    ROUNDING,
+    Display,
+    case_numbers,
+    case_texts,
+    display,
+    ended,
+    figure,
+    main_quantity,
+    same,
+    scenario_of,
+    words,
+)
 from .review import distinct
 from .runs import FORCE, once
 
@@ -157,7 +170,11 @@ def _runs(every: Sequence[Results], folders: Sequence[str]) -> list[Table]:
     # Runs of different scenarios differ whatever their designs are: no difference is a merit then.
     alike = all(scenario == met[0] for scenario in met)
     labels = [mechanism.view.label(scenario, met) for scenario in met]
-    ends: list[list[Any]] = [["scenario", *(Cell(it, "" if it == labels[0] else "changed") for it in labels)]]
+    # Each column has the number of its own folder's study.
+    numbers = [record.get("scenario_number", "") for record in records]
+    marks = ["" if it == labels[0] else "changed" for it in labels]
+    shown = [numbered(*pair) for pair in zip(labels, numbers, strict=True)]
+    ends: list[list[Any]] = [["scenario", *map(Cell, shown, marks)]]
     ends.append(["outcome", *(ended(mechanism, record["outcome"]) for record in records)])
     rows: list[list[Any]] = []
     meant = mechanism.meant(lambda path: any(record["design"].get(path) for record in records))
@@ -251,15 +268,8 @@ def by_scenario(every: Sequence[Results], folders: Sequence[str], name: str, fol
 
     A value that breaks its limit is red; the lowest of a row is green if its run keeps all limits.
     """
-    mechanism = every[0].mechanism
     columns = [_cells(it, every, name) for it in every]
-    # The labels tell all folders' scenarios apart.
-    among = [scenario_of(it.mechanism, record) for it in every for record in _cases(it)]
-    met = {
-        _case(mechanism, case): label
-        for it in every
-        for case, label in zip(_cases(it), case_labels(it, among), strict=True)
-    }
+    met = _numbered_scenarios(every, folders)
     shown = _display(every, name)
     rows: list[list[str | Cell]] = []
     for case, label in met.items():
@@ -269,6 +279,31 @@ def by_scenario(every: Sequence[Results], folders: Sequence[str], name: str, fol
         rows.append([label, *(_cell(values.get(case, UNKNOWN), least, shown) for values in columns)])
     caption = f"{shown.heading[:1].upper()}{shown.heading[1:]} after tuning, by scenario"
     return Table(caption, ("scenario", *folders), rows, folded)
+
+
+def _numbered_scenarios(every: Sequence[Results], folders: Sequence[str]) -> dict[str, str]:
+    """Return the label of each scenario that any folder has met, by the text that tells it apart.
+
+    Its number stands before it; where folders number their scenarios differently, the number of each with its name.
+    """
+    # The labels tell all folders' scenarios apart.
+    among = [scenario_of(it.mechanism, record) for it in every for record in _cases(it)]
+    labels, numbers = dict[str, str](), dict[str, dict[str, str]]()
+    for it, folder in zip(every, folders, strict=True):
+        for record, text, number in zip(_cases(it), case_texts(it, among), case_numbers(it), strict=True):
+            case = _case(it.mechanism, record)
+            labels[case] = text
+            numbers.setdefault(case, {})[folder] = number
+    pairs = {(case, number) for case, by_folder in numbers.items() for number in by_folder.values()}
+    # One number for each scenario, and one scenario for each number: then a number needs no folder.
+    alike = len(pairs) == len(numbers) == len({number for _, number in pairs})
+
+    def shown(by_folder: Mapping[str, str]) -> str:
+        if alike:
+            return next(iter(by_folder.values()))
+        return ", ".join(f"{number} in {folder}" for folder, number in by_folder.items() if number)
+
+    return {case: numbered(labels[case], shown(by_folder)) for case, by_folder in numbers.items()}
 
 
 def _cell(known: Known, least: float | None, shown: Display) -> Cell:
@@ -299,4 +334,5 @@ def _case(mechanism: Mechanism, record: Record) -> str:
     from the drawn one."""
     scenario = scenario_of(mechanism, record)
     fields = [f"{words(name)} {table_text(getattr(scenario, name))} {unit(scenario, name)}" for name in paths(scenario)]
-    return ", ".join([*fields, *(f"{factor:.4g} {path}" for path, factor in record.get("factors", {}).items())])
+    built = [(kind, *it) for kind in ("factors", "shifts", "values") for it in record.get(kind, {}).items()]
+    return ", ".join([*fields, *(f"{kind} {path} {value}" for kind, path, value in built)])

@@ -10,6 +10,7 @@ from ..labelled.record import Record
 from ..mechanisms.limit import IMPACTS, Limit, both_sides
 from ..mechanisms.mechanism import EndCount, Mechanism, RequiredEnd
 from ..output.folder import Results
+from ..tuning.cases import numbered
 from .records import Display, case_labels, display, same, scenario_of
 
 LIMITS = ("limits", "lower_limits", "most_impacts", "ends")  # what a record has that its study limits
@@ -90,7 +91,9 @@ def limit_check(results: Results, every: Sequence[Results] = (), side: str = "af
     if results.tuned is None:
         # Limits may be on own quantities, which the record has apart, and on the number of impacts, which it lists.
         values = Record(record | record.get("limited", {}) | {IMPACTS: len(record[IMPACTS])})
-        label = mechanism.view.label(scenario_of(mechanism, record["scenario"]))
+        label = numbered(
+            mechanism.view.label(scenario_of(mechanism, record["scenario"])), record.get("scenario_number", "")
+        )
         return LimitCheck(mechanism, source, name, [label], [values], [record["outcome"]], success)
     cases = [case[side] for case in record["scenarios"]]
     outcomes = [case["outcome"] for case in cases]

@@ -5,9 +5,8 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from ..labelled.record import Record
-from ..mechanisms.limit import Limit
 from ..output.folder import Results
-from ..tuning.limit_rows import LimitRow, State
+from ..tuning.limit_rows import LimitRow, State, limit_rows
 from ..value_text import UNKNOWN, percent_text
 from .limit_check import LimitCheck, breaks, limit_check
 from .page import Cell, PageSection, Table
@@ -75,8 +74,8 @@ def limit_counts(results: Results, every: Sequence[Results] = ()) -> LimitCounts
     check = limit_check(results, every)
     if check is None:
         return None
-    verdicts = [_row(check, limit)[-1] for limit in check.limits]
-    broken, at_limit, unknown = (verdicts.count(CELLS[it]) for it in ("broken", "at the limit", "not known"))
+    states = [row.state for row in limit_rows(check.limits, check.values, check.labels)]
+    broken, at_limit, unknown = (states.count(it) for it in ("broken", "at the limit", "not known"))
     return LimitCounts(broken, at_limit, unknown, len(check.missed), len(check.outcomes), check.success)
 
 
@@ -97,19 +96,21 @@ def fails_in_corners_alone(results: Results, every: Sequence[Results] = ()) -> b
 
 
 def limit_cells(check: LimitCheck) -> list[Row]:
-    """Return a row for each limit, and how runs must end."""
-    rows, success = [_row(check, limit) for limit in check.limits], check.success
+    """Return a row for each limit, what stands in the way first, and how runs must end."""
+    rows = [_cells(check, row) for row in limit_rows(check.limits, check.values, check.labels)]
+    success = check.success
     if success is not None:
         missed, every = check.missed, len(check.outcomes)
         where = check.labels[missed[0]] if missed else "–"
         ends = CELLS["broken" if missed else "kept"]
-        rows.append([words(success), "-", str(every - len(missed)), where, f"of {every}", "–", ends])
+        end: Row = [words(success), "-", str(every - len(missed)), where, f"of {every}", "–", ends]
+        rows.insert(0 if missed else len(rows), end)
     return rows
 
 
-def _row(check: LimitCheck, limit: Limit) -> Row:
-    shown, row = check.display(limit.name), LimitRow.of(limit, check.values, check.labels)
-    bound, value = limit.bound_text(factor=shown.factor), row.value_text(factor=shown.factor)
+def _cells(check: LimitCheck, row: LimitRow) -> Row:
+    shown = check.display(row.limit.name)
+    bound, value = row.limit.bound_text(factor=shown.factor), row.value_text(factor=shown.factor)
     return [shown.title, shown.unit, value, row.where or UNKNOWN, bound, row.room_text, CELLS[row.state]]
 
 

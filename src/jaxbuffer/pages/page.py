@@ -12,6 +12,7 @@ from markupsafe import Markup, escape
 from ..errors import InputError
 from ..files import write
 from ..tables import table, text
+from ..value_text import table_text
 from ..version import version
 
 NUMBER = re.compile(r"^((?:[≤≥] |of )?[-+]?[\d.]+(e[-+]?\d+)?( %)?( \(([-+][\d.]+(e[-+]?\d+)? %|× [\d.e+]+)\))?|–)$")
@@ -116,7 +117,9 @@ class Page:
         environment = jinja2.Environment(
             loader=jinja2.PackageLoader("jaxbuffer.pages"), autoescape=True, trim_blocks=True, lstrip_blocks=True
         )
-        return environment.get_template("page.html.jinja").render(page=self, cell=_cell, with_breaks=_with_breaks)
+        return environment.get_template("page.html.jinja").render(
+            page=self, cell=_cell, with_breaks=_with_breaks, number=table_text
+        )
 
 
 def write_page(page: Page, file: Path, other: str) -> bool:

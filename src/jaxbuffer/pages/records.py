@@ -13,7 +13,7 @@ from ..output.folder import Results
 from ..output.provenance import MADE
 from ..output.style import DOTS_PER_INCH
 from ..output.words import called
-from ..tuning.cases import built_label, numbered
+from ..tuning.cases import built_label, in_sentence, numbered
 from ..value_text import table_text
 from .page import Cell, Figure
 
@@ -151,7 +151,8 @@ def elsewhere(results: Results, scenario: Record) -> list[str]:
     if results.tuned is None:
         return []
     mechanism, cases = results.mechanism, [case["after"] for case in results.tuned["scenarios"]]
-    met, labels = [scenario_of(mechanism, case) for case in results.tuned["scenarios"]], case_labels(results)
+    met = [scenario_of(mechanism, case) for case in results.tuned["scenarios"]]
+    labels = [in_sentence(*pair) for pair in zip(case_texts(results), case_numbers(results), strict=True)]
     names = main_first(results, cases[0], results.tuned["limits"])
     own = results.tuned.get("quantities", {})
     # A value that is not known counts as zero, so that it is never the largest.
@@ -162,7 +163,26 @@ def elsewhere(results: Results, scenario: Record) -> list[str]:
     return [f"This is not the scenario that decides: over all scenarios of the tuning the largest are {places}."]
 
 
-def case_labels(results: Results, among: Sequence[Any] = ()) -> list[str]:
+def run_in_sentence(mechanism: Mechanism, record: Record) -> str:
+    """Return the scenario of a run's record as a sentence names it, with its number among several of its study."""
+    label = mechanism.view.label(scenario_of(mechanism, record["scenario"]))
+    return in_sentence(label, record.get("scenario_number", ""))
+
+
+def case_labels(results: Results) -> list[str]:
+    """Return a tuning's scenarios in words, each behind its number where there are several."""
+    return [numbered(*pair) for pair in zip(case_texts(results), case_numbers(results), strict=True)]
+
+
+def case_numbers(results: Results) -> list[str]:
+    """Return the numbers of a tuning's scenarios as the folder's study has them; "" where it has a single one."""
+    cases = [] if results.tuned is None else results.tuned["scenarios"]
+    numbers = [case.get("number", "") for case in cases]
+    several = len({number.partition(".")[0] for number in numbers}) > 1
+    return numbers if several else ["" for _ in numbers]
+
+
+def case_texts(results: Results, among: Sequence[Any] = ()) -> list[str]:
     """Return a tuning's scenarios in words, with where the built mechanism differs from the drawn one.
 
     They are told apart from the scenarios ``among`` which they are shown, by default each other.
@@ -172,12 +192,7 @@ def case_labels(results: Results, among: Sequence[Any] = ()) -> list[str]:
     others = list(among) or met
     design = results.mechanism.design()
     built = [[case.get(name, {}).items() for name in ("factors", "shifts", "values")] for case in cases]
-    texts = [
+    return [
         results.mechanism.view.label(scenario, others) + built_label(design, *differing)
         for differing, scenario in zip(built, met, strict=True)
     ]
-    # Several folders have numbers of their own each.
-    if among or not all("number" in case for case in cases):
-        return texts
-    several = len({case["number"].partition(".")[0] for case in cases})
-    return [numbered(case["number"], text, several) for case, text in zip(cases, texts, strict=True)]

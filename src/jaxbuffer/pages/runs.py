@@ -14,7 +14,7 @@ from .designs import other_design
 from .limit_check import end_count
 from .limits import corners_verdict
 from .page import Cell, PageSection, Table
-from .records import Display, case_labels, display, elsewhere, ended, figure, main_first, same, scenario_of, words
+from .records import Display, case_labels, display, elsewhere, ended, figure, main_first, run_in_sentence, same, words
 
 MANY = 12  # impacts; a longer table is folded
 LISTED = 40  # scenarios; a longer table is folded
@@ -36,15 +36,15 @@ def run(results: Results, first: Results) -> PageSection | None:
         rows = [[table_text(value) for value in impact.values()] for impact in hits]
         caption = f"{len(hits)} impact{'s' if len(hits) > 1 else ''}"
         tables.append(Table(caption, [words(name) for name in hits[0]], rows, folded=len(hits) > MANY))
-    scenario = scenario_of(mechanism, record["scenario"])
-    text = [f"{words(record['outcome']).capitalize()}; {mechanism.view.label(scenario)}."]
+    where = run_in_sentence(mechanism, record)
+    text = [f"{words(record['outcome']).capitalize()}; {where}."]
     return PageSection(
         mechanism.view.run_name.capitalize(),
         [*text, *other_design(results, first, record), *elsewhere(first, record["scenario"])],
         figure(results, mechanism.view.run_name, f"The {mechanism.view.run_name} over time"),
         tables,
         results.records.get("motion"),
-        forces(results, f"Contact force, {mechanism.view.label(scenario)}"),
+        forces(results, f"Contact force, {where}"),
         [f"{line[:1].upper()}{line[1:]}." for line in [*record.get("cautions", ()), *record["outside_validity"]]],
     )
 

@@ -153,7 +153,7 @@ def _endings(record: Record, name: str) -> list[str]:
     if not doubtful:
         return []
     ended = record["success"] or SOLVED
-    counts = "; ".join(f"{case['succeeded'].count(False)} in {case['label']}" for case in doubtful)
+    counts = "; ".join(f"{case['succeeded'].count(False)} in {case['in_sentence']}" for case in doubtful)
     most, least = max(case["neighbours"] for case in doubtful), min(case["confirmed"] for case in doubtful)
     return [
         f"Of those {len(record['shares'])}, some were not {ended}: {counts}. A number is shown only where all {name}s"

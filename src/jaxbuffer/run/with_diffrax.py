@@ -22,7 +22,7 @@ def as_diffrax(design: Part, scenario: Part | None = None) -> DiffraxProblem:
     **Returns:** a `DiffraxProblem`, whose ``args`` are the design and the scenario.
 
     **Raises:** `InputError` where design and scenario don't fit, for a contact law whose force jumps at touchdown, and
-    for latches and thrust, which begin and end at events.
+    for parts that begin or end at events.
 
     **Example:** the end of a capture, where the first of the guards, capture, ends the solve.
 

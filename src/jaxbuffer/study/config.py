@@ -45,7 +45,7 @@ class Config:
     own, where the Python files lie that it names; ``texts``: typed with a unit, by address; ``units``: those that
     numbers were typed with, by address, in which people are told them; ``given``: addresses of the fields that the
     file gives, those of [options] and [tune] among them; ``usual_duration``: whether ``options.duration`` is what is
-    usual for the design, as none is given.
+    usual for the design, as none is given; ``scenario_number``: of ``scenario`` among several `cases`, "" elsewhere.
     """
 
     design: Part = dataclasses.field(default_factory=lambda: mechanism_named(DEFAULT_KIND).design())
@@ -76,6 +76,7 @@ class Config:
     given: frozenset[str] = dataclasses.field(default=frozenset(), compare=False)
     units: Mapping[str, str] = dataclasses.field(default_factory=dict, compare=False)
     usual_duration: bool = dataclasses.field(default=False, compare=False)
+    scenario_number: str = dataclasses.field(default="", compare=False)
 
     def __post_init__(self) -> None:
         mechanism = self.mechanism
@@ -137,10 +138,15 @@ class Config:
         """Return the scenarios in their numbers' order, each with what a grid makes of the design."""
         return numbered_cases(self.table, self.scenario, self.scenarios, self.design)
 
+    @property
+    def runs(self) -> list[tuple[Part, Part]]:
+        """Return the design and the scenario of each load case, in their numbers' order."""
+        return [(case.of(self.design), case.scenario) for case in self.cases]
+
     def selection(self) -> Selection:
         """Read what parts are chosen by: without [problem.variables] nothing else is to be tuned."""
         given, then, table = self.table.objective, self.table.then, self.table
-        # Some part may bring a latch, with which runs last longer: then all combinations are run for as long.
+        # With some part runs may last longer: then all combinations are run for as long.
         study = self.varying([path for catalogue in self.parts for path in catalogue.paths])
         # No run has a price or a mass: the choice adds them to what the runs of a combination give.
         if self.parts:

@@ -13,6 +13,7 @@ from ..fitting.fit import checked
 from ..mechanisms.cautions import cautions
 from ..mechanisms.limit import both_sides
 from ..sweeps.grid import Grid, grid
+from ..tuning.cases import Case
 from ..tuning.problem import Problem
 from ..tuning.settings import Settings
 from ..tuning.variable import Variable
@@ -47,11 +48,11 @@ def explained(study: Config, name: str) -> str:
         "differs from default": _differences(study) or ["nothing"],
         "given as by default": _defaults_given(study),
         "worth a look": [
-            *cautions(study.design, study.scenarios, study.varied, units=study.units),
+            *_cautions(study, problem),
             *mechanism.view.sanity_checks(study.design),
         ],
         "scenario": [mechanism.view.label(study.scenario)],
-        "scenarios": _scenarios(study) if len(study.scenarios) > 1 else [],
+        "scenarios": _scenarios(study) if len(study.cases) > 1 else [],
         "options": [", ".join(_shown(study.options, path) for path in paths(study.options))],
         "variables": missing or ([] if problem is None else _variables(problem)),
         "objective": [] if problem is None else [_objective(study, problem)],
@@ -122,8 +123,12 @@ def _then(study: Config, problem: Problem) -> list[str]:
     """Return the second objective in words, if there is one."""
     if study.parts:
         criterion = _criterion(study)
-        return [] if criterion.then is None else [criterion.in_words(criterion.then.objective)]
-    return [] if problem.then is None else [problem.format(problem.then.objective)]
+        then, words = criterion.then, criterion.in_words
+    else:
+        then, words = problem.then, problem.format
+    if then is None:
+        return []
+    return [f"{words(then.objective)}, among those within {100.0 * then.tolerance:g} % of the least objective"]
 
 
 def _listed(catalogue: PartsCatalogue) -> str:
@@ -212,10 +217,18 @@ def _beside_default(part: Part, default: Part, path: str) -> str:
     return f"default {_value(default, path)}"
 
 
+def _cautions(study: Config, problem: Problem | None) -> list[str]:
+    """Return what is to be said before anything is computed, of [scenario] and of all that a tuning runs."""
+    tuned = cautions(study.runs, study.varied, units=study.units, corners=problem.corner_runs if problem else ())
+    if Case(study.scenario) in study.cases:
+        return tuned
+    return list(dict.fromkeys([*cautions([(study.design, study.scenario)], study.varied, units=study.units), *tuned]))
+
+
 def _scenarios(study: Config) -> list[str]:
-    label, all_of_them = study.mechanism.view.label, study.scenarios
-    listed = [f"{k}: {label(scenario, all_of_them)}" for k, scenario in enumerate(all_of_them[:SHOWN], 1)]
-    left = len(all_of_them) - len(listed)
+    cases = study.cases
+    listed = [f"{k}: {case.label(cases)}" for k, case in enumerate(cases[:SHOWN], 1)]
+    left = len(cases) - len(listed)
     return [*listed, f"and {left} more"] if left else listed
 
 
@@ -252,8 +265,8 @@ def _limits(problem: Problem) -> list[str]:
     if limits.impacts is not None:
         lines.append(f"at most {limits.impacts} impacts")
     if limits.require_success and mechanism.successes:
-        ends = mechanism.successes if problem.end is None else (problem.end.name,)
-        lines.append(f"every case must end {' or '.join(ends)}")
+        ends = mechanism.possible_successes(problem.design) if problem.end is None else (problem.end.name,)
+        lines.append(f"every load case must end {' or '.join(ends)}")
     return lines
 
 

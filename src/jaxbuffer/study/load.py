@@ -59,7 +59,7 @@ def _config(data: dict[str, Any], folder: Path) -> Config:
     for name in data:
         # Here rather than in `read_keys`, which would pass over a table that it is not asked for.
         if name not in known:
-            raise InputError(f"[{name}] is unknown{no_table(name, known)}")
+            raise InputError(f"[{name}] is unknown{no_table(name, known, mechanism.view.synonyms)}")
     data = _with_tolerances(data, (*parts, "scenario"))
     typed = {f"{part}.{key}": value for part in parts for key, value in as_table(part, data.get(part, {})).items()}
     design, rest = replaced(mechanism.design(), typed, folder=folder), dict(tables)

@@ -1,11 +1,12 @@
 """Suggestions for a study that cannot be read: a missing file, invalid TOML, an unknown table."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from ..errors import LONGEST, nearest, suggest
 from ..fields import declared
+from ..mechanisms.view import Synonym
 from .model import ProblemTable
 
 PLACE = re.compile(r"at line (\d+), column \d+")
@@ -18,19 +19,6 @@ HINTS = (  # what the line of an error looks like, and what to write
     (re.compile(rf"{VALUE}([-+]?[\d.]+\s*[A-Za-z°%µ][^\],}}#]*)"), 'a value with its unit needs quotes: "{}"'),
     (re.compile(r"=\s*([A-Za-z][\w-]*)\s*(?:#|$)"), 'text needs quotes: "{}"'),
 )
-ACTIVE = ("active", "the active vehicle S, which carries the probe")
-PASSIVE = ("passive", "the passive vehicle T, which carries the cone")
-CONTENTS = ("contents", "the liquid that the tank holds, if any")
-CUSHION = ("cushion", "the layer under the slider: what is a buffer here")
-SYNONYMS = {  # other names of a part: the table that is meant, and what that part is
-    "chaser": ACTIVE,
-    "servicer": ACTIVE,
-    "target": PASSIVE,
-    "client": PASSIVE,
-    "liquid": CONTENTS,
-    "buffer": CUSHION,
-}
-
 WITHIN = {  # tables that stand within another one, or are called otherwise
     **{name: f"problem.{name}" for name in declared(ProblemTable)},
     **{"limits": "problem.constraints", "limit": "problem.constraints", "constraint": "problem.constraints"},
@@ -75,13 +63,14 @@ def no_toml(text: str, error: ValueError) -> str:
     return f"{message}{shown}{next(hints, '')}"
 
 
-def no_table(name: str, known: Iterable[str]) -> str:
-    """Suggest the table that an unknown one may mean: one with a similar name, or the part with this other name."""
+def no_table(name: str, known: Iterable[str], synonyms: Mapping[str, Synonym]) -> str:
+    """Suggest the table that an unknown one may mean: one with a similar name, or the part with this other name.
+
+    **Arguments:** ``known``: the tables that there are; ``synonyms``: what the mechanism's parts are called otherwise.
+    """
     first, names = name.split(".", maxsplit=1)[0], list(known)
     if (within := WITHIN.get(first.lower())) and within.partition(".")[0] in names:
         return f"; did you mean [{within}]?"
-    part, meaning = SYNONYMS.get(first.lower(), ("", ""))
-    # Another name counts only where the mechanism has the part that it means.
-    if part not in names:
-        return suggest(first, names)
-    return f"; did you mean [{part}] ({meaning})?"
+    if (meant := synonyms.get(first.lower())) is not None:
+        return f"; did you mean [{meant.section}] ({meant.meaning})?"
+    return suggest(first, names)

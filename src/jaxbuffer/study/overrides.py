@@ -30,7 +30,7 @@ def apply_overrides(config: Config, values: Mapping[str, str]) -> Config:
     design = {p: _typed(config.design, p, text) for p, text in values.items() if not p.startswith(SCENARIO)}
     scenarios = (replaced(scenario, of_scenario, "scenario.") for scenario in config.scenarios)
     units = {**config.units, **{path: typed for path, text in values.items() if (typed := typed_unit(text))}}
-    # What duration is usual depends on the design: one that gets a latch runs on for longer.
+    # What duration is usual depends on the design: one that gets some part runs on for longer.
     options = dataclasses.replace(config.options, duration=None) if config.usual_duration else config.options
     with errors_in_typed_units(units):
         return dataclasses.replace(

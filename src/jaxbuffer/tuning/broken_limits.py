@@ -41,8 +41,9 @@ class BrokenLimit(NamedTuple):
 
     ``excess``: in the worst load case, relative to the limit [-]; ``heading``: the limit, in how many load cases it is
     broken, the worst of them; ``reason``: which variables stand against it, to first order, "" where no slope tells;
-    ``at_bounds``: paths of those whose bound does; ``beneath``: the lower bound that the limit lies under and what
-    would lower that, "" where it lies under none: no variable within its bounds keeps it then.
+    ``at_bounds``: paths of those whose bound does, if wider bounds may be enough; ``beneath``: the lower bound that the
+    limit lies under and what would lower that, "" where it lies under none: no variable within its bounds keeps it
+    then.
     """
 
     excess: float
@@ -105,7 +106,7 @@ def _beneath(goal: Goal, limit: Limit, bound: PeakForceBound | None) -> str:
     if bound is None or least is None or limit.lowest or limit.keeps(least.value):
         return ""
     problem, quantity = goal.problem, goal.problem.catalogue[limit.name]
-    where = f" at {problem.cases[least.case].label(problem.cases)}" if len(problem.cases) > 1 else ""
+    where = f" at {problem.in_sentence(least.case)}" if len(problem.cases) > 1 else ""
     value = limit.told_apart(least.value, *quantity.in_figures)
     worst = WorstCase(least.value, limit.bound, limit.bound, least.slope, True, quantity.in_figures)
     # Within the bounds nothing is left to gain: that is what makes it the lower bound.
@@ -147,13 +148,17 @@ def _of_margin(goal: Goal, point: Evaluation, breach: Breach) -> BrokenLimit:
 
 def _broken(goal: Goal, point: Evaluation, breach: Breach, heading: str, worst: WorstCase) -> BrokenLimit:
     influences = helpful_variables(goal, point.scaled, worst)
-    at_bounds = tuple(it.variable.path for it in influences if it.at_bound)
-    return BrokenLimit(breach.largest, heading, _reason(goal, worst, influences), at_bounds)
+    at_bound = [it for it in influences if it.at_bound]
+    short = _short_of_limit(worst, at_bound)
+    reason = "; ".join(filter(None, (_reason(goal, worst, influences), short)))
+    at_bounds = () if short else tuple(it.variable.path for it in at_bound)
+    return BrokenLimit(breach.largest, heading, reason, at_bounds)
 
 
 def _heading(goal: Goal, limit: str, breach: Breach, worst: str) -> str:
-    cases, count = goal.problem.cases, int(np.sum(breach.excess > 0.0))
-    return f"{limit}: broken in {count} of {len(cases)} scenarios, worst {worst} at {cases[breach.case].label(cases)}"
+    problem, count = goal.problem, int(np.sum(breach.excess > 0.0))
+    where = problem.in_sentence(breach.case)
+    return f"{limit}: broken in {count} of {len(problem.cases)} scenarios, worst {worst} at {where}"
 
 
 class Influence(NamedTuple):
@@ -201,6 +206,24 @@ def _reason(goal: Goal, worst: WorstCase, influences: list[Influence]) -> str:
     if inside:
         lines.append(f"within the bounds it would {way} with {' or '.join(inside)}, as far as other limits let it")
     return "; ".join(lines)
+
+
+def _short_of_limit(worst: WorstCase, at_bound: list[Influence]) -> str:
+    """Return that even much wider bounds would not keep a limit, by the powers of the variables with which its quantity
+    goes; "" where they may, or where nothing can be said."""
+    if not at_bound or worst.value * worst.limit <= 0.0:
+        return ""
+    powers = sum(abs(it.change / (0.01 * worst.value)) for it in at_bound)
+    with np.errstate(over="ignore"):
+        times = float(FARTHEST ** (-powers if worst.falls == (worst.value > 0.0) else powers))
+    best = worst.value * times
+    if best <= worst.limit if worst.falls else best >= worst.limit:
+        return ""
+    symbol, factor = worst.shown
+    return (
+        f"bounds {FARTHEST:g} times as far would leave it at about {with_unit(factor * best, symbol, 2)}: numbers that"
+        " are no variables decide it"
+    )
 
 
 def _words(goal: Goal, worst: WorstCase, it: Influence) -> str:

@@ -80,9 +80,14 @@ class Case:
         return replace(design, built)
 
 
-def numbered(number: str, label: str, count: int) -> str:
-    """Return the label of a load case behind its number, where there are several scenarios (``count``)."""
-    return f"{number}: {label}" if count > 1 else label
+def numbered(label: str, number: str = "") -> str:
+    """Return the label of a load case behind its number, if it has one: "2: 0.2 m/s"; for tables and figures."""
+    return f"{number}: {label}" if number else label
+
+
+def in_sentence(label: str, number: str = "") -> str:
+    """Return the label of a load case as a sentence names it: "scenario 2 (0.2 m/s)"; a single one has no number."""
+    return f"scenario {number} ({label})" if number else label
 
 
 def built_label(

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from ..value_text import with_unit
-from .cases import Case, corner_signs
+from .cases import Case, corner_signs, in_sentence
 from .evaluation import Evaluation, Evaluator
 from .goal import Goal
 from .problem import Problem
@@ -81,17 +81,21 @@ class Corners:
         which = (
             f"all {2**self.ranges} corners" if self.whole else f"{count // scenarios} of the {2**self.ranges} corners"
         )
-        lost, label = int(np.sum(~np.isfinite(self.values))), lambda k: self.cases[k].label(self.cases)
+        lost = int(np.sum(~np.isfinite(self.values)))
+
+        def named(k: int) -> str:
+            return corner_in_sentence(problem, self.cases[k].label(self.cases), k, count)
+
         parts = [f"the design holds in {self.holding} of {count}"]
         parts += [f"{lost} can not be built or simulated"] if lost else []
         if lost < count:
-            where = label(int(np.nanargmax(self.values)))
+            where = named(int(np.nanargmax(self.values)))
             parts.append(f"the largest objective there is {shown(self.largest)}, at {where}")
         lines = [f"{which} of the {self.ranges} {self.what}{at}: {'; '.join(parts)}"]
         if self.searched:
             lines.append(SEARCHED)
         if broken := self.broken[self.worst]:
-            lines.append(f"the corner farthest beyond a limit, {label(self.worst)}: {'; '.join(broken)}")
+            lines.append(f"the corner farthest beyond a limit, {named(self.worst)}: {'; '.join(broken)}")
         middle = shown(self.middle) if np.isfinite(self.middle) else "can not be simulated"
         if self.middle == 0.0 and not self.middle_touches:
             middle = "nothing touches there"
@@ -101,6 +105,17 @@ class Corners:
     def middle_title(self) -> str:
         """Return what the middle of the ranges is, in words."""
         return "as drawn, without tolerances" if self.what == "tolerances" else "the middle of the ranges"
+
+
+def corner_in_sentence(problem: Problem, label: str, k: int, count: int) -> str:
+    """Return a corner as a sentence names it, with its scenario's number where there are several.
+
+    **Arguments:** ``k``: its place among ``count`` corners, which stand scenario by scenario.
+    """
+    scenarios = len(problem.scenarios)
+    # With samples the numbers are those of the samples, and no corner is of one of them.
+    several = scenarios > 1 and problem.scatter is None
+    return in_sentence(label, str(k * scenarios // count + 1) if several else "")
 
 
 class CornerRuns(NamedTuple):

@@ -202,12 +202,11 @@ class Goal:
         return float(np.sum(beyond(self.rows(*tangent.after(step)))))
 
     def broken(self, evaluation: Evaluation) -> list[str]:
-        """Return a sentence for each constraint that fails, naming the load case by its values, the worst one first."""
-        lines, cases = [], self.problem.cases
+        """Return a sentence for each constraint that fails, which names the load case; the worst one comes first."""
+        lines = []
         for k in self.worst_first(evaluation):
             if here := self.broken_in(evaluation, k):
-                where = cases[k].label(cases)
-                lines += [f"{where}: {text}" for text in here]
+                lines += [f"{self.problem.in_sentence(k)}: {text}" for text in here]
         return lines if (above := self.above_ceiling(evaluation)) is None else [*lines, above]
 
     def above_ceiling(self, evaluation: Evaluation) -> str | None:
@@ -255,8 +254,7 @@ class Goal:
 
     def _at(self, k: int) -> str:
         """Return a load case in words; "" of a single one."""
-        cases = self.problem.cases
-        return f" at {cases[k].label(cases)}" if len(cases) > 1 else ""
+        return f" at {self.problem.in_sentence(k)}" if len(self.problem.cases) > 1 else ""
 
     def failed(self, evaluation: Evaluation) -> str:
         """Return in how many load cases the simulation failed, in words; "" for none."""

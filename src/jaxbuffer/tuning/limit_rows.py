@@ -10,6 +10,7 @@ from ..mechanisms.quantity import Catalogue, Quantity
 from ..mechanisms.run import Run
 from ..tables import table
 from ..value_text import UNKNOWN, percent_text, table_text, unit_text, with_unit
+from .cases import numbered
 from .objective import Constraints, Limits
 
 CLOSE = 1e-3  # relative margin below which a value is at its limit
@@ -118,11 +119,14 @@ def limit_table(rows: Iterable[ShownRow]) -> Table:
     return made
 
 
-def run_limit_table(run: Run, constraints: Constraints) -> Table | None:
-    """Return a run against its study's limits; None for a run that failed, or without any."""
+def run_limit_table(run: Run, constraints: Constraints, number: str = "") -> Table | None:
+    """Return a run against its study's limits; None for a run that failed, or without any.
+
+    ``number``: of its scenario among the study's, "" for a single one.
+    """
     if run.outcome.failed:
         return None
-    mechanism, label = run.mechanism, run.mechanism.view.label(run.scenario)
+    mechanism, label = run.mechanism, numbered(run.mechanism.view.label(run.scenario), number)
     always = mechanism.always(run.design)
     limits: Limits = constraints.limits.with_always(always)
     values = constraints._replace(limits=limits).values(run) | {IMPACTS: int(run.impact_count)}

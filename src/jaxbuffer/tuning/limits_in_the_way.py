@@ -27,7 +27,7 @@ def limits_in_the_way(
     known; ``inactive``: paths of variables that change nothing.
     """
     problem, limits = goal.problem, goal.limits
-    labels = [case.label(problem.cases) for case in problem.cases]
+    labels = [problem.label(k) for k in range(len(problem.cases))]
     reported = np.where(problem.known(after.code) & after.solved[:, None], after.quantities, np.nan)
     values = [
         dict(zip(problem.names, row, strict=True)) | {IMPACTS: int(count)}

@@ -216,7 +216,7 @@ def margin_of_end(end: RequiredEnd, run: RunEnd, own: Margin, numbers: Mapping[s
     threshold = float(get(run.design, end.threshold))
     if mechanism.succeeded(int(outcome)):
         left = numbers[end.quantity]
-        # Little may be left in a run that ends before its latches have closed: it has not reached the end either.
+        # Little may be left in a run that ends before all has closed that is to: it has not reached the end either.
         above = max(math.log(max(left.value, 1e-300) / threshold), LEAST_LACK)
         return Margin(-above, -left.slope / max(left.value, 1e-300))
     nothing = np.zeros_like(own.slope)

@@ -60,8 +60,8 @@ def _infeasible(goal: Goal, after: Evaluation, effort: str, bound: PeakForceBoun
     advice = ["lower that bound, or relax the limit under it" for limit in limits[:1] if len(others) < len(limits)]
     if others:
         paths = dict.fromkeys(path for limit in others for path in limit.at_bounds)
-        widen = f"widen the bounds of {', '.join(paths)}, which hold them back, or relax" if paths else "relax"
-        advice.append(f"{widen} the {'other ' if advice else ''}limits")
+        widen = f"widen the bounds of {', '.join(paths)}, which hold them back" if paths else "free other numbers"
+        advice.append(f"{widen}, or relax the {'other ' if advice else ''}limits")
     return f"{INFEASIBLE}after {effort}, {broken}. To keep the limits, {'; '.join(advice)}"
 
 

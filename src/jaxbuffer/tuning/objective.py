@@ -135,8 +135,8 @@ class Limits:
     - ``at_least``: lower limits by quantity, likewise.
     - ``impacts``: at most so many touchdowns (a whole number, so without a gradient: a design that breaks it is
       rejected, none is led back by it); None: any number.
-    - ``ends``: stricter ends that a mechanism knows, by name, each also a keyword of its own: ``held=True`` asks that
-      both vehicles are at rest together within the duration, ``latched=True`` that the latches hold them.
+    - ``ends``: stricter ends that a mechanism knows, by name, each also a keyword of its own: ``held=True`` asks of a
+      docking that both vehicles are at rest together within the duration.
 
     **Raises:** `InputError` for numbers out of range, and a lower limit that is not below the upper one; `Problem`,
     which knows the names, for unknown quantities.

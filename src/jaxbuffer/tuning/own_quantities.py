@@ -66,7 +66,7 @@ def check_start(problem: Problem, measured: Float[np.ndarray, "cases measured"],
         value, partials = (np.asarray(array)[0] for array in derived.linearised(jnp.array([values])))
         known_here = zip(derived.parameters, values, strict=True)
         at = ", ".join(f"{it} = {with_unit(x, problem.catalogue[it].unit, 4)}" for it, x in known_here)
-        where = f"at the start, {problem.cases[case].label(problem.cases)}, where {at}"
+        where = f"at the start, {problem.in_sentence(case)}, where {at}"
         if not np.isfinite(value):
             raise InputError(f"quantities.{name}: {derived.label} is {float(value):g} {where}")
         for parameter, partial in zip(derived.parameters, partials, strict=True):

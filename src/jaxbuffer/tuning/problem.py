@@ -1,5 +1,6 @@
 """The design problem as data: design variables, load cases, objective and constraints."""
 
+import contextlib
 import dataclasses
 import functools
 import hashlib
@@ -15,7 +16,7 @@ from ..mechanisms.mechanism import Mechanism, RequiredEnd
 from ..mechanisms.quantity import PEAK_FORCE, Catalogue
 from ..mechanisms.registry import mechanism_of
 from ..run.request import DEFAULT_TOLERANCE, TOLERANCES, check_pair
-from .cases import WHOLE_CORNERS, Case, Scatter, corner_signs, numbered
+from .cases import WHOLE_CORNERS, Case, Scatter, corner_signs, in_sentence, numbered
 from .custom_quantity import CustomQuantity, check_custom_quantities
 from .objective import ONE_LIMIT, Limits, Objective, SecondObjective, in_units, quantity_in_words
 from .tolerances import check_ends, corner_cases, read_tolerances
@@ -95,12 +96,12 @@ class Problem:
         self._check_values(cases)
         cases = self._with_corners(cases)
         object.__setattr__(self, "cases", cases)
-        for k, case in enumerate(cases, 1):
+        for k, case in enumerate(cases):
             try:
                 check_pair(mechanism, case.of(self.design), case.scenario)
             except InputError as error:
                 # A factor or a sampled field may lead out of the range that the design or the scenario allows.
-                raise error.between(f"scenario {k} ({case.label(cases)}): ") from None
+                raise error.between(f"{in_sentence(case.label(cases), self.number_text(k))}: ") from None
         mechanism.tuning.check_problem(self)
 
     def _check_values(self, cases: Sequence[Case]) -> None:
@@ -193,7 +194,25 @@ class Problem:
 
     def label(self, k: int) -> str:
         """Return what people call a load case, its number first where there are several scenarios: "2: 0.2 m/s"."""
-        return numbered(self.number_text(k), self.cases[k].label(self.cases), len(self.drawn))
+        return numbered(self.cases[k].label(self.cases), self._number_among_several(k))
+
+    def in_sentence(self, k: int) -> str:
+        """Return a load case as a sentence names it, with its number among several: "scenario 2 (0.2 m/s)"."""
+        return in_sentence(self.cases[k].label(self.cases), self._number_among_several(k))
+
+    def _number_among_several(self, k: int) -> str:
+        """Return the number of a load case; "" where there is a single scenario, of which no number is needed."""
+        return self.number_text(k) if len(self.drawn) > 1 else ""
+
+    @property
+    def corner_runs(self) -> list[tuple[str, Part, Part]]:
+        """Return number, design as built from the start and scenario of each corner that can be built."""
+        runs = list[tuple[str, Part, Part]]()
+        for k in self.corner_places:
+            # A corner whose numbers do not fit is the tuning's to report.
+            with contextlib.suppress(InputError):
+                runs.append((self.number_text(k), self.cases[k].of(self.design), self.cases[k].scenario))
+        return runs
 
     @property
     def corners(self) -> tuple[Case, ...]:

@@ -10,7 +10,7 @@ from rich.table import Table
 
 from ..tables import table
 from ..value_text import is_plain, percent_text, range_text
-from .corners import CornerRuns
+from .corners import CornerRuns, corner_in_sentence
 from .evaluation import Evaluator
 from .problem import Problem
 from .targets import Target, targets
@@ -145,7 +145,7 @@ def tightening(
         for value, address in sorted(zip(after, problem.tolerances, strict=True))
         if value < before and np.isfinite(value)
     }
-    label = corner.label([*problem.drawn, *runs.cases])
+    label = corner_in_sentence(problem, corner.label([*problem.drawn, *runs.cases]), k, runs.corners)
     value = target.text(before) if np.isfinite(before) else "not known"
     return Tightening(target.title, label, value + target.bound, helping)
 

@@ -17,7 +17,7 @@ from ..labelled.saved import Saved
 from ..mechanisms.energy import energy_text
 from ..mechanisms.mechanism import EndCount
 from ..tables import html, table, text
-from ..value_text import before_and_after, change_text, percent_text, relative_change
+from ..value_text import before_and_after, change_text, number_text, percent_text, relative_change
 from .broken_limits import broken_limits
 from .checks import PeakForceBound
 from .corners import Corners
@@ -374,7 +374,7 @@ def _tuned_variables(tuned: Tuned) -> Table:
     for variable in problem.variables:
         start, value = (float(get(design, variable.path)) for design in (problem.design, tuned.design))
         numbers = [problem.shown(variable.path, x) for x in (start, value, variable.low, variable.high)]
-        texts = [f"{number:.5g}" for number, _ in numbers]
+        texts = [number_text(number, 5) for number, _ in numbers]
         variables.add_row(variable.path, *texts, numbers[0][1], variable.at_bound(value))
     return variables
 

@@ -40,7 +40,7 @@ def choose(
         raise InputError(EMPTY)
     if study.parts and study.roundings:
         raise InputError("[parts] and [roundings] both say what to choose from; keep one")
-    say_cautions(study.design, study.scenarios, {path for it in study.parts for path in it.paths}, units=study.units)
+    say_cautions(study.runs, {path for it in study.parts for path in it.paths}, units=study.units)
     chosen = _parts if study.parts else _roundings
     work = chosen(study)
     folders = (FOLDER, OPTIMUM, *(f"{TUNED}-{k + 1}" for k in range(study.choosing.tuned)))

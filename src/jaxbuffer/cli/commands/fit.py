@@ -12,7 +12,7 @@ def fit(request: CommandLine) -> int:
     study = request.study()
     recordings = study.fit.recordings(study.design, study.scenario, study.folder)
     parameters = dict(study.fit.parameters or {})
-    say_cautions(study.design, tuple(it.scenario for it in recordings), set(parameters))
+    say_cautions([(study.design, it.scenario) for it in recordings], set(parameters))
     files = request.files("design.toml", "fit.json", "fit.csv", "fit.png", "fit.txt")
     fitted = fitting(
         lambda report: compute(

@@ -5,6 +5,7 @@ from typing import Any
 from ...fields import SCENARIO, Part, meaning, metadata, paths
 from ...mechanisms import all_mechanisms
 from ...mechanisms.mechanism import Mechanism
+from ...mechanisms.quantity import OF_IMPACT
 
 
 def all_names() -> dict[str, Any]:
@@ -20,17 +21,21 @@ def _names(mechanism: Mechanism) -> dict[str, Any]:
         "quantities": {
             name: {
                 "doc": f"{it.description} [{it.unit}]",
+                "unit": it.unit,
                 "differentiable": it.differentiable,
                 "swept": it.swept,
                 "tuned": it.tuned,
             }
             for name, it in mechanism.quantities.items()
         },
+        "impacts": {f"impact.N.{field}": unit for field, unit in OF_IMPACT.items()},
     }
 
 
 def _field(part: Part, path: str) -> dict[str, Any]:
     known = metadata(part, path)
     words = list(known.get("choices", ())) or (["true", "false"] if "flag" in known else [])
-    unit = f" [{known['unit']}]" if "unit" in known else ""
-    return {"doc": meaning(part, path) + unit, "words": words, "number": "unit" in known}
+    unit = known.get("unit", "")
+    shown = f" [{unit}]" if unit else ""
+    takes = "points" if "curve" in known else "a whole number"
+    return {"doc": meaning(part, path) + shown, "unit": unit, "words": words, "takes": takes, "number": "unit" in known}

@@ -30,6 +30,7 @@ STACK = 64 * 2**20  # bytes; compilers recurse deeply, and some systems give thr
 PERIOD = 5.0  # s between lines where nobody watches
 SPINNER, TEXT, CLOCK = SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn()
 COMPILING = "compiling {}, which usually takes about {:.0f} s (first run only)…"
+SHORT = 1.0  # s: a compilation that usually takes less is not worth a line
 
 
 def working(text: str, work: Callable[[], T]) -> T:
@@ -130,20 +131,25 @@ def _bar(text: str, total: int | None, *columns: ProgressColumn) -> Iterator[Cal
     of its own.
     """
     # On stderr, so that a result can be piped, --json above all.
-    console, before = Console(stderr=True), ""
+    console, before, shown = Console(stderr=True), "", False
 
     def say(compilation: Compilation | None) -> None:
         nonlocal before
         # Once each, also where several shapes of one program are compiled.
-        if compilation is not None and compilation.what != before:
+        if compilation is not None and compilation.what != before and compilation.seconds >= SHORT:
             before = compilation.what
             _line(COMPILING.format(*compilation))
 
     def show(compilation: Compilation | None) -> None:
-        nonlocal before
-        if compilation is not None:
+        nonlocal before, shown
+        if compilation is None:
+            if shown:
+                progress.update(task, description=before)
+            return
+        shown = compilation.seconds >= SHORT
+        if shown:
             before = progress.tasks[0].description
-        progress.update(task, description=before if compilation is None else COMPILING.format(*compilation))
+            progress.update(task, description=COMPILING.format(*compilation))
 
     if not console.is_terminal:
         with watched(say):

@@ -63,13 +63,15 @@ class CommandLine:
                 raise InputError(f"--scenario-number {number} {allowed}")
             case = cases[int(number) - 1]
             study = dataclasses.replace(study, scenario=case.scenario, design=case.of(study.design))
+            study = dataclasses.replace(study, scenario_number=str(int(number)) if count > 1 else "")
         elif count > 1:
             numbers = [k for k, case in enumerate(cases, 1) if case == Case(study.scenario)]
+            study = dataclasses.replace(study, scenario_number=str(numbers[0]) if numbers else "")
             place = "the first" if numbers[:1] == [1] else f"number {numbers[0]}" if numbers else ""
             which = f"{place} of {count} scenarios" if place else "[scenario]"
             label = study.mechanism.view.label(study.scenario)
             note(f"running {which}, {label}; --scenario-number N takes another, 1 to {count}")
-        say_cautions(study.design, (study.scenario,), units=study.units)
+        say_cautions(((study.design, study.scenario),), units=study.units)
         return study
 
     def varying(self, study: Config, paths: Collection[str], where: str) -> Config:
@@ -77,7 +79,7 @@ class CommandLine:
         effect. **Raises:** `InputError` for a path that the command line sets, too; ``where`` its values are."""
         check_swept_once(self.fields, paths, where)
         # Not of the geometry, which is that of the study's own numbers and may be what is varied.
-        say_cautions(study.design, (study.scenario,), paths, geometry=False, units=study.units)
+        say_cautions(((study.design, study.scenario),), paths, geometry=False, units=study.units)
         return study.varying(paths)
 
     def made(self, study: Config, resumed: bool = False) -> dict[str, Any]:
@@ -110,7 +112,7 @@ def say_cautions(*runs: Any, **options: Any) -> None:
 def tuned_problem(study: Config) -> Problem:
     """Return the study's design problem, once it is said which of the other numbers have no effect."""
     problem = study.problem()
-    say_cautions(study.design, study.scenarios, set(problem.paths), units=study.units)
+    say_cautions(study.runs, set(problem.paths), units=study.units, corners=problem.corner_runs)
     return problem
 
 

@@ -34,11 +34,11 @@ def simulate(request: CommandLine, scenario_number: str | None, trust: str) -> i
     if run.history is not None and run.history.time.size == HISTORY_STEPS < int(run.accepted):
         note(f"the history holds the first {HISTORY_STEPS} steps only")
     verdict = trusted(run, closer) if asked_for(trust) else None
-    contents = run_files(run, request.made(study), limits, verdict)
+    contents = run_files(run, request.made(study), limits, verdict, study.scenario_number)
     # Said only where files are wanted, since it is about files.
     if request.output is not None and (missing := left_out(contents)):
         note(missing)
-    files.save_record(contents, run_text(run, limits), f"{name}.json")
+    files.save_record(contents, run_text(run, limits, study.scenario_number), f"{name}.json")
     return keeps_limits(limits, run)
 
 

@@ -38,7 +38,7 @@ def sweep(request: CommandLine, over: list[str] | None, scheduler: str | None, r
     # Interrupted before its first run: there is nothing to save.
     if not swept.done.any():
         return INTERRUPTED
-    envelope = None if limits is None else safe_rectangle(swept, limits, study.scenarios)
+    envelope = None if limits is None else safe_rectangle(swept, limits, [scenario for _, scenario in study.runs])
     shown = swept if envelope is None else f"{swept!r}\n{envelope!r}"
     about = request.made(study, resume)
     files.save_and_show(lambda: swept_files(swept, about, envelope), shown, lambda: swept_json(swept))

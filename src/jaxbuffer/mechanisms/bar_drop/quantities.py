@@ -15,7 +15,6 @@ QUANTITIES: dict[str, Quantity] = {
         "rebound height",
         swept=True,
         tuned=True,
-        shown=("mm", 1e3),
     ),
     "restitution": Quantity(
         "-",

@@ -91,7 +91,7 @@ def elements_of(
         cone_body=T,
         holder=None if holder is None else holder.name,
     )
-    joined = Joined(design, scenario, probe.tip_centre, axial_force(buffer, probe), throat.plane, tip)
+    joined = Joined(design, scenario, probe.tip_centre, axial_force(buffer, probe), throat, tip)
     return (
         throat,
         Buffer(joined.axial, buffer.longest_stroke),

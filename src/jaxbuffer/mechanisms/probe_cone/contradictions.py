@@ -5,6 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ..view import Caution
 from .design import Design, Scenario
 from .parts import parts_of
 
@@ -12,14 +13,14 @@ INSTANTS = 4001  # of a flight, between which the tip moves by far less than its
 FURTHER = 4.0  # times the way to the throat that a flight is followed
 
 
-def contradictions(design: Design, scenario: Scenario) -> list[str]:
-    """Return a line for a ball that does not pass the throat, an approach that misses the cone, and what the design's
-    parts rule out."""
-    of_parts = (line for part in parts_of(design, scenario) for line in part.contradictions(design, scenario))
+def contradictions(design: Design, scenario: Scenario) -> list[Caution]:
+    """Return a caution for a ball that does not pass the throat, an approach that misses the cone, and what the parts
+    of the design rule out."""
+    of_parts = (it for part in parts_of(design, scenario) for it in part.contradictions(design, scenario))
     return [*_ball_in_throat(design), *_miss(design, scenario), *of_parts]
 
 
-def _ball_in_throat(design: Design) -> Iterator[str]:
+def _ball_in_throat(design: Design) -> Iterator[Caution]:
     """Yield what a ball that is larger than the throat cannot do (M65)."""
     reach = design.cone.reach(design.probe.tip_radius)
     if reach == math.inf:
@@ -27,16 +28,17 @@ def _ball_in_throat(design: Design) -> Iterator[str]:
     radius, throat = float(design.probe.tip_radius), float(design.cone.throat_radius)
     sizes = f"probe.tip_radius {1e3 * radius:.4g} mm is above cone.throat_radius {1e3 * throat:.4g} mm"
     if reach < 0.0:
-        yield f"{sizes}: the ball wedges in the cone {-1e3 * reach:.3g} mm before the capture plane and cannot reach it"
+        wedged = f"the ball wedges in the cone {-1e3 * reach:.3g} mm before the capture plane and cannot reach it"
+        yield Caution(f"{sizes}: {wedged}", "throat", excess=-reach)
         return
-    yield (
-        f"{sizes}: the ball does not pass the throat; it comes to rest on the throat's edge, at most"
-        f" {1e3 * reach:.3g} mm behind the capture plane, where the model counts it as captured"
-    )
+    at_rest = f"it comes to rest on the throat's edge, at most {1e3 * reach:.3g} mm behind the capture plane"
+    # The less it gets behind the capture plane the worse, and worse still where it does not reach it.
+    line = f"{sizes}: the ball does not pass the throat; {at_rest}, where the model counts it as captured"
+    yield Caution(line, "throat", excess=-reach)
 
 
-def _miss(design: Design, scenario: Scenario) -> Iterator[str]:
-    """Yield a line if the tip of a free start flies past the cone, by the straight flight and steady turning of both
+def _miss(design: Design, scenario: Scenario) -> Iterator[Caution]:
+    """Yield a caution if the tip of a free start flies past the cone, by the straight flight and steady turning of both
     sides."""
     if scenario.start != "free" or (scenario.has("thrust") and float(scenario.thrust) < 0.0):
         return
@@ -54,10 +56,9 @@ def _miss(design: Design, scenario: Scenario) -> Iterator[str]:
     # A tip that passes the mouth outside the rim may have touched the rim on its way.
     nearest = np.min(np.hypot(x[before] - mouth, np.abs(y[before]) - rim))
     if abs(off) > rim and nearest > radius:
-        yield (
-            f"the approach misses the cone: the tip passes its mouth {1e3 * abs(off):.4g} mm off the axis, beyond the"
-            f" rim at {1e3 * rim:.4g} mm; scenario.offset is {1e3 * float(scenario.offset):.4g} mm"
-        )
+        passed = f"the tip passes its mouth {1e3 * abs(off):.4g} mm off the axis, beyond the rim at {1e3 * rim:.4g} mm"
+        given = f"scenario.offset is {1e3 * float(scenario.offset):.4g} mm"
+        yield Caution(f"the approach misses the cone: {passed}; {given}", "approach", excess=abs(off) - rim)
 
 
 def _flight(design: Design, scenario: Scenario, start: float) -> tuple[np.ndarray, np.ndarray]:

@@ -14,10 +14,24 @@ from ..._types import Scalar
 from ...contact import hertz_stiffness
 from ...errors import InputError, check_entries, check_type, concrete, inside, same_shape
 from ...fields import NON_NEGATIVE, POSITIVE, Number, Part, all_of, choice, number
+from ...suggestions import same_name, same_word
 from ..run import DesignOf
 from .capture import Capture
 from .contact import Contact
-from .parts import Active, Cone, Control, Hinge, Latches, Passive, Probe, ProbeBuffer, RodFields, Shock, ThrustFields
+from .parts import (
+    Active,
+    Cone,
+    Control,
+    Hinge,
+    Latches,
+    LockoutFields,
+    Passive,
+    Probe,
+    ProbeBuffer,
+    RodFields,
+    Shock,
+    ThrustFields,
+)
 
 C = TypeVar("C", bound=Capture)
 
@@ -71,6 +85,7 @@ class Design(DockingDesign[Capture]):
     - ``cone``: on the passive vehicle.
     - ``contact``: tip against flank.
     - ``latch``: what holds the vehicles together after capture, if anything does.
+    - ``lockout``: what holds the buffer's stroke after capture, if anything does.
     - ``shock``: frequencies at which shocks on the vehicles are wanted, if any.
     - ``control``: attitude control of the active vehicle, if it has any.
 
@@ -91,10 +106,13 @@ class Design(DockingDesign[Capture]):
     contact: Contact = Contact()
     hinge: Hinge = Hinge()
     latch: Latches = Latches()
+    lockout: LockoutFields = LockoutFields()
     shock: Shock = Shock()
     control: Control = Control()
 
 
+same_name("offset", "lateral_offset", "miss", "eccentricity")
+same_word("standoff", "gap")
 OF_FREE_START = ("offset", "standoff", "active_angle", "active_rate", "lateral_speed")
 
 
@@ -136,7 +154,7 @@ class Meeting(Part):
                 yield inside(getattr(self, name), low=0.0, high=0.0)
 
 
-class Approach(Meeting):
+class MeetingFields(Meeting):
     """How the vehicles meet: the fields of `Scenario` but those of its parts."""
 
     approach_speed: Number = number(
@@ -178,7 +196,7 @@ class Approach(Meeting):
     of_free_start: ClassVar[tuple[str, ...]] = OF_FREE_START
 
 
-class Scenario(ThrustFields, Approach):
+class Scenario(ThrustFields, MeetingFields):
     """How the vehicles meet: the tip touches the lower flank at t = 0 (M62, M63), or is anywhere before the cone.
 
     - ``approach_speed``: v0 of S, B and P [m/s].

@@ -9,7 +9,7 @@ from ..registry import register
 from .assembly import assemble
 from .closed_form import first_impact, first_impact_elasticities
 from .design import Design, Scenario, check_fit, valid
-from .outcome import Outcome
+from .outcome import SUCCESSES, Outcome
 from .parts import PARTS, parts_of
 from .problem import check_problem, left_open, unfinished
 from .quantities import QUANTITIES
@@ -44,7 +44,7 @@ PROBE_CONE = register(
         quantities=QUANTITIES,
         system=assemble,
         outcomes=Outcome,
-        successes=("captured", "held", "latched"),
+        successes=SUCCESSES,
         check_fit=check_fit,
         valid=valid,
         run=capture,

@@ -2,6 +2,8 @@
 
 from ..outcome import INPUT, NOT_FINITE, STEP_SIZE, STEPS, RunOutcome
 
+SUCCESSES = ("captured", "held", "latched")
+
 
 class Outcome(RunOutcome):
     """How a capture ended; the members compare with the integer codes inside compiled code.

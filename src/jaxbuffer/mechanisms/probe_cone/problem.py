@@ -14,6 +14,7 @@ from .sanity_checks import cautions
 
 LONGEST = {"buffer.max_stroke", "buffer.free_length"}
 LEFT = ("energy_left", "relative_energy", "arrest_stroke")  # quantities of what is left when a run ends
+HOLDER = next(part.name for part in PARTS if part.holds)  # what would hold the tip after capture
 
 
 def check_problem(problem: Any) -> None:
@@ -54,5 +55,5 @@ def unfinished(problem: Any, evaluation: Any) -> list[str]:
     where = f" in scenario {worst + 1}" if len(needed) > 1 else ""
     return [
         f"the limits hold up to capture only: there{where} {left} of the energy of relative motion is left, which may"
-        f" take up to {1e3 * needed[worst]:.4g} mm of stroke; give the design a latch, or limit arrest_stroke"
+        f" take up to {1e3 * needed[worst]:.4g} mm of stroke; give the design a {HOLDER}, or limit arrest_stroke"
     ]

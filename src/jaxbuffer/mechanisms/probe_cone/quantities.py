@@ -1,11 +1,9 @@
 """The catalogue of a capture's quantities."""
 
-import math
-
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..quantity import CONTACT_TIME, DISSIPATED, END_TIME, MILLIMETRES, PEAK_FORCE, PEAK_TIME, PENETRATION, Quantity
+from ..quantity import CONTACT_TIME, DISSIPATED, END_TIME, PEAK_FORCE, PEAK_TIME, PENETRATION, Quantity
 from .capture import Capture
 from .law_validity import pressure
 from .parts import PARTS
@@ -13,7 +11,6 @@ from .parts.part import loss, time_of
 from .parts.vehicles import reduced_mass
 from .vehicle_forces import peak_vehicle_force
 
-DEGREES = ("deg", 180.0 / math.pi)
 REFERENCE_SPEED = 0.1  # m/s, of M182
 
 
@@ -50,7 +47,6 @@ QUANTITIES: dict[str, Quantity] = {
         "buffer stroke",
         swept=True,
         tuned=True,
-        shown=MILLIMETRES,
     ),
     "extension": Quantity(
         "m",
@@ -59,7 +55,6 @@ QUANTITIES: dict[str, Quantity] = {
         "buffer extension",
         swept=True,
         tuned=True,
-        shown=MILLIMETRES,
     ),
     "hinge_angle": Quantity(
         "rad",
@@ -68,7 +63,6 @@ QUANTITIES: dict[str, Quantity] = {
         "hinge angle",
         swept=True,
         tuned=True,
-        shown=DEGREES,
     ),
     "end_time": END_TIME._replace(description="end of the run: of a captured one, the capture time"),
     "stroke_share": Quantity(
@@ -85,7 +79,6 @@ QUANTITIES: dict[str, Quantity] = {
         "stroke margin",
         signed=True,
         swept=True,
-        shown=MILLIMETRES,
     ),
     "relative_energy": Quantity(
         "-",
@@ -119,7 +112,6 @@ QUANTITIES: dict[str, Quantity] = {
         "arrest stroke",
         swept=True,
         tuned=True,
-        shown=MILLIMETRES,
     ),
     "peak_active_acceleration": Quantity(
         "m/s²",
@@ -135,7 +127,6 @@ QUANTITIES: dict[str, Quantity] = {
         "of the tip from the cone's axis where it crosses the capture plane",
         "lateral miss",
         signed=True,
-        shown=MILLIMETRES,
     ),
     "lateral_miss_rate": Quantity(
         "m/s", lambda c: c.docking.lateral_miss_rate, "how fast that changes there", signed=True, shown=("mm/s", 1e3)
@@ -146,14 +137,12 @@ QUANTITIES: dict[str, Quantity] = {
         "angle of the probe against the cone's axis where the tip crosses the capture plane",
         "attitude miss",
         signed=True,
-        shown=DEGREES,
     ),
     "attitude_miss_rate": Quantity(
         "rad/s",
         lambda c: c.docking.attitude_miss_rate,
         "how fast that changes there",
         signed=True,
-        shown=("deg/s", 180.0 / math.pi),
     ),
     "stroke_time": time_of("stroke", "the buffer's stroke"),
     "extension_time": time_of("extension", "the buffer's extension"),
@@ -169,7 +158,6 @@ QUANTITIES: dict[str, Quantity] = {
         "distance to the capture plane",
         signed=True,
         swept=True,
-        shown=MILLIMETRES,
     ),
     "capture_margin": Quantity(
         "m",
@@ -178,7 +166,6 @@ QUANTITIES: dict[str, Quantity] = {
         "capture margin",
         signed=True,
         swept=True,
-        shown=MILLIMETRES,
     ),
     "capture_share": Quantity(
         "-",

@@ -158,7 +158,7 @@ def _margin(capture: Capture) -> str:
     margin = float(capture.capture_margin)
     if capture.outcome == Outcome.bottomed:
         return _bottomed(capture)
-    if capture.outcome in (Outcome.held, Outcome.latched):
+    if capture.outcome != Outcome.captured and capture.mechanism.succeeded(int(capture.outcome)):
         return f"{1e3 * float(capture.stroke_margin):.6g} mm of stroke left before the buffer's end"
     # The margin is the lesser of two (M75): equality tells that it is the stroke's.
     if margin == float(capture.stroke_margin):

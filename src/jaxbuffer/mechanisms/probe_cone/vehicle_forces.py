@@ -21,7 +21,7 @@ def peak_vehicle_force(capture: Capture) -> Float[Array, ""]:
 
 def larger_than_contact(capture: Capture) -> str:
     """Return which force on a vehicle exceeds the contact's, and by how much, in words: "the largest force on a vehicle
-    is the latch's, 636 N"; "" where none does."""
+    is the hinge's, 636 N"; "" where none does."""
     names = (*OF_PARTS, "hinge")
     of_parts = (capture.quantity(quantity) for quantity in OF_PARTS.values())
     forces = [float(np.asarray(force)) for force in (*of_parts, capture.peak_hinge_force)]

@@ -10,6 +10,7 @@ from .label import scenario_label
 from .law_validity import limits, warnings
 from .panels import panels
 from .parts import PARTS
+from .parts.vehicles import OTHER_NAMES
 from .sanity_checks import sanity_checks
 from .summary import first_impact_line, first_impact_record, summary
 from .vehicle_forces import larger_than_contact
@@ -40,6 +41,7 @@ def names(design: Design) -> Names:
 
 VIEW = View(
     title="Capture",
+    synonyms=OTHER_NAMES,
     run_name="capture",
     contact="flank",
     names=names,

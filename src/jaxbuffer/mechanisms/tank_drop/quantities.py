@@ -59,7 +59,6 @@ QUANTITIES: dict[str, Quantity] = {
         "deflection of the top",
         swept=True,
         tuned=True,
-        shown=("mm", 1e3),
     ),
     "travel": Quantity(
         "m", lambda run: run.travel, "how far the slider goes down", "travel of the slider", swept=True, tuned=True
@@ -67,7 +66,6 @@ QUANTITIES: dict[str, Quantity] = {
     "penetration": PENETRATION._replace(
         description="how far the cushion is pressed together at most",
         title="penetration of the cushion",
-        shown=("mm", 1e3),
     ),
     "compression": Quantity(
         "-",
@@ -112,7 +110,6 @@ QUANTITIES: dict[str, Quantity] = {
         "slide of the tank",
         signed=True,
         swept=True,
-        shown=("mm", 1e3),
     ),
     **{
         f"{form}_time": Quantity(

@@ -9,7 +9,7 @@ import numpy as np
 from ...structures.contact import SOLID
 from ...value_text import degrees_text, percent_text
 from ..validity import ValidityLimit
-from ..view import Names, View
+from ..view import Names, Synonym, View
 from .design import TankDrop, TankDropScenario
 from .drawing import drawing
 from .meshes import meshes
@@ -91,6 +91,10 @@ def validity(design: TankDrop, quantities: Mapping[str, Any]) -> list[ValidityLi
 
 VIEW = View(
     title="Drop onto a tank",
+    synonyms={
+        "liquid": Synonym("contents", "the liquid that the tank holds, if any"),
+        "buffer": Synonym("cushion", "the layer under the slider: what is a buffer here"),
+    },
     run_name="drop",
     contact="cushion",
     names=names,

@@ -14,6 +14,8 @@ from .hinge_play import HINGE_PLAY
 from .hinge_play import Hinge as Hinge
 from .latch import LATCH
 from .latch import Latches as Latches
+from .lockout import LOCKOUT
+from .lockout import LockoutFields as LockoutFields
 from .part import ProbePart as ProbePart
 from .probe import Probe as Probe
 from .rod import ALUMINIUM_DENSITY as ALUMINIUM_DENSITY
@@ -36,6 +38,7 @@ PARTS: tuple[ProbePart, ...] = (
     HINGE_PLAY,
     REBOUND_STOP,
     LATCH,
+    LOCKOUT,
     THRUST,
     CONTROL,
     SHOCK,

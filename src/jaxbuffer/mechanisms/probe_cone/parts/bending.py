@@ -17,7 +17,7 @@ from ....value_text import percent_text
 from ...assembled import Assembled, Observable
 from ...layout import EvaluatedState
 from ...picture import reach
-from ...quantity import MILLIMETRES, Quantity
+from ...quantity import Quantity
 from .part import Joined, P, ProbePart
 from .rod import RodFields
 
@@ -150,7 +150,7 @@ class BendingReport(Report[Bending]):
         return (EnergyShare(bending.name, f"lost in {bending.name}", (bending.name,)),)
 
 
-class BendingPart(ProbePart):
+class ProbeBending(ProbePart):
     """The bending of the probe."""
 
     def elements(self, joined: Joined) -> tuple[Element, ...]:
@@ -170,7 +170,7 @@ class BendingPart(ProbePart):
         return (Observable("bending", _off_the_axis),)
 
 
-BENDING = BendingPart(
+BENDING = ProbeBending(
     name="bending",
     path="probe.bending_stiffness",
     quantities={
@@ -181,7 +181,6 @@ BENDING = BendingPart(
             "bending of the probe",
             swept=True,
             tuned=True,
-            shown=MILLIMETRES,
             part="probe.bending_stiffness",
         ),
         "bending_loss": Quantity("J", lambda c: c.energy.bending, "energy lost in the probe's bending"),

@@ -12,8 +12,11 @@ from ....contact.laws import DampedHertz
 from ....elements import BallContact, Element, Pin
 from ....errors import check_entries, inside
 from ....fields import NON_NEGATIVE, POSITIVE, Number, Part, number, on
+from ....suggestions import same_name
 from ...quantity import Quantity
 from .part import B, Joined, ProbePart, S
+
+same_name("play", "clearance", "gap")
 
 
 class Hinge(Part):

@@ -11,14 +11,18 @@ from ...._types import Scalar
 from ....elements import Element, Latch
 from ....errors import InputError, concrete, inside
 from ....fields import NON_NEGATIVE, POSITIVE, Number, Part, number, on
+from ....suggestions import same_name, same_word
 from ...drawing import Outline
 from ...mechanism import RequiredEnd
 from ...quantity import Quantity
+from ...view import Caution
 from .latch_energy import CLOSING, closing_cautions, closing_energy, closing_share, closing_warnings, closing_words
 from .part import DrawnPart, Joined, P, ProbePart, Supply, T, loss, time_of
 from .rod import ROD_WIDTH
 
 HOOK, GRIP = 1.05, 0.6  # of a tooth: distance behind the ball's centre and length, of the tip's radius; assumed
+same_name("strength", "max_force", "peak_force", "limit")
+same_word("latch", "latches", "lock", "clamp")
 
 
 class Latches(Part):
@@ -107,13 +111,13 @@ class LatchPart(ProbePart):
     """The latches."""
 
     def elements(self, joined: Joined) -> tuple[Element, ...]:
-        latch = joined.design.latch
+        latch, plane = joined.design.latch, joined.plane
         held = Latch(
             first=P,
             second=T,
             point=joined.tip,
-            plane=joined.plane,
-            seat=(joined.plane + latch.depth, 0.0),
+            plane=plane,
+            seat=(plane + latch.depth, 0.0),
             stiffness=latch.stiffness,
             damping=latch.damping,
             turn_stiffness=latch.turn_stiffness,
@@ -136,7 +140,7 @@ class LatchPart(ProbePart):
             " vehicles swing on it; with a rebound stop the latch force may be far larger"
         ]
 
-    def contradictions(self, design: Any, scenario: Any) -> list[str]:
+    def contradictions(self, design: Any, scenario: Any) -> list[Caution]:
         return [*_out_of_reach(design), *closing_cautions(design, scenario)]
 
     def summary(self, capture: Any, element: Element) -> list[tuple[str, str]]:
@@ -164,14 +168,12 @@ class LatchPart(ProbePart):
         return DrawnPart(_teeth(design, first), 2, lambda frames, history: _with_teeth(frames, history, travel))
 
 
-def _out_of_reach(design: Any) -> Iterator[str]:
+def _out_of_reach(design: Any) -> Iterator[Caution]:
     """Yield that the ball cannot reach its seat."""
-    reach = design.cone.reach(design.probe.tip_radius)
-    if 0.0 <= reach < float(design.latch.depth):
-        yield (
-            f"latch.depth {1e3 * float(design.latch.depth):.4g} mm: the ball cannot reach a seat that is more than"
-            f" {1e3 * reach:.3g} mm behind the capture plane"
-        )
+    reach, depth = design.cone.reach(design.probe.tip_radius), float(design.latch.depth)
+    if 0.0 <= reach < depth:
+        seat = f"a seat that is more than {1e3 * reach:.3g} mm behind the capture plane"
+        yield Caution(f"latch.depth {1e3 * depth:.4g} mm: the ball cannot reach {seat}", "seat", excess=depth - reach)
 
 
 def _torn(capture: Any) -> str:

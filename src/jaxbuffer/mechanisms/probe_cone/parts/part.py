@@ -20,6 +20,7 @@ from ...assembled import Assembled, Observable
 from ...layout import Closed, EvaluatedState
 from ...mechanism import RequiredEnd
 from ...quantity import Quantity
+from ...view import Caution
 
 S, B, P, T = range(4)  # bodies: active vehicle, cylinder, probe, passive vehicle, in the order of the coordinates
 
@@ -30,7 +31,7 @@ class Joined(NamedTuple):
     - ``design``, ``scenario``.
     - ``tip``: the tip's centre on the probe.
     - ``axial``: the buffer's axial force, by which stops measure their stroke too, so that all of them agree on it.
-    - ``plane``: the capture plane along the axis of the passive vehicle [m].
+    - ``throat``: the element with the capture plane.
     - ``contact``: of the tip with the cone.
     """
 
@@ -38,8 +39,13 @@ class Joined(NamedTuple):
     scenario: Any
     tip: Any
     axial: AxialSpringDamper
-    plane: Scalar
+    throat: Any
     contact: BallContact
+
+    @property
+    def plane(self) -> Scalar:
+        """Return where the capture plane is along the axis of the passive vehicle [m]."""
+        return self.throat.plane
 
 
 class Supply(NamedTuple):
@@ -148,8 +154,8 @@ class ProbePart:
         """Return a line for each thing that is easily left out of a design with the part."""
         return []
 
-    def contradictions(self, design: Any, scenario: Any) -> list[str]:
-        """Return a line for each thing that design and scenario rule out for the part, before anything is computed."""
+    def contradictions(self, design: Any, scenario: Any) -> list[Caution]:
+        """Return a `Caution` for each thing that design and scenario rule out for the part, before any computation."""
         return []
 
     def summary(self, capture: Any, element: Element) -> list[tuple[str, str]]:

@@ -1,6 +1,11 @@
 """The springs and dampers of the buffer, and the cylinder between them."""
 
 from ....fields import NON_NEGATIVE, POSITIVE, Number, Part, number
+from ....suggestions import same_word
+
+same_word("stroke", "shortening")
+same_word("along", "axial", "cylinder", "a")
+same_word("about", "torsional", "angular", "rotational", "hinge", "t")
 
 
 class SpringFields(Part):

@@ -12,6 +12,7 @@ from ....contact import KelvinVoigt
 from ....elements import Element, EndStop, RubberBlock
 from ....errors import InputError, check_entries, concrete, inside
 from ....fields import NON_NEGATIVE, POSITIVE, Number, Part, number, on
+from ....suggestions import same_word
 from ...assembled import Assembled, Observable
 from ...drawing import Outline
 from ...layout import Closed, EvaluatedState
@@ -19,6 +20,8 @@ from ...quantity import Quantity
 from .part import B, DrawnPart, Joined, ProbePart, loss
 from .rod import CYLINDER_WIDTH
 from .springs import SpringFields
+
+same_word("stop", "bumper")
 
 
 class EndStopFields(SpringFields):

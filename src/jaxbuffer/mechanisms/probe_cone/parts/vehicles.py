@@ -5,8 +5,15 @@ from typing import Any, ClassVar
 
 from ...._types import Scalar
 from ....fields import NON_NEGATIVE, POSITIVE, Number, Part, number
+from ....suggestions import same_word
+from ...view import Synonym
 
 SAME = 1e-9  # relative: a ball of the throat's own radius passes
+ACTIVE = Synonym("active", "the active vehicle S, which carries the probe")
+PASSIVE = Synonym("passive", "the passive vehicle T, which carries the cone")
+OTHER_NAMES = {"chaser": ACTIVE, "servicer": ACTIVE, "target": PASSIVE, "client": PASSIVE}
+same_word("active", "chaser", "servicer")
+same_word("passive", "target", "client")
 
 
 class Active(Part):
