@@ -223,7 +223,7 @@ class System(eqx.Module):
             mass, jacobian, rhs = self._augmented(kin)
             return solve_augmented(mass, jacobian, force, rhs)
 
-        return Motion(*self._apart(solved, force))
+        return Motion(*self.apart(solved, force))
 
     def motion_and_masses(
         self, kin: Kinematics, extra: tuple[Load, ...], directions: Float[Array, "coordinates rank"]
@@ -238,10 +238,10 @@ class System(eqx.Module):
             solve = lambda force, side: solve_augmented(mass, jacobian, force, side)  # noqa: E731
             return jax.vmap(solve, in_axes=1, out_axes=1)(forces, sides)
 
-        answers, multipliers = self._apart(solved, force, directions)
+        answers, multipliers = self.apart(solved, force, directions)
         return Motion(answers[:, 0], multipliers[:, 0]), _masses(directions, answers[:, 1:])
 
-    def _apart(self, function: Callable[..., R], *arrays: Array) -> R:
+    def apart(self, function: Callable[..., R], *arrays: Array) -> R:
         """Return ``function(*arrays)``, in space as a function of its own in the compiled program.
 
         The equations of space are four times as many as the plane's. As a part of one kernel with everything else they
@@ -299,7 +299,7 @@ class System(eqx.Module):
             one = lambda direction: solve_augmented(mass, jacobian, direction, rest)[0]  # noqa: E731
             return jax.vmap(one, in_axes=1, out_axes=1)(directions)
 
-        return self._apart(solved, directions)
+        return self.apart(solved, directions)
 
     def effective_mass(self, kin: Kinematics, direction: Float[Array, " velocities"]) -> Float[Array, ""]:
         """Return the mass that a force along a direction meets [kg] (M21).

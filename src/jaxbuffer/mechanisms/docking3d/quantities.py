@@ -2,11 +2,15 @@
 
 import math
 
+from ..probe_cone.parts.bending import BENDING
+from ..probe_cone.parts.hinge_play import HINGE_PLAY
+from ..probe_cone.parts.lockout import LOCKOUT
 from ..probe_cone.quantities import QUANTITIES as PLANAR
 from ..quantity import Quantity
 
 DEGREES = 180.0 / math.pi
-OF_THE_PLANE = ("bending", "bending_loss", "play_loss")
+# Parts that a design in space does not have.
+OF_THE_PLANE = {name for part in (BENDING, HINGE_PLAY, LOCKOUT) for name in part.quantities}
 
 QUANTITIES: dict[str, Quantity] = {
     **{name: quantity for name, quantity in PLANAR.items() if name not in OF_THE_PLANE},
