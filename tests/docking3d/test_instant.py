@@ -37,7 +37,7 @@ def moving(values, seed=3):
     system = mechanism.system
     q = mechanism.q + 2e-3 * rng.normal(size=mechanism.q.shape)
     q, v = jax.jit(lambda q, v: projected(system, q, v))(q, jnp.asarray(0.05 * rng.normal(size=mechanism.v.shape)))
-    state, closed = jax.jit(lambda: mechanism.start())()
+    state, closed = jax.jit(mechanism.start)()
     state = state.at[mechanism.places["q"]].set(q).at[mechanism.places["v"]].set(v)
     if mechanism.spins:
         state = state.at[mechanism.places["spins"]].set(jnp.asarray([0.3, -0.2, 0.4]))
