@@ -13,8 +13,8 @@ from cases import CASES, QUANTITIES
 HERE = Path(__file__).parent
 # LLVM's vectorisation of straight code takes gigabytes for the equations of space.
 FLAGS = "--xla_backend_extra_options=-vectorize-slp=false"
-# The programs of the other cases take more than 8 GB to compile, but for that of the free tip, whose hinge force is 4e-5
-# off at default tolerances.
+# The programs of the other cases take more than 8 GB to compile, but for that of the free tip, whose hinge force is
+# 4e-5 off at default tolerances.
 COMPILED = ("table2, another azimuth", "two planes")
 
 pytestmark = [pytest.mark.slow, pytest.mark.long]
