@@ -9,7 +9,8 @@ from jaxbuffer.fitting.fitted import Fitted, FittedNumber, RecordBesideFit
 def made_up_fit(
     tests=("a.csv",), converged=True, told=(), inflation=1.0, residual=0.5, clips=False, **others
 ) -> Fitted:
-    """Two numbers; ``told``: what is not told apart; ``inflation`` of the variances; ``residual`` of the column."""
+    """Two numbers; ``told``: what is not told apart; ``inflation`` of the variances; ``residual`` of the column;
+    ``clips``: whether a row is clipped."""
     times = np.linspace(0.0, 0.1, 11)
     stroke = np.array([0.01 * np.sin(30.0 * times)])
     # The sixth row, the largest but one, is beyond the sensor's range.

@@ -84,7 +84,9 @@ def test_every_encoding_prints_what_it_can(computed, monkeypatch, command, encod
         assert "scenario.approach_speed" in shown and 20 * line in shown and "?" not in shown
 
 
-@pytest.mark.parametrize("names", [["history.csv"], ["history.csv", "capture.png"]])
+@pytest.mark.parametrize(
+    "names", [pytest.param(["history.csv"], marks=pytest.mark.slow), ["history.csv", "capture.png"]]
+)
 def test_a_full_disk_is_named_and_the_other_files_are_whole(computed, capsys, tmp_path, names):
     assert run(["simulate", "--output", "whole"]) == 0
     sizes = {name: (tmp_path / "whole" / name).stat().st_size for name in FILES["simulate"]}

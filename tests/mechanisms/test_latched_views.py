@@ -192,6 +192,9 @@ def test_the_label_says_what_is_free_of_a_free_start():
     assert scenario_label(start) == label
     assert scenario_label(jb.Scenario(thrust=1.0, thrust_time=1.5)) == "0.1 m/s, 0°, thrust 1 N for 1.5 s"
     assert scenario_label(jb.Scenario(start="free")) == "0.1 m/s, 0°, free start"
+    assert scenario_label(start, [start, jb.Scenario()]) == label
+    # What all have in common tells none from another.
+    assert scenario_label(start, [start, jb.Scenario(start="free")]) == label.replace(", free start", "")
 
 
 @pytest.mark.quick

@@ -1,5 +1,6 @@
 """The files of a fit hold its numbers, and are read again."""
 
+import dataclasses
 import json
 
 import numpy as np
@@ -69,3 +70,17 @@ def test_a_clipped_row_is_beside_what_the_model_gives_and_has_no_residual(tmp_pa
     np.testing.assert_allclose(marks.get_xdata(), [0.05])
     assert np.isfinite(right.lines[0].get_ydata()).sum() == 10
     assert "clipped, left out" in [text.get_text() for text in left.get_legend().get_texts()]
+
+
+def test_what_sticks_out_stands_at_the_edge_of_the_residuals():
+    """Of 200 rows with half a deviation one has 300: the others' scatter is seen beside it."""
+    fitted = made_up_fit()
+    (record,) = fitted.records.values()
+    stroke = np.zeros((1, 200))
+    spike = np.where(np.arange(200) == 7, 6e-3, 1e-5)[None]
+    long = record._replace(times=np.arange(200.0), measured=spike, fitted=stroke, clipped=np.zeros((1, 200), bool))
+    _, right = fit_figure(dataclasses.replace(fitted, records={"a.csv": long})).axes
+    assert right.get_ylim() == (-5.0, 5.0)
+    up, down = (line for line in right.lines if line.get_marker() in "^v")
+    assert [*up.get_xdata()] == [7.0] and up.get_ydata()[0] < 5.0 and not len(down.get_xdata())
+    assert len(right.lines[0].get_xdata()) == 199

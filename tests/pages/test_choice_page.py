@@ -8,6 +8,7 @@ import pytest
 import jaxbuffer as jb
 from jaxbuffer.output.folder import Results, load
 from jaxbuffer.pages.choice import choice_check, chosen_by
+from jaxbuffer.pages.designs import requirements
 from jaxbuffer.pages.review import review
 from made_up_choice import largest_force, made_up_choice, without_combination
 from pages.test_report_page import Outline, section_text
@@ -120,6 +121,18 @@ def test_the_record_is_what_python_has(tmp_path):
     assert best["corners"] == {"holding": 8, "run": 8, "searched": False} and best["set_by"]["buffer.k_A"] == "S2"
     assert best["scenarios"][1]["shifts"] == {"probe.tip_radius": -0.0005}
     assert Results(tmp_path, records={"choice": record}).records["choice"]["tolerances"]["buffer.c_A"]["in_words"]
+
+
+def test_what_is_asked_has_scenarios_without_corners_and_the_grid_s_numbers_of_the_design(tmp_path):
+    jb.save(made_up_choice(), tmp_path, figures=False)
+    record = json.loads((tmp_path / "choice.json").read_text())
+    for k, case in enumerate(record["ranking"][0]["scenarios"]):
+        case["values"] = {"buffer.k_T": 200.0 if k < 5 else 400.0}
+    results = Results(tmp_path, records={"choice": record}, design=jb.table2())
+    (table,) = requirements(results, [results]).tables
+    rows = [row for row in table.rows if "scenarios" in row[0]]
+    assert rows[0] == ["2 scenarios", "approach speed", "0.06 m/s to 0.14 m/s"]
+    assert rows[-1] == ["2 scenarios", "buffer.k_T", "200 to 400 N m/rad"]
 
 
 def test_parts_of_one_name_for_two_roles_are_told_apart():

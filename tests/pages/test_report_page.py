@@ -152,6 +152,15 @@ def tuned_record(worst, feasible):
     }
 
 
+def test_the_page_lists_what_moves_the_first_impact(tmp_path):
+    levers = ["numbers that are no variables move it, cone.half_angle +0.77", "of the variables probe.tip_mass +0.06"]
+    (tmp_path / "tuned.json").write_text(json.dumps(tuned_record(0.02, True) | {"first_impact_levers": levers}))
+    text = " ".join(" ".join(Outline(review([load(tmp_path)]).html()).text).split())
+    assert (
+        "softens. Numbers that are no variables move it, cone.half_angle +0.77; of the variables probe.tip_mass" in text
+    )
+
+
 @pytest.mark.parametrize(("worst", "verdict"), [(0.02, "kept"), (0.03, "broken")])
 def test_limits_are_judged(tmp_path, worst, verdict):
     (tmp_path / "tuned.json").write_text(json.dumps(tuned_record(worst, verdict == "kept")))
@@ -678,8 +687,10 @@ def several(strokes, outcomes, feasible):
 def test_an_infeasible_tuning_is_red_at_the_top(tmp_path):
     """Of three scenarios one breaks the stroke's limit, two are not captured; the peak force is not praised."""
     record = several((0.03, 0.02, 0.02), ("captured", "escaped", "timeout"), False)
+    record["broken_limits"] = ["stroke ≤ 25 mm: broken in 1 of 3 scenarios, worst 30 mm"]
     page, badges, _ = told_of(tmp_path, record)
     assert page.title.endswith(": no feasible design")
+    assert page.abstract[0] == f"No design was found that keeps every limit: {record['broken_limits'][0]}."
     assert badges["no feasible design found"] == "bad"
     assert badges["1 limit broken, 2 of 3 not captured"] == "bad"
     assert badges["peak force: 250 → 100 N (-60 %)"] == ""

@@ -31,14 +31,17 @@ EVENTS = [
 ]
 
 
+append = jax.jit(Log.append)
+
+
 def logged(events, room):
     log = Log.empty(room, jnp.zeros((1, 4)), CONTACTS, OBSERVABLES)
     before = (0, 0)
     for kind, which, time, force, active in events:
         values, rows = jnp.array([*force, time]), jnp.array([[time, 10.0 * time, 0.0, 0.0]])
         now = jnp.array(active, float)
-        log = log.append(jnp.asarray(True), jnp.asarray(int(kind)), jnp.asarray(which), jnp.asarray(time), values,
-                         jnp.asarray(2.0), now, rows, jnp.ones((1, 4)), jnp.asarray(any(before)))  # fmt: skip
+        log = append(log, jnp.asarray(True), jnp.asarray(int(kind)), jnp.asarray(which), jnp.asarray(time), values,
+                     jnp.asarray(2.0), now, rows, jnp.ones((1, 4)), jnp.asarray(any(before)))  # fmt: skip
         before = active
     return log
 

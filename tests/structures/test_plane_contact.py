@@ -13,9 +13,6 @@ from jaxbuffer.structures.central_differences import advance
 from jaxbuffer.structures.contact import NodeContact, RigidPlane, Segments, candidates, contact_forces
 
 SOFT = Elastic(1000.0, 1e7, 0.3)
-# Each method is a program of its own; `make test` has those whose runs other tests use as well.
-METHODS = ["defence node", "multiplier", pytest.param("penalty", marks=pytest.mark.slow)]
-WITH_FRICTION = [pytest.param(it, marks=pytest.mark.slow) for it in ("defence node", "penalty")] + ["multiplier"]
 
 
 def two_blocks(method, slaves=None, published=False, friction=0.0, speed=(0.4, -1.0)):
@@ -67,7 +64,7 @@ def met(method):
     return system, followed(system, start, 1500)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", ["defence node", "multiplier", "penalty"])
 def test_both_momenta_are_kept_to_rounding(method):
     """The angular one, Σ m x × v, with the place of an instant and the mean of the velocities half a step before and
     after it."""
@@ -79,7 +76,7 @@ def test_both_momenta_are_kept_to_rounding(method):
     np.testing.assert_allclose(angular - angular[0], 0.0, atol=1e-10 * size * 0.3)
 
 
-@pytest.mark.parametrize("method", WITH_FRICTION)
+@pytest.mark.parametrize("method", ["defence node", "multiplier", "penalty"])
 def test_frictions_arm_is_the_gap(method):
     """Friction pulls the node here and the foot there: as a couple, whose moment is what the angular momentum lacks."""
     system, start, _ = two_blocks(method, friction=0.3)
@@ -122,7 +119,6 @@ def test_the_published_distribution_turns_bodies_of_unequal_masses():
         assert (total < 1e-12) if not published else (total > lost)
 
 
-@pytest.mark.slow
 def test_a_defence_node_is_a_multiplier_where_no_two_pairs_share_a_node():
     seen = {}
     for method in ("defence node", "multiplier"):

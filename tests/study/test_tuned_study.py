@@ -145,4 +145,6 @@ def test_a_corner_has_its_scenarios_number():
     assert [problem.number_text(k) for k in range(9)] == numbers
     assert problem.label(4).startswith("2.1: 0.2 m/s, 0°, ") and problem.number(4) == 2
     one = dataclasses.replace(problem, scenarios=problem.scenarios[:1])
-    assert one.label(0) == "0.05 m/s, 0°", "a single one needs no number"
+    assert one.label(0) == "1: 0.05 m/s, 0°", "as figures have it beside 1.1 and 1.2"
+    alone = numbered_problem()
+    assert dataclasses.replace(alone, scenarios=alone.scenarios[:1]).label(0) == "0.05 m/s, 0°", "it needs no number"

@@ -7,6 +7,7 @@ import pytest
 
 from jaxbuffer import Case, Limits, Outcome, Problem, Scenario, Variable, get, replace, simulate, table2, tune
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
+from jaxbuffer.mechanisms.probe_cone.closed_form import first_impact_elasticities
 from jaxbuffer.tuning.checks import lower_bound
 from jaxbuffer.tuning.evaluation import Evaluator
 from verification.cases import CASES, PARAMETERS
@@ -95,6 +96,24 @@ def test_the_floor_without_loss_is_the_closed_form():
     lightest, _ = closed_form(replace(lossless(1.0), {"probe.tip_mass": 0.02}), Scenario(approach_speed=0.2))
     assert found.lowest == pytest.approx(lightest, rel=5e-6)
     assert found.at == {"probe.tip_mass": pytest.approx(0.02)}
+
+
+def test_a_free_start_has_the_first_impacts_elasticities_too():
+    """Without friction and loss, flown to where a contact start begins, the first impact is that of the closed form:
+    its elasticities by masses and inertias, which do not move the touch, are the closed form's."""
+    design, touching = lossless(1.0), Scenario(approach_speed=0.2)
+    angle, slant = float(design.cone.half_angle), float(touching.contact_distance)
+    off = -(design.cone.throat_radius + slant * np.sin(angle)) + design.probe.tip_radius * np.cos(angle)
+    problem = stated([Scenario(start="free", offset=float(off), approach_speed=0.2)], design)
+    found = lower_bound(problem, problem.start())
+    peak, _ = closed_form(design, touching)
+    assert found.simulated[0] == pytest.approx(peak, rel=1e-5) and np.isnan(found.closed_form[0])
+    expected = first_impact_elasticities(design, touching)
+    heavy = [path for path in expected if path.endswith("mass") or path.endswith("inertia")]
+    assert expected["probe.tip_mass"] > 0.01 and expected["probe.rod_mass"] > 0.01
+    for path in heavy:
+        assert found.elasticities[path] == pytest.approx(expected[path], abs=1e-4), path
+    assert abs(found.elasticities["cone.half_angle"]) > 0.1
 
 
 def test_the_lower_bound_of_a_limited_hinge_force_is_the_first_impacts():

@@ -8,9 +8,12 @@ import pytest
 
 import jaxbuffer as jb
 from jaxbuffer.mechanisms.limit import IMPACTS, Limit
+from jaxbuffer.output.tune_figure import _rows
+from jaxbuffer.tables import text as text_of
 from jaxbuffer.tuning.checks import LeastValue
 from jaxbuffer.tuning.goal import Goal
 from jaxbuffer.tuning.limit_rows import LimitRow, limit_rows
+from jaxbuffer.tuning.limits_in_the_way import limits_in_the_way
 from jaxbuffer.tuning.message import SearchReport
 from jaxbuffer.tuning.store import in_words, record_of
 from made_up import made_up_evaluation, made_up_tuning
@@ -146,3 +149,76 @@ def test_progress_names_the_limit_and_the_load_case():
     assert said(250.0).endswith("limits broken: peak_force 300 N is above 250 N by 20 % at scenario 2 (0.15 m/s, 0°)")
     assert said(301.0).endswith("300 N, 0.33 % of room to peak_force ≤ 301 N at scenario 2 (0.15 m/s, 0°)")
     assert said(400.0).endswith("300 N")
+
+
+def ending(outcome, **values):
+    """A made-up tuning of two scenarios of a design with latches, all of whose runs end so, with some values."""
+    design = jb.replace(jb.table2(), {"latch.stiffness": 2e3, "buffer.rebound_stiffness": 1e4})
+    scenarios = [jb.Scenario(approach_speed=speed) for speed in (0.1, 0.15)]
+    stated = jb.Problem(design, scenarios, [jb.Variable("buffer.k_A", 100.0, 2000.0)])
+    point = made_up_evaluation(stated, stated.start())
+    rest, code = point.rest.copy(), np.full(2, int(jb.Outcome[outcome]))
+    for name, value in values.items():
+        rest[:, stated.names.index(name) - 1] = value
+    point = point._replace(rest=rest, code=code, succeeded=stated.succeeded(code))
+    return dataclasses.replace(made_up_tuning(stated), before=point, after=point)
+
+
+def test_what_is_left_is_listed_unless_all_runs_are_held():
+    assert "What is left where the capture ends" in repr(ending("latched", relative_energy=0.02))
+    assert "What is left" not in repr(ending("held", relative_energy=0.001))
+
+
+def test_a_tuning_says_that_its_latch_adds_much_energy_and_where_most():
+    """9 and 67 % of what the vehicles bring, against a tenth."""
+    text = " ".join(repr(ending("held", latch_energy_share=[0.09, 0.67])).split())
+    assert "adds more than a tenth of what the vehicles bring (latch_energy_share;" in text
+    assert "in 1 of 2 scenarios, by a factor of 6.7 at scenario 2 (0.15 m/s, 0°)" in text
+    assert "adds more than a tenth" not in repr(ending("held", latch_energy_share=0.0999))
+
+
+def test_a_variable_that_reads_like_its_bound_is_on_it():
+    """ln 1.0000176 / ln 50 is 4.5e-6 of its range, and five digits show 20; 20.002 they tell apart."""
+    variable = jb.Variable("buffer.k_T", 20.0, 1000.0)
+    assert variable.at_bound(20.000353) == "at low bound" and variable.at_bound(999.98) == "at high bound"
+    assert variable.at_bound(20.002) == ""
+
+
+def test_the_table_of_a_single_run_names_no_load_case():
+    design, limits = jb.replace(jb.table2(), {}), jb.Limits(at_most={"stroke": 0.025})
+    tuned = tuning(stroke=0.1)
+    several = text_of(limits_in_the_way(tuned.goal, tuned.after, tuned.lower_bound))
+    assert "load case" in several
+    one = jb.Problem(design, [jb.Scenario()], [jb.Variable("buffer.k_A", 100.0, 2000.0)], limits=limits)
+    made = made_up_tuning(one)
+    alone = text_of(limits_in_the_way(made.goal, made.after, made.lower_bound))
+    assert "load case" not in alone and "10 mm   ≤ 25 mm" in alone and "kept" in alone
+
+
+def with_corners(**values):
+    """A made-up tuning of a scenario with a tolerance, which has two corners, and some values of its three load
+    cases."""
+    stated = jb.Problem(
+        jb.table2(), [jb.Scenario()], [jb.Variable("buffer.k_A", 100.0, 2000.0)], tolerances={"buffer.c_A": "10 %"}
+    )
+    point = made_up_evaluation(stated, stated.start())
+    rest = point.rest.copy()
+    for name, value in values.items():
+        rest[:, stated.names.index(name) - 1] = value
+    point = point._replace(rest=rest)
+    return dataclasses.replace(made_up_tuning(stated), before=point, after=point)
+
+
+def test_corners_of_a_single_scenario_have_their_numbers_in_tables_as_in_figures():
+    tuned = with_corners(arrest_stroke=[0.01, 0.03, 0.02])
+    labels = [tuned.problem.label(k) for k in range(3)]
+    assert labels == ["1: 0.1 m/s, 0°", "1.1: 0.1 m/s, 0°, 0.9 buffer.c_A", "1.2: 0.1 m/s, 0°, 1.1 buffer.c_A"]
+    text = " ".join(repr(tuned).split())
+    assert "there in scenario 1.1 30 mJ" in text and "may take up to 30 mm of stroke" in text
+    assert jb.Problem(jb.table2(), [jb.Scenario()], tuned.problem.variables).label(0) == "0.1 m/s, 0°"
+
+
+@pytest.mark.parametrize(("extension", "drawn"), [(2e-15, False), (2e-6, True)])
+def test_a_figure_of_a_tuning_leaves_rounding_out(extension, drawn):
+    """Beside strokes of 10 mm."""
+    assert any("buffer extension" in row.text for row in _rows(with_corners(extension=extension))) == drawn

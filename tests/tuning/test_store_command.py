@@ -69,6 +69,15 @@ def test_the_best_so_far_is_saved(tune, capsys, tmp_path):
     assert tune("--output", "whole") == 0 and (tmp_path / "whole" / "log.jsonl").read_bytes() == resumed
 
 
+def test_the_best_so_far_says_which_limit_it_breaks(tune, capsys, tmp_path):
+    study = tmp_path / "study.toml"
+    study.write_text(f"{study.read_text()}[problem.constraints]\npeak_force = 0.5\n")
+    assert tune("--output", "out", dies_after=3) == 130
+    first, _ = capsys.readouterr().out.splitlines()
+    assert "; best so far by the objective and limits: " in first
+    assert ", limits broken: peak_force " in first and " is above 0.5 N by " in first
+
+
 def test_before_the_first_step_there_is_nothing_to_save(tune, capsys, tmp_path):
     assert tune("--output", "out", dies_after=0) == 130
     shown = capsys.readouterr()

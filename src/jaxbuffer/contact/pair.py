@@ -6,6 +6,7 @@ Everything here may be an array over the segments of the pair, so that a cone's 
 from typing import NamedTuple
 
 import equinox as eqx
+import jax.numpy as jnp
 
 from .._types import Scalar, Values
 from ..space.either import Frame, Vector
@@ -67,7 +68,7 @@ class BallPair(eqx.Module):
         tangent, slip = self.shape.slip(relative, normal, self.side)
         return Approach(
             gap=near.distance - self.radius,
-            approach_speed=-relative.dot(normal),
+            approach_speed=-jnp.asarray(relative.dot(normal)),
             slip=slip,
             normal=normal,
             tangent=tangent,

@@ -76,7 +76,7 @@ class PlaneShape(Shape):
     def slip(self, velocity: Vector, normal: Vector, side: Values | Scalar) -> tuple[Vector, Values]:
         # With the side's sign the tangents of both flanks of a cone point to the throat, so that slips compare.
         tangent = plane.Vector(side * normal.y, -side * normal.x)
-        return tangent, velocity.dot(tangent)
+        return tangent, jnp.asarray(velocity.dot(tangent))
 
 
 class Segment(PlaneShape):
@@ -160,7 +160,7 @@ class Revolved(Shape):
         y, z = jnp.where(off_axis, place.y / radius, 1.0), jnp.where(off_axis, place.z / radius, 0.0)
         foot = self.meridian.foot(place.x, jnp.where(off_axis, radius, 0.0), side)
         around = lambda x, r: space.Vector(x, r * y, r * z)  # noqa: E731
-        return Nearest(around(foot.x, foot.y), around(foot.normal_x, foot.normal_y), foot.distance)
+        return Nearest(around(foot.x, foot.y), around(foot.normal_x, foot.normal_y), foot.distance)  # type: ignore[arg-type]
 
     def slip(  # type: ignore[override]
         self, velocity: space.Vector, normal: space.Vector, side: Values | Scalar

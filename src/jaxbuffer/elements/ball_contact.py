@@ -368,13 +368,16 @@ class BallContact(Element):
         return 0.2 * jnp.asarray(self.pair.law.time_scale(system.bodies[self.body].mass, speed))
 
     def contact_term(self, system: System, at: BallState, closed: Closed) -> ContactTerm:
-        slopes = contact_slopes(self.pair, self._onset(at.approach), at.memory, self._exerting(closed))
+        approach, exerting = self._onset(at.approach), self._exerting(closed)
+        depth, speed, slip = contact_slopes(self.pair, approach, at.memory, exerting)
         normals, tangents, across = self._directions(system, at)
-        normal = self.pair.normal_force(self._onset(at.approach), at.memory) * self._exerting(closed)
-        # In space the slip may change its direction: friction resists that by its size over the slip (M218).
-        resisting = -self.pair.friction_force(at.approach, normal) / at.approach.slip if across.shape[1] else normal
-        turning = tuple(SpringTerm(across[:, k], 0.0, resisting[k]) for k in range(across.shape[1]))
-        return ContactTerm(normals, tangents, *slopes, turning)
+        turning: tuple[SpringTerm, ...] = ()
+        if across.shape[1]:
+            # The slip may change its direction: friction resists that by its size over the slip (M218).
+            friction = self.pair.friction_force(approach, exerting * self.pair.normal_force(approach, at.memory))
+            resisting = -friction / approach.slip
+            turning = tuple(SpringTerm(across[:, k], 0.0, resisting[k]) for k in range(self.segments))
+        return ContactTerm(normals, tangents, per_depth=depth, per_speed=speed, per_slip=slip, across=turning)
 
 
 class BallReport(Report[BallContact]):

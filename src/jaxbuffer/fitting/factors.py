@@ -30,11 +30,14 @@ def doubts(prediction: Prediction, predicted: Float[np.ndarray, "columns rows"],
         limit = largest.get(sensor.quantity, np.inf)
         # With an unknown offset only the column's changes tell its unit.
         level = (np.mean(given), np.mean(model)) if isinstance(sensor.offset, Variable) else (0.0, 0.0)
-        if (factor := factor_within(given - level[0], limit)) is not None:
+        alike = better_factor(given - level[0], model - level[1])
+        if (within := factor_within(given - level[0], limit)) is not None:
+            # Of the powers of ten that bring it within, the one that makes it most alike says more.
+            factor = within if alike is None or abs(alike) > within else alike
             most = with_unit(*as_displayed(limit, prediction.units[sensor.quantity]))
             yield f"{where} It exceeds {most}, the largest {sensor.quantity} of this design, unless times {factor:g}."
-        elif (factor := better_factor(given - level[0], model - level[1])) is not None:
-            yield f"{where} Times {factor:g} it is far nearer to what the design gives."
+        elif alike is not None:
+            yield f"{where} Times {alike:g} it is far nearer to what the design gives."
 
 
 def better_factor(measured: Float[np.ndarray, " rows"], predicted: Float[np.ndarray, " rows"]) -> float | None:

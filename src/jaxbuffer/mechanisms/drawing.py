@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from ..contact import Shape
+from ..contact import PlaneShape, Shape
 from ..fields import Part
 from ..multibody import Coordinates
 from ..multibody.flexible import FlexibleBar
@@ -143,7 +143,8 @@ class Touch(NamedTuple):
 
 @stored
 def _foot(shape: Shape, x: Any, y: Any, side: Any) -> Any:
-    """Return `Shape.foot`, from a program that is kept, so that a second start compiles nothing to draw."""
+    """Return `PlaneShape.foot`, from a program that is kept, so that a second start compiles nothing to draw."""
+    assert isinstance(shape, PlaneShape), "drawings are of the plane"
     return shape.foot(x, y, side)
 
 

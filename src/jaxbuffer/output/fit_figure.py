@@ -5,6 +5,7 @@ import numpy as np
 from .._types import Axes, Figure
 from ..fields import as_displayed, display_unit
 from ..fitting.fitted import Fitted
+from ..fitting.residuals import outliers
 from ..value_text import unit_text
 from .style import BLUE, GREY, ORANGE, RED, label, panels, styled
 
@@ -42,10 +43,16 @@ def _column(left: Axes, right: Axes, fitted: Fitted, test: str, k: int) -> None:
         legend=k == 0 or bool(np.any(clipped)),
     )
     residual = record.residual(k, fitted.noise[test][column])
-    right.plot(time, residual, ".", color=ORANGE, markersize=1.5)
+    # What sticks out would hide all others' scatter: it stands at the edge.
+    out = outliers(np.nan_to_num(residual)[None])[0]
+    right.plot(time[~out], residual[~out], ".", color=ORANGE, markersize=1.5)
+    edge = max(5.0, 1.05 * float(np.nanmax(np.abs(residual[~out]))))
+    for side, marker in ((1.0, "^"), (-1.0, "v")):
+        beyond = out & (side * residual > 0.0)
+        right.plot(time[beyond], np.full(beyond.sum(), 0.96 * side * edge), marker, color=ORANGE, markersize=3.0)
     for side in (-NOISE, NOISE):
         right.axhline(side, color="black", linewidth=0.6, linestyle="--")
-    right.set_ylim(*(np.array([-1.0, 1.0]) * max(5.0, 1.05 * float(np.nanmax(np.abs(residual))))))
+    right.set_ylim(-edge, edge)
     figure = with_figure(fitted.residual[test][column], fitted.noise[test][column], unit)
     label(right, f"residuals: {figure}", "time [s]", "measured - fitted [deviations]", legend=False)
 

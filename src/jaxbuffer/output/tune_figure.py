@@ -22,6 +22,7 @@ ROW, MOST = 0.2, 40  # inch a scenario, and how many of them are drawn, those wh
 SMALL, LINE, WIDE = 7, 0.12, 170.0  # points of a row's text; inch a line of it; points that it is wide
 NAMED, LONGEST = 12, 40  # of more scenarios one with a longer name, in characters: then all have numbers alone
 WIDEST = 200.0  # per cent of a limit that are drawn; what is beyond stands at the edge as an arrow
+ROUNDING = 1e-12  # of the largest quantity of a unit, below which another one is rounding
 PANELS = 4  # pairs of objectives that are drawn
 NEAR = 0.06  # of an axis: points less apart have their numbers in one text
 
@@ -174,14 +175,16 @@ class QuantityChange(NamedTuple):
 def _rows(tuned: Tuned) -> list[QuantityChange]:
     """Return the largest of each quantity over the scenarios, or the least of one with a lower limit alone.
 
-    Quantities that are not limited and zero throughout are left out.
+    Quantities that are not limited and zero throughout, or rounding beside the largest of their unit, are left out.
     """
     problem, rows = tuned.problem, []
     # A limit of the problem is checked to be no higher than what always holds, and takes its place.
     allowed = {**problem.mechanism.always(problem.design), **problem.limits.at_most}
-    largest = np.maximum(np.max(tuned.before.quantities, axis=0), np.max(tuned.after.quantities, axis=0))
+    both = np.abs(np.concatenate([tuned.before.quantities, tuned.after.quantities]))
+    largest, units = np.max(both, axis=0), [problem.catalogue[name].unit for name in problem.names]
     for k, name in enumerate(problem.names):
-        if largest[k] == 0.0 and name not in allowed and name not in problem.limits.at_least:
+        size = max(largest[q] for q, unit in enumerate(units) if unit == units[k])
+        if largest[k] <= ROUNDING * size and name not in allowed and name not in problem.limits.at_least:
             continue
         lowest = name in problem.limits.at_least and name not in allowed
         limit = problem.limits.at_least[name] if lowest else allowed.get(name)

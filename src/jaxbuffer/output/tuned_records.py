@@ -12,6 +12,7 @@ from ..labelled.record import heading, headings, json_number, part_record
 from ..tuning.cases import Case
 from ..tuning.evaluation import Evaluation, main_values
 from ..tuning.front import Front, point_status
+from ..tuning.limits_in_the_way import first_impact_levers
 from ..tuning.message import headline
 from ..tuning.problem import Problem
 from ..tuning.spread import CAPTION, spread_headings, spread_lines, spread_rows
@@ -24,8 +25,9 @@ from .records import Table, limits_record
 def tuned_record(tuned: Tuned) -> dict[str, Any]:
     """Return the result: problem, objective, lower bound, evidence, and every scenario before and after at tight
     tolerance."""
-    problem, (start, end) = tuned.problem, tuned.objective
-    lowest = None if tuned.lower_bound is None else tuned.lower_bound.lowest
+    problem, (start, end), bound = tuned.problem, tuned.objective, tuned.lower_bound
+    lowest = None if bound is None else bound.lowest
+    levers = [] if bound is None else first_impact_levers(problem, bound, tuned.after)
     return {
         "kind": problem.mechanism.name,
         "identity": tuned.identity,
@@ -46,6 +48,7 @@ def tuned_record(tuned: Tuned) -> dict[str, Any]:
         heading("rtol_of_check", "-"): tuned.tight,
         heading("above_lower_bound", "-"): json_number(tuned.above_lower_bound),
         heading("lowest_first_impact_within_bounds", "N"): json_number(lowest),
+        "first_impact_levers": [line.strip() for line in levers],
         "captures": tuned.captures,
         "settings": dataclasses.asdict(tuned.settings),
         "variables": _variables(tuned),

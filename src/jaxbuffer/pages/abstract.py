@@ -196,7 +196,8 @@ def _tuning(results: Results, every: Sequence[Results]) -> str:
     if tuned is None:
         return ""
     if not tuned["feasible"] and not fails_in_corners_alone(results, every):
-        return f"No design was found that keeps every limit: {'; '.join(tuned.get('why') or [tuned['message']])}."
+        reasons = tuned.get("broken_limits") or [tuned["message"]]
+        return f"No design was found that keeps every limit: {'; '.join(reasons)}."
     count = len(tuned["scenarios"])
     counts = limit_counts(results, every)
     verdict = " keeps every limit" if counts is None or not counts.faults else " does not keep every limit"

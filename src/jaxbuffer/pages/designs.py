@@ -8,7 +8,7 @@ from ..labelled.record import Record
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Results
 from ..output.words import value_in_words
-from ..value_text import table_text, unit_text
+from ..value_text import range_text, table_text, unit_text, with_unit
 from .choice import asked_of_choice, choice_cases, chosen_by
 from .limit_check import limits_of, required_success, source_of_limits
 from .page import Cell, PageSection, Table
@@ -67,11 +67,20 @@ def _limits(first: Results, source: Record | None) -> Rows:
 def _scenarios(
     mechanism: Mechanism, cases: Sequence[Record], units: Mapping[str, str], toleranced: bool = False
 ) -> Rows:
-    """Return how many there are, and the range of each field; ranges of what is built otherwise than drawn."""
+    """Return how many there are, and the range of each field; ranges of what is built otherwise than drawn. Corners of
+    tolerances are none of them."""
+    corners = [toleranced and bool(case.get("factors") or case.get("shifts")) for case in cases]
+    cases = [case for case, corner in zip(cases, corners, strict=True) if not corner] or cases
     met, usual = [scenario_of(mechanism, case) for case in cases], mechanism.scenario()
     name = "scenario" if len(met) == 1 else f"{len(met)} scenarios"
     meant = [path for path in paths(usual) if any(path not in one.without_effect for one in met)]
     rows = [[name, *_range(met, usual, path, units.get(f"scenario.{path}", ""))] for path in meant]
+    # A grid may give values to numbers of the design too.
+    drawn = mechanism.design()
+    for path in dict.fromkeys(path for case in cases for path in case.get("values", {})):
+        values = [case.get("values", {})[path] for case in cases if path in case.get("values", {})]
+        low, high, symbol = ends_as_typed(min(values), max(values), unit(drawn, path), units.get(path, ""))
+        rows.append([name, path, range_text(low, high, symbol, 4) if low < high else with_unit(low, symbol, 4)])
     # Those of tolerances are listed by themselves.
     built = dict.fromkeys(path for case in cases for path in case.get("factors", {}) if not toleranced)
     for path in built:

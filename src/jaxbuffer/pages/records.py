@@ -175,11 +175,9 @@ def case_labels(results: Results) -> list[str]:
 
 
 def case_numbers(results: Results) -> list[str]:
-    """Return the numbers of a tuning's scenarios as the folder's study has them; "" where it has a single one."""
+    """Return the numbers of a tuning's scenarios as the folder's study has them; "" of a single one."""
     cases = [] if results.tuned is None else results.tuned["scenarios"]
-    numbers = [case.get("number", "") for case in cases]
-    several = len({number.partition(".")[0] for number in numbers}) > 1
-    return numbers if several else ["" for _ in numbers]
+    return [case.get("number", "") for case in cases] if len(cases) > 1 else [""] * len(cases)
 
 
 def case_texts(results: Results, among: Sequence[Any] = ()) -> list[str]:

@@ -169,5 +169,7 @@ def search(results: Results) -> PageSection | None:
     if (above := tuned.get("above_lower_bound")) is not None:
         more = percent_text(above, ".3g")
         facts.append(f"The largest force is {more} above the first impact's, which no buffer softens.")
+    if levers := "; ".join(tuned.get("first_impact_levers", [])):
+        facts.append(f"{levers[:1].upper()}{levers[1:]}.")
     figures = figure(results, "tune", "The search: objective, limits and variables over its evaluations")
     return PageSection("Tuning", facts, figures, [table])

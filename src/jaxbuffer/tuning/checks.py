@@ -17,7 +17,7 @@ import scipy
 from jaxtyping import Float
 
 from ..errors import InputError
-from ..fields import Curve, Part, get, replace
+from ..fields import Curve, Part, get, paths, replace
 from ..mechanisms.limit import Limit
 from ..run.simulate import simulate
 from .cases import Case
@@ -32,6 +32,7 @@ SHARPER = 0.1  # of the problem's tolerance
 LATE = 1e-3  # of a flight: by how much the touchdown may move without the buffer
 SPARE = 0.1  # of a flight: by how much that of another design within the bounds may be longer
 STEP = 0.01  # of a number, for central differences: far above what a run's tolerance leaves
+NOISE = 1e-5  # elasticity by such differences below which it is what a run's tolerance leaves
 FAR = 10.0  # times the lower bound at the design: what counts for designs whose parts do not fit, or that fail
 
 
@@ -58,7 +59,7 @@ class PeakForceBound:
     ``simulated`` without a buffer, and ``closed_form``, elastic and frictionless; ``energy`` T_c⁻ [J]; ``lowest``: the
     least that the objective's first impacts can be within the variables' bounds [N], and ``at`` which numbers. NaN
     where a first impact can not be simulated. ``least``: lower bounds of the limited quantities that the first impact
-    alone reaches, by name; ``elasticities`` of the closed form by the design's numbers in the worst load case, by path.
+    alone reaches, by name; ``elasticities`` of it by the design's numbers in the worst load case, by path.
     """
 
     simulated: Float[np.ndarray, " cases"]
@@ -112,7 +113,7 @@ def lower_bound(problem: Problem, scaled: Float[np.ndarray, " variables"]) -> Pe
         lowest,
         {path: value for path, value in at.items() if path not in gone},
         _least(problem, scaled, flights),
-        _elasticities(problem, built, simulated),
+        _elasticities(problem, built, simulated, flights),
     )
 
 
@@ -134,46 +135,64 @@ def _least(
             case = int(np.argmax(values))
             it = LeastValue(value, case, best, slopes[case])
             beneath = not Limit(name, problem.limits.at_most[name]).keeps(value)
-            least[name] = it._replace(elasticities=_levers(problem, name, it, flights[case])) if beneath else it
+            built = built_design(problem, best, problem.cases[case]) if beneath else None
+            levers = {} if built is None else _levers(problem, name, value, built, case, flights[case])
+            least[name] = it._replace(elasticities=levers)
     return least
 
 
-def _levers(problem: Problem, name: str, least: LeastValue, flight: Flight | None) -> Mapping[str, float]:
+def _levers(
+    problem: Problem, name: str, least: float, built: Part, case: int, flight: Flight | None
+) -> Mapping[str, float]:
     """Return the elasticities of a quantity's lower bound by the numbers of the design that move the first impact: in
-    closed form of the peak force, of others by central differences of the first impact."""
-    known, case = problem.mechanism.tuning.lower_bound, problem.cases[least.case]
-    built = built_design(problem, least.scaled, case)
-    if known is None or built is None:
-        return {}
-    closed = known.elasticities(built, case.scenario)
-    if name == problem.peak_quantity:
+    closed form of the peak force where there is one, else by central differences of the first impact.
+
+    **Arguments:** ``least``: the lower bound, of the ``built`` design in a load case.
+    """
+    known, scenario = problem.mechanism.tuning.lower_bound, problem.cases[case].scenario
+    assert known is not None
+    closed, alone = known.elasticities(built, scenario), name == problem.peak_quantity
+    if closed and alone:
         return closed
-    place, elasticities = problem.measured_rest.index(name), dict[str, float]()
+    elasticities = dict[str, float]()
 
     def value(path: str, factor: float) -> float:
         try:
             changed = replace(built, {path: factor * float(get(built, path))})
-            run = _first_impact(problem, changed, case, flight, alone=False, slopes=False)
+            run = _first_impact(problem, changed, problem.cases[case], flight, alone, slopes=False)
         except InputError:  # beyond the number's range, or parts that do not fit
             return np.nan
-        return np.nan if run is None else float(run.rest[place])
+        if run is None:
+            return np.nan
+        return float(run.peaks[np.argmin(run.slots)] if alone else run.rest[problem.measured_rest.index(name)])
 
-    for path in closed:
-        change = (value(path, 1.0 + STEP) - value(path, 1.0 - STEP)) / (2.0 * STEP * least.value)
-        if np.isfinite(change):
+    # A free start has no closed form, which else tells the numbers that move the first impact from the others.
+    for path in closed or _numbers(built):
+        change = (value(path, 1.0 + STEP) - value(path, 1.0 - STEP)) / (2.0 * STEP * least)
+        if abs(change) > NOISE:  # NaN compares as not above
             elasticities[path] = change
     return elasticities
 
 
+def _numbers(design: Part) -> list[str]:
+    """Return the paths of the numbers of a design that a factor changes."""
+    values = {path: get(design, path) for path in paths(design)}
+    return [path for path, it in values.items() if it and not isinstance(it, (str, bool, int, Curve))]
+
+
 def _elasticities(
-    problem: Problem, built: Sequence[tuple[Part | None, Part]], simulated: Float[np.ndarray, " cases"]
+    problem: Problem,
+    built: Sequence[tuple[Part | None, Part]],
+    simulated: Float[np.ndarray, " cases"],
+    flights: Sequence[Flight | None],
 ) -> Mapping[str, float]:
     """Return the elasticities of the first impact in the load case where it is largest."""
-    known = problem.mechanism.tuning.lower_bound
-    if known is None or not np.any(np.isfinite(simulated)):
+    peak = problem.peak_quantity
+    if peak is None or not np.any(simulated > 0.0):  # NaN compares as not above
         return {}
-    design, scenario = built[int(np.nanargmax(simulated))]
-    return {} if design is None else known.elasticities(design, scenario)
+    case = int(np.nanargmax(simulated))
+    design, _ = built[case]
+    return {} if design is None else _levers(problem, peak, float(simulated[case]), design, case, flights[case])
 
 
 def _lowest(

@@ -272,11 +272,22 @@ def main_values(problem: Problem, evaluation: Evaluation) -> Float[np.ndarray, "
 
 
 def validity_lines(problem: Problem, design: Part, evaluation: Evaluation) -> list[str]:
-    """Return a line for each validity limit that a design exceeds, with the number of load cases."""
-    count: dict[str, int] = {}
-    each = zip(problem.cases, evaluation.quantities, evaluation.solved, strict=True)
-    for case, row in ((case, row) for case, row, solved in each if solved):
-        values = dict(zip(problem.names, row, strict=True))
+    """Return a line for each validity limit that a design exceeds, with the number of load cases and the worst one."""
+    passed: dict[str, list[tuple[float, int]]] = {}
+    for place, case in enumerate(problem.cases):
+        if not evaluation.solved[place]:
+            continue
+        values = dict(zip(problem.names, evaluation.quantities[place], strict=True))
         for limit in problem.mechanism.view.validity(case.of(design), values):
-            count[limit.beyond] = count.get(limit.beyond, 0) + int(np.sum(limit.passed))
-    return [f"{what} in {n} of {len(problem.cases)} scenarios" for what, n in count.items() if n]
+            if np.any(limit.passed):
+                passed.setdefault(limit.beyond, []).append((float(np.max(limit.share)), place))
+    count, lines = len(problem.cases), []
+    for beyond, those in passed.items():
+        share, k = max(those, key=lambda it: it[0])
+        worst = (
+            f", by a factor of {share:.3g} at {problem.in_sentence(k)}"
+            if count > 1
+            else f", by a factor of {share:.3g}"
+        )
+        lines.append(f"{beyond} in {len(those)} of {count} scenarios{worst}")
+    return lines

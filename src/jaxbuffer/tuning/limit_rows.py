@@ -109,13 +109,13 @@ class ShownRow(NamedTuple):
         return ShownRow(success, value, bound, where=where, state="broken" if missed else "kept")
 
 
-def limit_table(rows: Iterable[ShownRow]) -> Table:
-    """Return the rows as a table."""
+def limit_table(rows: Iterable[ShownRow], several: bool) -> Table:
+    """Return the rows as a table; ``several``: whether they are of more than one load case, which each row names."""
     made = table("Limits: what stands in the way", ("limit",), ("value", "bound", "room"))
-    for heading in ("load case", ""):
+    for heading in ("load case", "") if several else ("",):
         made.add_column(heading)
     for row in rows:
-        made.add_row(*row)
+        made.add_row(row.name, row.value, row.bound, row.room, *((row.where,) if several else ()), row.state)
     return made
 
 
@@ -135,4 +135,4 @@ def run_limit_table(run: Run, constraints: Constraints, number: str = "") -> Tab
     success = limits.success(mechanism, run.design)
     if success is not None and (limits.require_success or limits.ends):
         shown.append(ShownRow.of_end(success, [label], [bool(limits.ended(mechanism, int(run.outcome)))]))
-    return limit_table(shown) if shown else None
+    return limit_table(shown, several=False) if shown else None

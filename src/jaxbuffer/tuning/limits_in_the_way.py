@@ -42,7 +42,7 @@ def limits_in_the_way(
         shown.insert(0 if end.state == "broken" else len(shown), end)
     shown += _on_bounds(problem, after, inactive)
     shown += [] if lower_bound is None else _lower_bounds(problem, after, lower_bound, labels)
-    return limit_table(shown) if shown else None
+    return limit_table(shown, several=len(labels) > 1) if shown else None
 
 
 def _on_bounds(problem: Problem, after: Evaluation, inactive: Collection[str]) -> list[ShownRow]:

@@ -193,7 +193,7 @@ class Problem:
         return f"{self.number(k)}.{corner}" if corner else str(self.number(k))
 
     def label(self, k: int) -> str:
-        """Return what people call a load case, its number first where there are several scenarios: "2: 0.2 m/s"."""
+        """Return what people call a load case, its number first where there are several: "2: 0.2 m/s"."""
         return numbered(self.cases[k].label(self.cases), self._number_among_several(k))
 
     def in_sentence(self, k: int) -> str:
@@ -201,8 +201,8 @@ class Problem:
         return in_sentence(self.cases[k].label(self.cases), self._number_among_several(k))
 
     def _number_among_several(self, k: int) -> str:
-        """Return the number of a load case; "" where there is a single scenario, of which no number is needed."""
-        return self.number_text(k) if len(self.drawn) > 1 else ""
+        """Return the number of a load case; "" of a single one, which needs none."""
+        return self.number_text(k) if len(self.cases) > 1 else ""
 
     @property
     def corner_runs(self) -> list[tuple[str, Part, Part]]:

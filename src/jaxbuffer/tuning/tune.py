@@ -194,13 +194,14 @@ class Unfinished(NamedTuple):
     """The best design of a run that was interrupted.
 
     ``objective`` [``unit``]: of the ``stage`` it was in, 0 for the first; ``feasible``: whether every constraint holds;
-    ``evaluations`` so far.
+    ``obstacle``: the one that it is farthest beyond, in words; ``evaluations`` so far.
     """
 
     design: Part
     objective: float
     unit: str
     feasible: bool
+    obstacle: str
     stage: int
     evaluations: int
 
@@ -237,6 +238,7 @@ def best_so_far(
         goal.value(best),
         goal.objective.unit(problem.catalogue),
         goal.feasible(best),
+        goal.obstacle(best),
         stage,
         lines.count(b"\n"),
     )

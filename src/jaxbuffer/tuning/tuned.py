@@ -290,18 +290,14 @@ def _floor_facts(tuned: Tuned) -> list[str]:
     above, closed = tuned.above_lower_bound, float(np.max(lower_bound.closed_form))
     beyond = f"; the tuned peak is {percent_text(above, '+.3f')} above it" if np.isfinite(above) else ""
     lowest = f"  within the bounds none gets below {lower_bound.lowest:.6g} N"
-    first = f"  without any buffer {lower_bound.highest:.6g} N{beyond}"
-    if not np.isfinite(closed):  # of a free start
-        return [heading, first, lowest]
-    return [
-        heading,
-        first,
-        f"  elastic and frictionless, in closed form {closed:.6g} N,"
-        f" from an energy of {energy_text(np.max(lower_bound.energy))} that the contact takes up"
-        " (effective energy T_c⁻)",
-        lowest,
-        *first_impact_levers(tuned.problem, lower_bound, tuned.after),
-    ]
+    lines = [heading, f"  without any buffer {lower_bound.highest:.6g} N{beyond}"]
+    if np.isfinite(closed):  # a free start has no closed form
+        lines.append(
+            f"  elastic and frictionless, in closed form {closed:.6g} N,"
+            f" from an energy of {energy_text(np.max(lower_bound.energy))} that the contact takes up"
+            " (effective energy T_c⁻)"
+        )
+    return [*lines, lowest, *first_impact_levers(tuned.problem, lower_bound, tuned.after)]
 
 
 def _tuned_cases(tuned: Tuned) -> Table:
@@ -336,8 +332,12 @@ def _tuned_cases(tuned: Tuned) -> Table:
 
 
 def _left_open(tuned: Tuned) -> Table | None:
-    """Return what the runs of each load case leave open, before and after; None where nothing is known of that."""
+    """Return what the runs of each load case leave open, before and after; None where nothing is known of that, or all
+    runs reach the strictest end, which leaves nothing open."""
     problem, mechanism = tuned.problem, tuned.problem.mechanism
+    counts = [tuned.end_count(point) for point in (tuned.before, tuned.after)]
+    if all(count is not None and count.complete for count in counts):
+        return None
     names = [name for name in mechanism.tuning.left_open(lambda path: get(tuned.design, path)) if name in problem.names]
     if not names:
         return None

@@ -65,7 +65,10 @@ def keep_best(problem: Problem, settings: Mapping[str, Any], files: Output) -> i
     if best is None:
         return interrupted(files.folder, "no step was finished")
     which = "the problem's then" if best.stage else "the objective"
-    verdict = "within all limits" if best.feasible else "limits broken"
+    verdict = "within all limits"
+    if not best.feasible:
+        # A smaller objective may be farther beyond a limit.
+        which, verdict = f"{which} and limits", f"limits broken: {best.obstacle}"
     value = with_unit(*as_displayed(best.objective, best.unit))
     words = f"interrupted after {best.evaluations} evaluations; best so far by {which}: {value}, {verdict}"
     files.save_and_show(lambda: {"design.toml": lambda: tuned_toml(best.design, problem, words)}, words)

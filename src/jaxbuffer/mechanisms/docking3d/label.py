@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from ...fields import paths, unit
-from ..probe_cone.label import field_in_words, parts_in_words, speed_in_words
+from ..probe_cone.label import field_in_words, free_in_words, parts_in_words, speed_in_words
 from .design import Scenario3D
 
 SHOWN = {"m": "mm", "rad": "deg", "rad/s": "deg/s", "m/s": "mm/s"}
@@ -15,7 +15,7 @@ def scenario_label(scenario: Scenario3D, among: Sequence[Scenario3D] = ()) -> st
     not zero; contact distance too where that differs ``among`` several."""
     label = speed_in_words(scenario, among)
     if scenario.start == "free":
-        label += ", free start"
+        label += free_in_words(among)
     elif len({float(other.contact_distance) for other in among}) > 1:
         label += field_in_words(scenario, "contact_distance", "mm")
     names = [name for name in paths(scenario) if name not in (*NAMED, *scenario.without_effect)]

@@ -22,13 +22,18 @@ OF_FREE_START = {  # the unit in which each is shown
 
 def scenario_label(scenario: Scenario, among: Sequence[Scenario] = ()) -> str:
     """Return what people call a scenario: "0.1 m/s, +3°", its approach speed and misalignment; contact distance and
-    passive rate too where those differ ``among`` several. Of a free start and of parts, what is not at its default."""
+    passive rate too where those differ ``among`` several. Of a free start and of parts, what is not at its default;
+    that all of several start free is not repeated in each."""
     angle = np.degrees(float(scenario.misalignment))
     label = f"{speed_in_words(scenario, among)}, {degrees_text(angle)}"
     for name, shown in (("contact_distance", "mm"), ("passive_rate", "deg/s")):
-        if name not in scenario.without_effect and len({float(getattr(other, name)) for other in among}) > 1:
+        named_below = scenario.start == "free" and name in OF_FREE_START
+        differs = len({float(getattr(other, name)) for other in among}) > 1
+        if differs and not named_below and name not in scenario.without_effect:
             label += field_in_words(scenario, name, shown)
-    return label + _free_start(scenario) + parts_in_words(scenario)
+    if scenario.start == "free":
+        label += free_in_words(among) + _free_start(scenario)
+    return label + parts_in_words(scenario)
 
 
 def speed_in_words(scenario: Any, among: Sequence[Any]) -> str:
@@ -38,17 +43,21 @@ def speed_in_words(scenario: Any, among: Sequence[Any]) -> str:
     return with_unit(speed, "m/s", 9 if alike else 4)
 
 
+def free_in_words(among: Sequence[Any]) -> str:
+    """Return ", free start", which is not repeated in each where all of several start free."""
+    all_free = len(among) > 1 and all(other.start == "free" for other in among)
+    return "" if all_free else ", free start"
+
+
 def parts_in_words(scenario: Any) -> str:
     """Return what parts a scenario has: ", thrust 1 N for 0.4 s"."""
     return "".join(part.label(scenario) for part in PARTS if part.present(None, scenario))
 
 
 def _free_start(scenario: Scenario) -> str:
-    """Return what is not zero of a free start: ", free start, offset -20 mm"."""
-    if scenario.start != "free":
-        return ""
+    """Return what is not zero of a free start: ", offset -20 mm"."""
     given = ((name, shown) for name, shown in OF_FREE_START.items() if float(getattr(scenario, name)) != 0.0)
-    return ", free start" + "".join(field_in_words(scenario, name, shown) for name, shown in given)
+    return "".join(field_in_words(scenario, name, shown) for name, shown in given)
 
 
 def field_in_words(scenario: Any, name: str, shown: str) -> str:

@@ -13,7 +13,7 @@ from ..validity import BEYOND_LAW, ValidityLimit
 from .assembly import tip_on_flanks
 from .capture import Capture
 from .design import Design
-from .parts import parts_of
+from .parts import PARTS, parts_of
 
 DEEP = 0.1  # of the tip's radius: up to here the contact counts as small against the ball
 
@@ -51,7 +51,7 @@ def validity(design: Design, penetration: np.ndarray, peak_force: np.ndarray) ->
 
 
 def limits(design: Design, quantities: Mapping[str, Any]) -> list[ValidityLimit]:
-    """Return both limits with what lies beyond them in words; a penetration that is not known follows from the peak
+    """Return all limits with what lies beyond them in words; a penetration that is not known follows from the peak
     force."""
     peak_force, penetration = quantities["peak_force"], quantities.get("penetration")
     if penetration is None:
@@ -61,6 +61,7 @@ def limits(design: Design, quantities: Mapping[str, Any]) -> list[ValidityLimit]
     return [
         ValidityLimit(f"{BEYOND_LAW}the tip goes deeper into a flank than a tenth of its radius", ratios.depth),
         ValidityLimit(f"{BEYOND_LAW}the materials yield", ratios.pressure),
+        *(limit for part in PARTS for limit in part.validity(quantities)),
     ]
 
 

@@ -52,7 +52,7 @@ def unfinished(problem: Any, evaluation: Any) -> list[str]:
     if not evaluation.succeeded[worst]:
         return []
     left = f"{energy_text(column['energy_left'][worst])}, {percent_text(column['relative_energy'][worst], '.3g')},"
-    where = f" in scenario {worst + 1}" if len(needed) > 1 else ""
+    where = f" in scenario {problem.number_text(worst)}" if len(needed) > 1 else ""
     return [
         f"the limits hold up to capture only: there{where} {left} of the energy of relative motion is left, which may"
         f" take up to {1e3 * needed[worst]:.4g} mm of stroke; give the design a {HOLDER}, or limit arrest_stroke"

@@ -15,8 +15,18 @@ from ....suggestions import same_name, same_word
 from ...drawing import Outline
 from ...mechanism import RequiredEnd
 from ...quantity import Quantity
+from ...validity import ValidityLimit
 from ...view import Caution
-from .latch_energy import CLOSING, closing_cautions, closing_energy, closing_share, closing_warnings, closing_words
+from .latch_energy import (
+    CLOSING,
+    MUCH,
+    MUCH_ADDED,
+    closing_cautions,
+    closing_energy,
+    closing_share,
+    closing_warnings,
+    closing_words,
+)
 from .part import DrawnPart, Joined, P, ProbePart, Supply, T, loss, time_of
 from .rod import ROD_WIDTH
 
@@ -142,6 +152,10 @@ class LatchPart(ProbePart):
 
     def contradictions(self, design: Any, scenario: Any) -> list[Caution]:
         return [*_out_of_reach(design), *closing_cautions(design, scenario)]
+
+    def validity(self, quantities: Mapping[str, Any]) -> list[ValidityLimit]:
+        # Tunings alone know it.
+        return [ValidityLimit(MUCH_ADDED, np.asarray(quantities.get("latch_energy_share", 0.0)) / MUCH)]
 
     def summary(self, capture: Any, element: Element) -> list[tuple[str, str]]:
         lines, docking = element.report.summary(capture), capture.docking

@@ -16,6 +16,10 @@ from .vehicles import reduced_mass
 
 CLOSING = "latch_closing"
 MUCH = 0.1  # of the energy of relative motion at the start
+MUCH_ADDED = (
+    "sanity check: closing the latch adds more than a tenth of what the vehicles bring (latch_energy_share; a run's"
+    " summary says whether by latch.stiffness or by latch.turn_stiffness)"
+)
 
 
 def closing_energy(capture: Any) -> Float[Array, ""]:

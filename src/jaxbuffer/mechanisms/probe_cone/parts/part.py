@@ -20,6 +20,7 @@ from ...assembled import Assembled, Observable
 from ...layout import Closed, EvaluatedState
 from ...mechanism import RequiredEnd
 from ...quantity import Quantity
+from ...validity import ValidityLimit
 from ...view import Caution
 
 S, B, P, T = range(4)  # bodies: active vehicle, cylinder, probe, passive vehicle, in the order of the coordinates
@@ -156,6 +157,10 @@ class ProbePart:
 
     def contradictions(self, design: Any, scenario: Any) -> list[Caution]:
         """Return a `Caution` for each thing that design and scenario rule out for the part, before any computation."""
+        return []
+
+    def validity(self, quantities: Mapping[str, Any]) -> list[ValidityLimit]:
+        """Return what of it an answer may lie beyond, from the quantities that are known of one run or of many."""
         return []
 
     def summary(self, capture: Any, element: Element) -> list[tuple[str, str]]:
