@@ -7,7 +7,7 @@ import jaxbuffer as jb
 
 jb.configure()
 
-from cases import CASES, QUANTITIES  # noqa: E402
+from docking3d.reference import CASES, QUANTITIES  # noqa: E402
 
 case = CASES[sys.argv[1]]
 run = jb.simulate(case.design, case.scenario, case.duration, solver="explicit")

@@ -8,7 +8,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from cases import CASES, QUANTITIES
+
+from docking3d.reference import CASES, QUANTITIES
 
 HERE = Path(__file__).parent
 # LLVM's vectorisation of straight code takes gigabytes for the equations of space.
@@ -22,7 +23,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.long]
 
 @pytest.mark.parametrize("name", COMPILED)
 def test_it_is_the_independent_programs(name):
-    environment = {**os.environ, "XLA_FLAGS": FLAGS}
+    environment = {**os.environ, "XLA_FLAGS": FLAGS, "PYTHONPATH": os.pathsep.join([str(HERE.parent), *sys.path])}
     done = subprocess.run(
         [sys.executable, HERE / "run_case.py", name], env=environment, capture_output=True, check=True
     )

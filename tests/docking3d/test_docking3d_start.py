@@ -3,8 +3,8 @@
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from cases import CASES
 
+from docking3d.reference import CASES
 from jaxbuffer import InputError, Scenario, Scenario3D, docking3d, replace, simulate, table2
 from jaxbuffer.mechanisms.docking3d.bodies import assemble_system
 from jaxbuffer.mechanisms.docking3d.start import start_motion
