@@ -206,9 +206,9 @@ class Scenario3D(ThrustFields, Approach3D):
 
     **Example:**
 
-    >>> capture = jb.simulate(jb.docking3d(), jb.Scenario3D(azimuth=0.7))
-    >>> f"{float(capture.peak_force):.3f} N"
-    '253.132 N'
+    >>> scenario = jb.Scenario3D(azimuth="40 deg", passive_pitch=0.03)
+    >>> f"{scenario.azimuth:.4f} rad"
+    '0.6981 rad'
     """
 
     section: ClassVar[str] = "scenario"
