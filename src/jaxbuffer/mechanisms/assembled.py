@@ -15,7 +15,7 @@ from ..elements import BallContact as BallContact
 from ..elements import ContactForces, Element, Magnitudes, Oscillators
 from ..elements.stiff_terms import inverse_masses
 from ..errors import InputError
-from ..hybrid import EventValues, Linearisation
+from ..hybrid import Linearisation
 from ..multibody import Kinematics, System
 from ..multibody.scalars import with_scalars
 from .assembly_checks import check_constraints, check_magnitudes, check_names, known
@@ -483,20 +483,4 @@ class Assembled(ContactSystem):
         return inverse_masses(self.system, at.kin, jnp.concatenate(closing, axis=1))
 
     def linearisation(self, time: Scalar, state: State, active: Closed) -> Linearisation:
-        stiff = lambda state, active: stiff_part(self.system, self.layout, self.evaluate(state), active)  # noqa: E731
-        return self.system.apart(stiff, state, active)
-
-    # What the time loop asks for again and again, in space each a function of its own: see `System.apart`.
-
-    def derivative(self, time: Scalar, state: State, active: Closed) -> State:
-        rate = super().derivative
-        return self.system.apart(lambda state, active: rate(time, state, active), state, active)
-
-    def gaps_and_terminals(self, state: State) -> tuple[Closed, Float[Array, " terminals"]]:
-        return self.system.apart(super().gaps_and_terminals, state)
-
-    def observables(self, state: State, rate: State, active: Closed) -> Float[Array, " observables"]:
-        return self.system.apart(super().observables, state, rate, active)
-
-    def watched(self, state: State, rate: State, active: Closed) -> EventValues:
-        return self.system.apart(super().watched, state, rate, active)
+        return stiff_part(self.system, self.layout, self.evaluate(state), active)

@@ -1,12 +1,11 @@
 """A multibody system: bodies, joints, force elements, and its augmented index-1 equations of motion (M16)."""
 
-from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple, TypeVar
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jax.experimental.xla_metadata import set_xla_metadata
 from jaxtyping import Array, Float
 
 from .._types import Scalar, stacked
@@ -22,8 +21,6 @@ from .joints import Joint
 from .kinematics import GROUND, Block, Frame, Kinematics
 from .primitives import Row
 from .scalars import with_scalars
-
-R = TypeVar("R")
 
 
 class ConstraintRows(NamedTuple):
@@ -217,49 +214,30 @@ class System(eqx.Module):
 
     def motion(self, kin: Kinematics, extra: tuple[Load, ...] = ()) -> Motion:
         """Return accelerations and multipliers (M16). ``kin``: frames; ``extra``: loads besides the force elements'."""
-        force = self.generalised_force(kin, extra)
-
-        def solved(force: Float[Array, " velocities"]) -> tuple[Array, Array]:
-            mass, jacobian, rhs = self._augmented(kin)
-            return solve_augmented(mass, jacobian, force, rhs)
-
-        return Motion(*self.apart(solved, force))
+        return Motion(*solve_augmented(*self._augmented(kin, extra)))
 
     def motion_and_masses(
         self, kin: Kinematics, extra: tuple[Load, ...], directions: Float[Array, "coordinates rank"]
     ) -> tuple[Motion, Float[Array, " rank"]]:
         """Return `motion` and `effective_masses`, of one system of equations with several right-hand sides."""
-        force = self.generalised_force(kin, extra)
-
-        def solved(force: Float[Array, " velocities"], directions: Array) -> tuple[Array, Array]:
-            mass, jacobian, rhs = self._augmented(kin)
-            forces = jnp.concatenate([force[:, None], directions], axis=1)
-            sides = jnp.pad(rhs[:, None], ((0, 0), (0, directions.shape[1])))
-            solve = lambda force, side: solve_augmented(mass, jacobian, force, side)  # noqa: E731
-            return jax.vmap(solve, in_axes=1, out_axes=1)(forces, sides)
-
-        answers, multipliers = self.apart(solved, force, directions)
+        mass, jacobian, force, rhs = self._augmented(kin, extra)
+        forces = jnp.concatenate([force[:, None], directions], axis=1)
+        sides = jnp.pad(rhs[:, None], ((0, 0), (0, directions.shape[1])))
+        solve = lambda force, side: solve_augmented(mass, jacobian, force, side)  # noqa: E731
+        answers, multipliers = jax.vmap(solve, in_axes=1, out_axes=1)(forces, sides)
         return Motion(answers[:, 0], multipliers[:, 0]), _masses(directions, answers[:, 1:])
 
-    def apart(self, function: Callable[..., R], *arrays: Array) -> R:
-        """Return ``function(*arrays)``, in space as a function of its own in the compiled program.
-
-        The equations of space are four times as many as the plane's. As a part of one kernel with everything else they
-        would take LLVM ten gigabytes of memory to compile.
-        """
-        if not self.basis.inertia_turns:
-            return function(*arrays)
-        with set_xla_metadata(inlineable="false"):
-            return jax.jit(function)(*arrays)
-
-    def _augmented(self, kin: Kinematics) -> tuple[MassMatrix, SparseRows, Float[Array, " rows"]]:
-        """Return M, Φ_q and the right-hand side of the joints' rows in M16."""
+    def _augmented(
+        self, kin: Kinematics, extra: tuple[Load, ...]
+    ) -> tuple[MassMatrix, SparseRows, Float[Array, " coordinates"], Float[Array, " rows"]]:
+        """Return M, Φ_q and the right-hand sides of M16."""
         rows, alpha = self._rows(kin), self.stabilisation
         jacobian = SparseRows.of(self._entries(rows))
         drift = zip(rows, jacobian.times(kin.v), strict=True)
         # Holding Φ̈ = 0 alone would let Φ drift: Baumgarte's terms, critically damped, draw it back.
         rhs = [row.gamma - 2.0 * alpha * (row.rate + rate) - alpha * alpha * row.phi for row, rate in drift]
-        return self.mass_matrix(kin), jacobian, stacked(rhs) if rhs else jnp.zeros(0)
+        force = self.generalised_force(kin, extra)
+        return self.mass_matrix(kin), jacobian, force, stacked(rhs) if rhs else jnp.zeros(0)
 
     def solve(
         self, kin: Kinematics, force: Float[Array, " velocities"], rhs: Float[Array, " rows"]
@@ -292,14 +270,10 @@ class System(eqx.Module):
         **Arguments:** ``kin``: frames; ``directions``: (velocities, rank), a force a column. **Returns:** the same
         shape.
         """
-
-        def solved(directions: Float[Array, "velocities rank"]) -> Array:
-            rows, mass = self._rows(kin), self.mass_matrix(kin)
-            jacobian, rest = SparseRows.of(self._entries(rows)), jnp.zeros(len(rows))  # the joints hold: Φ_q x is zero
-            one = lambda direction: solve_augmented(mass, jacobian, direction, rest)[0]  # noqa: E731
-            return jax.vmap(one, in_axes=1, out_axes=1)(directions)
-
-        return self.apart(solved, directions)
+        rows, mass = self._rows(kin), self.mass_matrix(kin)
+        jacobian, rest = SparseRows.of(self._entries(rows)), jnp.zeros(len(rows))  # the joints hold: Φ_q x is zero
+        one = lambda direction: solve_augmented(mass, jacobian, direction, rest)[0]  # noqa: E731
+        return jax.vmap(one, in_axes=1, out_axes=1)(directions)
 
     def effective_mass(self, kin: Kinematics, direction: Float[Array, " velocities"]) -> Float[Array, ""]:
         """Return the mass that a force along a direction meets [kg] (M21).
