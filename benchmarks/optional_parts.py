@@ -184,6 +184,13 @@ DOCKING_PARTS: dict[str, OptionalPart] = {
         }
     ),
     "thrust": OptionalPart(logarithmic={"scenario.thrust": (0.1, 3.0), "scenario.thrust_time": (0.1, 3.0)}),  # N, s
+    "attitude control": OptionalPart(
+        logarithmic={
+            "control.stiffness": (0.1, 20.0),  # N m/rad
+            "control.damping": (0.1, 10.0),  # N m s/rad
+            "control.limit": (0.02, 2.0),  # N m
+        }
+    ),
     "shock": OptionalPart(logarithmic={"shock.active_1": (5.0, 300.0), "shock.passive_1": (5.0, 300.0)}),  # Hz
     "free tip": OptionalPart({"probe.free_tip": True}),
     "free start": OptionalPart(

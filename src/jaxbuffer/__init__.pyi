@@ -45,6 +45,12 @@ from .mechanisms.bar_drop import (
     BarDrop as BarDrop,
     BarDropScenario as BarDropScenario,
 )
+from .mechanisms.docking3d import (
+    Capture3D as Capture3D,
+    Design3D as Design3D,
+    Scenario3D as Scenario3D,
+    docking3d as docking3d,
+)
 from .mechanisms.probe_cone import (
     Capture as Capture,
     Design as Design,

@@ -115,7 +115,7 @@ def test_a_body_on_a_spring_swings_along_it(run):
 def test_tables_name_what_there_is_of_space(run):
     columns = run.to_dataframe().columns
     assert "top position z [m]" in columns and "bob velocity spin_x [rad/s]" in columns, list(columns)
-    assert "quaternion_z" in " ".join(columns) and "velocity [m/s, m/s, m/s, rad/s" in repr(run.history)
+    assert "rotation_z" in " ".join(columns) and "velocity [m/s, m/s, m/s, rad/s" in repr(run.history)
 
 
 def test_the_largest_stretch_has_the_slopes_of_the_closed_form():

@@ -22,6 +22,7 @@ from .declared import check_declared as check_declared
 from .declared import choice as choice
 from .declared import declared as declared
 from .declared import flag as flag
+from .declared import like as like
 from .declared import number as number
 from .declared import text as text
 from .declared import whole as whole

@@ -67,6 +67,12 @@ def text(default: Any = dataclasses.MISSING, *, pattern: str = "", doc: str = ""
     return dataclasses.field(default=default, metadata={"pattern": pattern, "doc": doc})
 
 
+def like(owner: type, name: str) -> Any:
+    """Declare a field as another class has it: unit, range, default and meaning."""
+    field = next(field for field in dataclasses.fields(owner) if field.name == name)
+    return dataclasses.field(default=field.default, metadata=field.metadata)
+
+
 def declared(owner: Any) -> dict[str, dict[str, Any]]:
     """Return what the fields of a dataclass declare of themselves, by name, each with its value in an instance, or its
     default in a class, as "default". A field that declares nothing is left out."""

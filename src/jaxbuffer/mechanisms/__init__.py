@@ -17,7 +17,7 @@ from ..errors import InputError
 if TYPE_CHECKING:
     from .mechanism import Mechanism
 
-FOLDERS = ("probe_cone", "bar_drop", "slider_crank")
+FOLDERS = ("probe_cone", "docking3d", "bar_drop", "slider_crank")
 GROUP = "jaxbuffer.mechanisms"
 
 

@@ -152,7 +152,8 @@ def _foot(shape: Shape, x: Any, y: Any, side: Any) -> Any:
 class Detail(NamedTuple):
     """A closer look: ``title``; ``centre`` and ``half`` the width of what is seen [m].
 
-    ``shapes``: drawn instead of the whole mechanism's, if any; ``true``: whether all is in scale.
+    ``shapes``: drawn instead of the whole mechanism's, if any; ``true``: whether all is in scale; ``axes``: what is
+    seen to the right and upwards; ``path``: number of a frame whose way so far is drawn, None for none.
     """
 
     title: str
@@ -160,6 +161,8 @@ class Detail(NamedTuple):
     half: float
     shapes: tuple[Any, ...] = ()
     true: bool = True
+    axes: tuple[str, str] = ("x from the middle [mm]", "y [mm]")
+    path: int | None = None
 
 
 def as_they_are(history: Any) -> Float[np.ndarray, "steps bodies 3"]:

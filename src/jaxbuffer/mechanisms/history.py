@@ -23,7 +23,7 @@ UNITS = {
 }
 
 IN_SPACE = {
-    "position": "m, m, m, -, -, -, -",
+    "position": "m, m, m, rad, rad, rad",
     "velocity": "m/s, m/s, m/s, rad/s, rad/s, rad/s",
     "acceleration": "m/s², m/s², m/s², rad/s², rad/s², rad/s²",
 }
@@ -33,7 +33,7 @@ class History(Portable):
     """Histories along the first axis ("steps").
 
     ``time`` [s]; ``position`` (steps, bodies, [x, y, angle]) [m, m, rad], ``velocity`` and ``acceleration`` against the
-    ground, in space [x, y, z, quaternion w, x, y, z] and [x, y, z, spin x, y, z]; ``multipliers`` of the joints' rows
+    ground, in space [x, y, z, rotation vector] and [x, y, z, spin]; ``multipliers`` of the joints' rows
     [N, N m]; for each contact of the mechanism that has impacts ``gap`` [m], ``approach_speed`` and ``slip`` [m/s],
     ``contact_force`` F_n and ``friction_force`` F_t [N]; ``others``: the mechanism's own by name, each an attribute too
     (units: `Mechanism.history_units`); ``energy`` [J]. ``state`` of the time stepping and the contacts that are

@@ -28,7 +28,7 @@ COORDINATES = {
     "acceleration": (("x", "m/s²"), ("y", "m/s²"), ("angle", "rad/s²")),
 }
 IN_SPACE = {
-    "position": (*((axis, "m") for axis in "xyz"), *((f"quaternion_{part}", "-") for part in "wxyz")),
+    "position": (*((axis, "m") for axis in "xyz"), *((f"rotation_{axis}", "rad") for axis in "xyz")),
     "velocity": (*((axis, "m/s") for axis in "xyz"), *((f"spin_{axis}", "rad/s") for axis in "xyz")),
     "acceleration": (*((axis, "m/s²") for axis in "xyz"), *((f"spin_{axis}", "rad/s²") for axis in "xyz")),
 }

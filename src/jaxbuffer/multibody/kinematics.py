@@ -12,7 +12,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .. import plane, space
-from .._types import Scalar
+from .._types import Scalar, stacked
 from ..basis import AnyBasis, components, less, times
 from ..errors import InputError
 from ..plane import PLANE, cos_sin
@@ -158,6 +158,14 @@ class Kinematics(eqx.Module):
     def frame(self, body: int) -> Frame:
         """Return the frame of one body. ``body``: its index, or ``GROUND``."""
         return self.basis.ground() if body == GROUND else self.frames[body]
+
+    def poses(self) -> Float[Array, "bodies numbers"]:
+        """Return where each body is and how it is turned: in the plane x, y and angle, in space x, y, z and the
+        rotation vector [m, rad]."""
+        if self.basis.dimensions == 2:
+            return self.order.placements(self.q)
+        turns = [self.basis.relative_rotation(self.basis.ground(), frame) for frame in self.frames]
+        return jnp.stack([stacked([*frame.origin, *turn]) for frame, turn in zip(self.frames, turns, strict=True)])
 
     def modal(self, body: int) -> tuple[Float[Array, " modes"], Float[Array, " modes"]]:
         """Return the (modes,) modal coordinates of a flexible body [m], and their rates [m/s]. ``body``: its index."""

@@ -47,6 +47,7 @@ class Scene(NamedTuple):
     peak: float
     magnified: list[tuple[Band, float]]
     moments: dict[str, float]
+    path: Float[np.ndarray, "steps 2"] | None = None
 
 
 def scene(run: Run, times: Sequence[float] | np.ndarray) -> Scene:
@@ -62,7 +63,9 @@ def scene(run: Run, times: Sequence[float] | np.ndarray) -> Scene:
     larger = magnifications(run, drawing, float(views[0, 1, 0] - views[0, 0, 0]))
     # Seen again, because bending that is drawn larger needs more room; how much larger depends on the first width.
     views = _views(drawing, frames, larger)
-    return Scene(run, drawing, np.asarray(instants.time), frames, instants, views, peak, larger, moments(run))
+    detail = drawing.detail
+    path = None if detail is None or detail.path is None else drawing.frames(run.history)[:, detail.path, :2]
+    return Scene(run, drawing, np.asarray(instants.time), frames, instants, views, peak, larger, moments(run), path)
 
 
 def magnifications(run: Run, drawing: Drawing, wide: float) -> list[tuple[Band, float]]:
@@ -205,11 +208,14 @@ def closer(axes: Axes, at: Scene, k: int) -> dict[str, Any]:
     middle, half = detail.centre.at(frames), _half(at, k)
     named = sketch(axes, detail.shapes or at.drawing.shapes, frames, MM, middle, fills(at.drawing.shapes))
     forces(axes, at.drawing, frames, _instant(at, k), *_arrows(at, 0.8 * half), MM, middle)
+    if at.path is not None:
+        way = at.path[np.asarray(at.run.history.time) <= at.times[k]] - middle  # type: ignore[union-attr]
+        axes.plot(*(way / MM).T, "-", color=BLUE, linewidth=0.9, zorder=3)
     axes.set_xlim(-half / MM, half / MM)
     axes.set_ylim(-half / MM, half / MM)
     axes.set_title(detail.title)
-    axes.set_xlabel("x from the middle [mm]")
-    axes.set_ylabel("y [mm]")
+    axes.set_xlabel(detail.axes[0])
+    axes.set_ylabel(detail.axes[1])
     return named if detail.shapes else {}
 
 

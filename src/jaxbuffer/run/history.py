@@ -33,7 +33,7 @@ def history_at(system: ContactSystem, time: Array, active: Array, state: Array) 
     moving = kin.velocity_order.placements
     return History(
         time=time,
-        position=kin.order.placements(kin.q),
+        position=kin.poses(),
         velocity=moving(kin.v),
         acceleration=moving(snapshot.acceleration),
         multipliers=snapshot.multipliers,

@@ -7,12 +7,12 @@ import numpy as np
 from jaxtyping import Array
 
 from ..._types import Scalar, stacked
-from ...contact import BallPair, RegularisedCoulomb, Segment, contact_law
+from ...contact import BallPair, RegularisedCoulomb, Segment, Shape, contact_law
 from ...elements import BallContact, Buffer, BufferForce, Element, SpringDamper
-from ...multibody import AxialSpringDamper, TorsionalSpringDamper
+from ...multibody import AxialSpringDamper, ForceElement, TorsionalSpringDamper
 from ..assembled import Assembled
 from .bodies import TIP, B, Masses, P, S, T, assemble_system, probe_masses
-from .design import Design, Scenario
+from .design import Design, DockingDesign, Scenario
 from .observables import observables_of, recorded_of
 from .parts import ProbeBuffer, holder_of, parts_of
 from .parts.bending import modal_scales
@@ -21,11 +21,11 @@ from .start import start_motion
 from .throat import Throat
 
 LOWER, UPPER = 0, 1  # flanks
-FLANKS = 2
 CONTACTS = ("lower", "upper")  # their names
 # Energies, stored and lost, that every capture lists, whatever it has.
 LISTED = (("kinetic", "spring", "contact", "stop"), ("stop_damper", "hinge_play", "bending"))
 SIDE = np.array([1.0, -1.0])  # σ: +1 lower, -1 upper flank
+UPPER_SIDE = -1.0
 # Where the tip is held there are long implicit steps, and Newton's method does not know of Baumgarte's terms: with the
 # full gain it fails at steps that accuracy would allow.
 GAIN_WHERE_HELD = 0.5
@@ -48,7 +48,8 @@ def assemble(design: Design, scenario: Scenario, stabilisation: Scalar = 20.0) -
     holder, bending = holder_of(design), probe.bending
     system = assemble_system(design, probe, stabilisation if holder is None else GAIN_WHERE_HELD * stabilisation)
     q, v = start_motion(design, scenario, probe)
-    tip = tip_in_cone(design, scenario, probe)
+    tip = tip_in_cone(design, scenario, probe, tip_on_flanks(design))
+    hinge = TorsionalSpringDamper(S, B, stiffness=design.buffer.k_T, damping=design.buffer.c_T)
     # Positions are compared with the penetration of a typical impact, velocities with the approach speed.
     length = 1e-3
     bent, bending_rate = ([], []) if bending is None else modal_scales(bending, speed)
@@ -56,7 +57,7 @@ def assemble(design: Design, scenario: Scenario, stabilisation: Scalar = 20.0) -
         system=system,
         q=q,
         v=v,
-        elements=(tip, *elements_of(design, scenario, probe)),
+        elements=(tip, *elements_of(design, scenario, probe, tip, hinge)),
         rest_threshold=None if holder is None else holder.rest_threshold(design),
         # Angles are compared at an arm of 0.1 m.
         size=(
@@ -76,8 +77,11 @@ def assemble(design: Design, scenario: Scenario, stabilisation: Scalar = 20.0) -
     )
 
 
-def elements_of(design: Design, scenario: Scenario, probe: Masses) -> tuple[Element, ...]:
-    """Return the elements of a design in a scenario, in the order in which its energies are listed."""
+def elements_of(
+    design: DockingDesign[Any], scenario: Any, probe: Masses, tip: BallContact, hinge: ForceElement
+) -> tuple[Element, ...]:
+    """Return the elements of a design in a scenario, of the plane or of space, in the order in which its energies are
+    listed. ``tip``: its contact with the cone; ``hinge``: the springs of the hinge."""
     buffer, holder = design.buffer, holder_of(design)
     throat = Throat(
         design=design,
@@ -87,15 +91,11 @@ def elements_of(design: Design, scenario: Scenario, probe: Masses) -> tuple[Elem
         cone_body=T,
         holder=None if holder is None else holder.name,
     )
-    joined = Joined(design, scenario, probe.tip_centre, axial_force(buffer, probe), throat)
+    joined = Joined(design, scenario, probe.tip_centre, axial_force(buffer, probe), throat, tip)
     return (
         throat,
         Buffer(joined.axial, buffer.longest_stroke),
-        SpringDamper(
-            TorsionalSpringDamper(S, B, stiffness=buffer.k_T, damping=buffer.c_T),
-            lost_in="torsional_damper",
-            name="hinge spring",
-        ),
+        SpringDamper(hinge, lost_in="torsional_damper", name="hinge spring"),
         *(element for part in parts_of(design, scenario) for element in part.elements(joined)),
     )
 
@@ -130,16 +130,25 @@ def axial_force(buffer: ProbeBuffer, probe: Masses) -> AxialSpringDamper:
     )
 
 
-def tip_on_flanks(design: Design) -> BallPair:
+def tip_on_flanks(design: DockingDesign[Any]) -> BallPair:
     """Return the tip against both flanks, in the axes of T (M30)."""
-    angle, side = design.cone.half_angle, jnp.asarray(SIDE)
-    flanks = Segment(
+    return tip_against(design, flank(design, jnp.asarray(SIDE)), jnp.asarray(SIDE))
+
+
+def flank(design: DockingDesign[Any], side: Any) -> Segment:
+    """Return both flanks, or that of one ``side``, in the axes of T (M30)."""
+    angle = design.cone.half_angle
+    return Segment(
         start_x=-design.cone.offset,
         start_y=-side * design.cone.throat_radius,
         direction_x=-jnp.cos(angle),
         direction_y=-side * jnp.sin(angle),
         length=design.cone.length,
     )
+
+
+def tip_against(design: DockingDesign[Any], shape: Shape, side: Any) -> BallPair:
+    """Return the tip against a shape, with the design's law and friction."""
     contact = design.contact
     numbers = {
         "stiffness": design.contact_stiffness,
@@ -151,22 +160,24 @@ def tip_on_flanks(design: Design) -> BallPair:
     }
     return BallPair(
         radius=design.probe.tip_radius,
-        shape=flanks,
+        shape=shape,
         side=side,
         law=contact_law(contact.law, numbers),
         friction=RegularisedCoulomb(contact.friction, contact.slip_speed),
     )
 
 
-def tip_in_cone(design: Design, scenario: Scenario, probe: Masses) -> BallContact:
-    """Return the contact of the tip with both flanks (M29, M30)."""
+def tip_in_cone(
+    design: DockingDesign[Any], scenario: Any, probe: Masses, pair: BallPair, names: tuple[str, ...] = CONTACTS
+) -> BallContact:
+    """Return the contact of the tip with both flanks, or with the cone in space (M29, M30)."""
     contact, smooth = design.contact, design.contact.memory == "smooth"
     return BallContact(
         P,
         T,
-        tip_on_flanks(design),
+        pair,
         point=probe.tip_centre,
-        names=CONTACTS,
+        names=names,
         spin_inertia=probe.tip_inertia if design.probe.free_tip else None,
         onset_length=contact.onset_length if smooth else None,
         fixed_foot=scenario.contact_distance if contact.arms == "published" else None,
@@ -179,11 +190,11 @@ def tip_in_cone(design: Design, scenario: Scenario, probe: Masses) -> BallContac
 def tip_touches(approach: Array, slowest: Scalar) -> tuple[Array, Array]:
     """Return which flanks the tip touches at t = 0 where it starts on the cone, and the contacts' memory [m/s]."""
     # The start lies on the lower flank alone (M64); a tip that moves off it does not touch it either.
-    touching = jnp.where((jnp.arange(FLANKS) == LOWER) & (approach > 0.0), 1.0, 0.0)
+    touching = jnp.where((jnp.arange(approach.size) == LOWER) & (approach > 0.0), 1.0, 0.0)
     # Damping is divided by the memory, which therefore has a least value (M36).
     return touching, jnp.maximum(approach, slowest)
 
 
 def nothing_touches(approach: Array, slowest: Scalar) -> tuple[Array, Array]:
     """Return that no flank is touched at a free start, where the memory is at its floor (M170)."""
-    return jnp.zeros(FLANKS), jnp.full(FLANKS, slowest)
+    return jnp.zeros(approach.size), jnp.full(approach.size, slowest)

@@ -1,12 +1,12 @@
 """The bodies of the mechanism (M4): active vehicle S, cylinder B, probe P with its tip, passive vehicle T."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ..._types import Scalar
 from ...multibody import Body, FlexibleBody, Point, Prismatic, Revolute, System
 from ...multibody.flexible import FlexibleBar, Marker
-from .design import Design
-from .parts.bending import bending_probe
+from .design import Design, DockingDesign
+from .parts.bending import BendingFields, bending_probe
 from .parts.part import B as B
 from .parts.part import P as P
 from .parts.part import S as S
@@ -42,7 +42,7 @@ class Masses(NamedTuple):
         return (x, 0.0) if self.bending is None else Marker.on_frame(x, 0.0, self.bending.modes.size)
 
 
-def probe_masses(design: Design) -> Masses:
+def probe_masses(design: DockingDesign[Any]) -> Masses:
     """Return rod and tip as one body; a free tip's spin inertia is left out of it (M6)."""
     probe = design.probe
     mass = probe.rod_mass + probe.tip_mass
@@ -50,7 +50,8 @@ def probe_masses(design: Design) -> Masses:
     rear, front = probe.length / 2 + shift, probe.length / 2 - shift
     tip = probe.tip_inertia
     inertia = probe.rod_mass * (probe.length**2 / 12 + shift**2) + probe.tip_mass * front**2
-    return Masses(mass, inertia if probe.free_tip else inertia + tip, rear, front, tip, bending_probe(probe))
+    bending = bending_probe(probe) if isinstance(probe, BendingFields) else None
+    return Masses(mass, inertia if probe.free_tip else inertia + tip, rear, front, tip, bending)
 
 
 def assemble_system(design: Design, probe: Masses, stabilisation: Scalar) -> System:

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from types import MappingProxyType
+from typing import ClassVar
 
 from jaxtyping import Array, Float, Int
 
@@ -82,11 +83,14 @@ class Docking(Portable):
     attitude_miss_rate: Float[Array, ""]
     impulse: Float[Array, ""]
 
+    @property
+    def units(self) -> Mapping[str, tuple[str, float]]:
+        """Return in which unit people are shown each number, and how many of it its own unit is."""
+        return DOCKED_UNITS
+
     def __repr__(self) -> str:
-        return numbers_text(
-            "Docking beyond the capture plane",
-            {name: (value, *DOCKED_UNITS[name]) for name, value in vars(self).items()},
-        )
+        numbers = {name: (value, *self.units[name]) for name, value in vars(self).items()}
+        return numbers_text("Docking beyond the capture plane", numbers)
 
 
 class FlankImpacts(Impacts):
@@ -128,6 +132,8 @@ class Capture(Run):
     stroke 7.497 mm, hinge 426.4 N
     """
 
+    docking_type: ClassVar[type[Docking]] = Docking
+    impacts_type: ClassVar[type[Impacts]] = FlankImpacts
     peak_hinge_force: Float[Array, ""]
     peak_buffer_force: Float[Array, ""]
     peak_stop_force: Float[Array, ""]

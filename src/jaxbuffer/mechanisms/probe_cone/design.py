@@ -3,8 +3,9 @@
 import dataclasses
 import math
 from collections.abc import Iterator
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeVar
 
+import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool
@@ -17,41 +18,31 @@ from ...suggestions import same_name, same_word
 from ..run import DesignOf
 from .capture import Capture
 from .contact import Contact
-from .parts import Active, Cone, Hinge, Latches, LockoutFields, Passive, Probe, ProbeBuffer, Shock, ThrustFields
+from .parts import (
+    Active,
+    Cone,
+    Control,
+    Hinge,
+    Latches,
+    LockoutFields,
+    Passive,
+    Probe,
+    ProbeBuffer,
+    RodFields,
+    Shock,
+    ThrustFields,
+)
+
+C = TypeVar("C", bound=Capture)
 
 
-class Design(DesignOf[Capture]):
-    """The whole mechanism; the defaults are the paper's Table 2, and what it leaves open is assumed (docs/model.md).
+class DockingDesign(DesignOf[C]):
+    """What designs of a probe in a cone share, in the plane and in space."""
 
-    - ``active``, ``passive``: the vehicles.
-    - ``hinge``: its play, if it has any.
-    - ``buffer``: springs, dampers and cylinder.
-    - ``probe``: rod and tip.
-    - ``cone``: on the passive vehicle.
-    - ``contact``: tip against flank.
-    - ``latch``: what holds the vehicles together after capture, if anything does.
-    - ``lockout``: what holds the buffer's stroke after capture, if anything does.
-    - ``shock``: frequencies at which shocks on the vehicles are wanted, if any.
-
-    **Raises:** `InputError` where a number is out of its range, and for a tip that does not pass the cone's mouth.
-
-    **Example:** `replace` changes any of its numbers.
-
-    >>> design = jb.replace(jb.Design(), {"buffer.k_A": 800.0, "probe.free_tip": True})
-    >>> design.buffer.k_A, design.probe.free_tip, design.contact.law
-    (800.0, True, 'lankarani-nikravesh')
-    """
-
-    active: Active = Active()
-    passive: Passive = Passive()
-    buffer: ProbeBuffer = ProbeBuffer()
-    probe: Probe = Probe()
-    cone: Cone = Cone()
-    contact: Contact = Contact()
-    hinge: Hinge = Hinge()
-    latch: Latches = Latches()
-    lockout: LockoutFields = LockoutFields()
-    shock: Shock = Shock()
+    buffer: eqx.AbstractVar[ProbeBuffer]
+    probe: eqx.AbstractVar[RodFields]
+    cone: eqx.AbstractVar[Cone]
+    contact: eqx.AbstractVar[Contact]
 
     def check_together(self) -> None:
         # The tip must pass the mouth; what the throat lets through is an outcome, not an input error.
@@ -84,12 +75,86 @@ class Design(DesignOf[Capture]):
         return tip.young_modulus, tip.poisson_ratio, modulus, ratio
 
 
+class Design(DockingDesign[Capture]):
+    """The whole mechanism; the defaults are the paper's Table 2, and what it leaves open is assumed (docs/model.md).
+
+    - ``active``, ``passive``: the vehicles.
+    - ``hinge``: its play, if it has any.
+    - ``buffer``: springs, dampers and cylinder.
+    - ``probe``: rod and tip.
+    - ``cone``: on the passive vehicle.
+    - ``contact``: tip against flank.
+    - ``latch``: what holds the vehicles together after capture, if anything does.
+    - ``lockout``: what holds the buffer's stroke after capture, if anything does.
+    - ``shock``: frequencies at which shocks on the vehicles are wanted, if any.
+    - ``control``: attitude control of the active vehicle, if it has any.
+
+    **Raises:** `InputError` where a number is out of its range, and for a tip that does not pass the cone's mouth.
+
+    **Example:** `replace` changes any of its numbers.
+
+    >>> design = jb.replace(jb.Design(), {"buffer.k_A": 800.0, "probe.free_tip": True})
+    >>> design.buffer.k_A, design.probe.free_tip, design.contact.law
+    (800.0, True, 'lankarani-nikravesh')
+    """
+
+    active: Active = Active()
+    passive: Passive = Passive()
+    buffer: ProbeBuffer = ProbeBuffer()
+    probe: Probe = Probe()
+    cone: Cone = Cone()
+    contact: Contact = Contact()
+    hinge: Hinge = Hinge()
+    latch: Latches = Latches()
+    lockout: LockoutFields = LockoutFields()
+    shock: Shock = Shock()
+    control: Control = Control()
+
+
 same_name("offset", "lateral_offset", "miss", "eccentricity")
 same_word("standoff", "gap")
 OF_FREE_START = ("offset", "standoff", "active_angle", "active_rate", "lateral_speed")
 
 
-class MeetingFields(Part):
+NOT_FACING = "; the tip must face the flank of cone.half_angle"
+
+
+class Meeting(Part):
+    """What scenarios of a docking share, in the plane and in space: the start in contact or free.
+
+    - ``of_free_start``: names of the fields that belong to a free start.
+    """
+
+    of_free_start: ClassVar[tuple[str, ...]]
+    start: eqx.AbstractVar[str]
+
+    @property
+    def without_effect(self) -> tuple[str, ...]:
+        """Return the names of the fields that belong to the other kind of start."""
+        return ("contact_distance",) if self.start == "free" else self.of_free_start
+
+    def check_together(self) -> None:
+        free = self.start == "free"
+        usual = {field.name: field for field in dataclasses.fields(self)}
+        # A number of the other kind of start would have no effect.
+        for name in self.without_effect:
+            value, default = concrete(getattr(self, name)), usual[name].default
+            if value is not None and np.any(value != default):
+                symbol = usual[name].metadata["unit"]
+                raise InputError(
+                    f"scenario.{name} = {float(value[value != default].flat[0]):g} {symbol} belongs to"
+                    f' scenario.start = "{"contact" if free else "free"}"; here it is "{self.start}"'
+                )
+
+    def in_range(self) -> Iterator[Bool[Array, ""]]:
+        yield from super().in_range()
+        if self.start != "free":
+            # A traced number of a free start is refused as `check_together` refuses one that is known.
+            for name in self.of_free_start:
+                yield inside(getattr(self, name), low=0.0, high=0.0)
+
+
+class MeetingFields(Meeting):
     """How the vehicles meet: the fields of `Scenario` but those of its parts."""
 
     approach_speed: Number = number(
@@ -128,30 +193,7 @@ class MeetingFields(Part):
     active_rate: Number = number(0.0, "rad/s", doc="rate of the active vehicle's turning at a free start")
     lateral_speed: Number = number(0.0, "m/s", doc="speed of the active vehicle across its approach at a free start")
 
-    @property
-    def without_effect(self) -> tuple[str, ...]:
-        """Return the names of the fields that belong to the other kind of start."""
-        return ("contact_distance",) if self.start == "free" else OF_FREE_START
-
-    def check_together(self) -> None:
-        free = self.start == "free"
-        usual = {field.name: field for field in dataclasses.fields(self)}
-        # A number of the other kind of start would have no effect.
-        for name in self.without_effect:
-            value, default = concrete(getattr(self, name)), usual[name].default
-            if value is not None and np.any(value != default):
-                symbol = usual[name].metadata["unit"]
-                raise InputError(
-                    f"scenario.{name} = {float(value[value != default].flat[0]):g} {symbol} belongs to"
-                    f' scenario.start = "{"contact" if free else "free"}"; here it is "{self.start}"'
-                )
-
-    def in_range(self) -> Iterator[Bool[Array, ""]]:
-        yield from super().in_range()
-        if self.start != "free":
-            # A traced number of a free start is refused as `check_together` refuses one that is known.
-            for name in OF_FREE_START:
-                yield inside(getattr(self, name), low=0.0, high=0.0)
+    of_free_start: ClassVar[tuple[str, ...]] = OF_FREE_START
 
 
 class Scenario(ThrustFields, MeetingFields):
@@ -196,19 +238,29 @@ def check_fit(design: Design, scenario: Scenario) -> None:
                 ' scenario.start = "free" has not; use contact.arms = "moving", or scenario.start = "contact"'
             )
         return
+    check_contact_distance(design, scenario.contact_distance)
+    cone = design.cone
+    if (angle := _known("cone", cone.half_angle)) is not None:
+        limit = facing_limit(angle[0], np)
+        angles = scenario.misalignment
+        check_entries("scenario.misalignment", angles, "rad", -limit, limit, too_low=NOT_FACING, too_high=NOT_FACING)
+
+
+def check_contact_distance(design: DockingDesign[Any], distance: Scalar) -> None:
+    """Check that a first contact lies on the flank, and that the tip is not in the other one (M64). **Raises:**
+    `InputError`."""
     cone, tip = design.cone, design.probe.tip_radius
     start = _known("probe.tip_radius and cone", tip, cone.throat_radius, cone.half_angle)
     # Traced numbers are checked by `valid`, in the program.
     least = 0.0 if start is None else least_contact_distance(*start)
     too_low = "; nearer to the throat the tip would be in the other flank at the start"
-    distance = scenario.contact_distance
     sides = {"too_low": too_low, "too_high": "; the flank ends at cone.length"}
     check_entries("scenario.contact_distance", distance, "m", least, cone.length, **sides, high_open=False)
-    if (angle := _known("cone", cone.half_angle)) is not None:
-        limit = np.minimum(angle[0], math.pi / 2 - angle[0])
-        beyond = "; the tip must face the flank of cone.half_angle"
-        angles = scenario.misalignment
-        check_entries("scenario.misalignment", angles, "rad", -limit, limit, too_low=beyond, too_high=beyond)
+
+
+def facing_limit(half_angle: Any, xp: Any = jnp) -> Any:
+    """Return how far the cone's axis may be turned away from the probe's for the tip to face the flank [rad] (M64)."""
+    return xp.minimum(half_angle, math.pi / 2 - half_angle)
 
 
 def valid(design: Design, scenario: Scenario) -> Bool[Array, ""]:
@@ -217,14 +269,19 @@ def valid(design: Design, scenario: Scenario) -> Bool[Array, ""]:
     ranges = [*design.in_range(), *scenario.in_range()]
     if scenario.start == "free":
         return all_of(ranges)
-    cone, angle = design.cone, design.cone.half_angle
-    least = least_contact_distance(design.probe.tip_radius, cone.throat_radius, angle, jnp)
-    limit = jnp.minimum(angle, np.pi / 2 - angle)
+    limit = facing_limit(design.cone.half_angle)
     fit = [
-        inside(scenario.contact_distance, low=least, high=cone.length, low_open=True),
+        distance_fits(design, scenario.contact_distance),
         inside(scenario.misalignment, low=-limit, high=limit, low_open=True, high_open=True),
     ]
     return all_of([*ranges, *fit])
+
+
+def distance_fits(design: DockingDesign[Any], distance: Scalar) -> Bool[Array, ""]:
+    """Return the same as `check_contact_distance` checks, for traced numbers."""
+    cone = design.cone
+    least = least_contact_distance(design.probe.tip_radius, cone.throat_radius, cone.half_angle, jnp)
+    return inside(distance, low=least, high=cone.length, low_open=True)
 
 
 def _known(path: str, *values: Scalar) -> list[Any] | None:

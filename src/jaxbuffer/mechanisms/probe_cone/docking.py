@@ -3,7 +3,7 @@
 All of it is differentiable; what a run does not have (no crossing, no latch, not yet at rest) is NaN.
 """
 
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import jax
 import jax.numpy as jnp
@@ -19,6 +19,7 @@ from .outcome import Outcome
 from .parts import parts_of
 from .reading import CaptureReading, crossings, holder_in
 
+D = TypeVar("D", bound=Docking)
 DOUBLINGS, NEWTON_STEPS = 60, 30  # of a stroke from 1e-9 m on, and towards the stroke whose energy is known
 
 
@@ -51,28 +52,26 @@ def docking(
     cross: PlaneCrossing,
     code: Int[Array, ""],
     latch_force: Scalar,
-) -> Docking:
+    kind: type[D],
+) -> D:
     """Read off what a run says of docking.
 
     ``ends``: the readings of its start and of its end; ``cross``: where it crossed the capture plane; ``code``: of the
-    outcome; ``latch_force``: the largest one [N].
+    outcome; ``latch_force``: the largest one [N]; ``kind``: of plane or space.
     """
     (start, end), last = ends, _last(log)
     # A factor, so that derivatives are NaN as well.
     known = jnp.where(cross.occurred, 1.0, jnp.nan)
     latched = jnp.where(end.since_crossing > 0.0, 1.0, jnp.nan)
     push = (end.passive_velocity - start.passive_velocity) * mechanism.parts.design.passive.mass
-    return Docking(
+    return kind(
         latch_time=cross.time * latched,
         settling_time=(log.time[last] - cross.time) * jnp.where(code == Outcome.held, 1.0, jnp.nan),
         latch_share=_latch_share(mechanism, end, latch_force, code == Outcome.torn),
         relative_energy=end.relative_energy / start.relative_energy,
         energy_left=end.relative_energy,
         arrest_stroke=arrest_stroke(mechanism, end.relative_energy),
-        lateral_miss=cross.at.throat.tip.y * known,
-        lateral_miss_rate=cross.at.tip_rate * known,
-        attitude_miss=cross.at.attitude * known,
-        attitude_miss_rate=cross.at.attitude_rate * known,
+        **{name: value * known for name, value in cross.at.misses.items()},
         # The small number keeps the slope finite where nothing has pushed the passive vehicle.
         impulse=jnp.sqrt(push.dot(push) + 1e-30),
     )

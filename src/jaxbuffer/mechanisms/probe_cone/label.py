@@ -1,6 +1,7 @@
 """A scenario in a few words."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -24,28 +25,42 @@ def scenario_label(scenario: Scenario, among: Sequence[Scenario] = ()) -> str:
     passive rate too where those differ ``among`` several. Of a free start and of parts, what is not at its default;
     that all of several start free is not repeated in each."""
     angle = np.degrees(float(scenario.misalignment))
-    speed = float(scenario.approach_speed)
-    # Two speeds that are alike in four digits are told apart by nine.
-    alike = any(f"{other.approach_speed:.4g}" == f"{speed:.4g}" and other.approach_speed != speed for other in among)
-    label = f"{with_unit(speed, 'm/s', 9 if alike else 4)}, {degrees_text(angle)}"
+    label = f"{speed_in_words(scenario, among)}, {degrees_text(angle)}"
     for name, shown in (("contact_distance", "mm"), ("passive_rate", "deg/s")):
         named_below = scenario.start == "free" and name in OF_FREE_START
         differs = len({float(getattr(other, name)) for other in among}) > 1
         if differs and not named_below and name not in scenario.without_effect:
-            label += _field(scenario, name, shown)
+            label += field_in_words(scenario, name, shown)
     if scenario.start == "free":
-        all_free = len(among) > 1 and all(other.start == "free" for other in among)
-        label += ("" if all_free else ", free start") + _free_start(scenario)
-    return label + "".join(part.label(scenario) for part in PARTS if part.present(None, scenario))
+        label += free_in_words(among) + _free_start(scenario)
+    return label + parts_in_words(scenario)
+
+
+def speed_in_words(scenario: Any, among: Sequence[Any]) -> str:
+    """Return the approach speed: two speeds ``among`` several that are alike in four digits are told apart by nine."""
+    speed = float(scenario.approach_speed)
+    alike = any(f"{other.approach_speed:.4g}" == f"{speed:.4g}" and other.approach_speed != speed for other in among)
+    return with_unit(speed, "m/s", 9 if alike else 4)
+
+
+def free_in_words(among: Sequence[Any]) -> str:
+    """Return ", free start", which is not repeated in each where all of several start free."""
+    all_free = len(among) > 1 and all(other.start == "free" for other in among)
+    return "" if all_free else ", free start"
+
+
+def parts_in_words(scenario: Any) -> str:
+    """Return what parts a scenario has: ", thrust 1 N for 0.4 s"."""
+    return "".join(part.label(scenario) for part in PARTS if part.present(None, scenario))
 
 
 def _free_start(scenario: Scenario) -> str:
     """Return what is not zero of a free start: ", offset -20 mm"."""
     given = ((name, shown) for name, shown in OF_FREE_START.items() if float(getattr(scenario, name)) != 0.0)
-    return "".join(_field(scenario, name, shown) for name, shown in given)
+    return "".join(field_in_words(scenario, name, shown) for name, shown in given)
 
 
-def _field(scenario: Scenario, name: str, shown: str) -> str:
+def field_in_words(scenario: Any, name: str, shown: str) -> str:
     """Return a field behind others, in the unit in which it is shown: ", offset -20 mm"."""
     number = as_typed(float(getattr(scenario, name)), unit(scenario, name), shown)
     return f", {name.replace('_', ' ')} {with_unit(*number)}"

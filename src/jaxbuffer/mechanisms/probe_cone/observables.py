@@ -1,6 +1,7 @@
 """What is observed of a run beside the elements' own observables."""
 
 from collections.abc import Callable
+from typing import Any
 
 import jax.numpy as jnp
 from jaxtyping import Array
@@ -30,7 +31,7 @@ def passive_force(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scal
 
 def _size_of(force: Vector) -> Scalar:
     """Return a force's size, with a derivative also where it is zero."""
-    return jnp.sqrt(force.x**2 + force.y**2 + 1e-24)
+    return jnp.sqrt(force.dot(force) + 1e-24)
 
 
 def hinge_angle(mechanism: Assembled, at: EvaluatedState, rate: Array) -> Scalar:
@@ -48,21 +49,27 @@ def _rounded_force(vehicle: str) -> Callable[[Assembled], Scalar]:
     return of
 
 
-def _rounded_length(mechanism: Assembled) -> Scalar:
+def rounded_length(mechanism: Assembled) -> Scalar:
+    """Return what of a length or an angle is rounding [m, rad]."""
     return ROUNDED_LENGTH
 
 
 HINGE_FORCE = Observable("hinge_force", hinge_force, of_rate=True, roundoff=_rounded_force("active"))
 PASSIVE_FORCE = Observable("passive_force", passive_force, of_rate=True, roundoff=_rounded_force("passive"))
-HINGE_ANGLE = Observable("hinge_angle", lambda *at: jnp.abs(hinge_angle(*at)), roundoff=_rounded_length)
+HINGE_ANGLE = Observable("hinge_angle", lambda *at: jnp.abs(hinge_angle(*at)), roundoff=rounded_length)
 
 
 def observables_of(design: Design, scenario: Scenario) -> tuple[Observable, ...]:
     """Return what is observed of a run beside the elements' own observables."""
+    return (HINGE_FORCE, HINGE_ANGLE, *observables_of_parts(design, scenario))
+
+
+def observables_of_parts(design: Any, scenario: Any) -> tuple[Observable, ...]:
+    """Return what is observed of the optional parts, and of the passive vehicle where more than the tip acts on it."""
     of_parts = (observable for part in parts_of(design, scenario) for observable in part.observables(design))
     # Where nothing holds the tip, and from the touch, nothing but the tip acts on the passive vehicle.
     acted_on = holder_of(design) is not None or scenario.start == "free"
-    return (HINGE_FORCE, HINGE_ANGLE, *of_parts, *((PASSIVE_FORCE,) if acted_on else ()))
+    return (*of_parts, *((PASSIVE_FORCE,) if acted_on else ()))
 
 
 def recorded_of(design: Design) -> tuple[Observable, ...]:
@@ -71,4 +78,9 @@ def recorded_of(design: Design) -> tuple[Observable, ...]:
         Observable("tip_spin", lambda mechanism, at, rate: mechanism.evaluated(at, TIP).spin),
         Observable("hinge_angle", hinge_angle),
     )
-    return (*own, *(observable for part in PARTS for observable in part.history(design)))
+    return (*own, *history_of_parts(design))
+
+
+def history_of_parts(design: Any) -> tuple[Observable, ...]:
+    """Return what a history shows of the optional parts."""
+    return tuple(observable for part in PARTS for observable in part.history(design))

@@ -1,5 +1,6 @@
 """What a capture's run reads off its start, its end and the crossing of the capture plane."""
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax.numpy as jnp
@@ -21,8 +22,8 @@ from .throat import ThroatState
 class CaptureReading(NamedTuple):
     """A capture at one instant.
 
-    - ``throat``: the tip in the cone; ``tip_rate``: how fast its y in the axes of T changes [m/s].
-    - ``attitude`` [rad], ``attitude_rate`` [rad/s]: of the probe against the cone.
+    - ``throat``: the tip in the cone.
+    - ``misses``: of the tip and of the probe's attitude, and their rates, by their names in `Docking`.
     - ``passive_velocity``: of the passive vehicle [m/s].
     - ``relative_energy``: of relative motion [J] (M177).
     - ``since_crossing``: time since what holds the tip began to, 0 before, and where nothing does [s].
@@ -33,9 +34,7 @@ class CaptureReading(NamedTuple):
     """
 
     throat: ThroatState
-    tip_rate: Scalar
-    attitude: Scalar
-    attitude_rate: Scalar
+    misses: dict[str, Scalar]
     passive_velocity: Vector
     relative_energy: Float[Array, ""]
     since_crossing: Scalar
@@ -46,15 +45,49 @@ class CaptureReading(NamedTuple):
     stretched: Scalar
 
 
-def _look(mechanism: Assembled, at: EvaluatedState, active: Closed, masses: Float[Array, " rank"]) -> CaptureReading:
-    cone, probe, holder = at.kin.frame(T), at.kin.frame(P), holder_in(mechanism)
+def planar_misses(mechanism: Assembled, at: EvaluatedState) -> dict[str, Scalar]:
+    """Return the misses in the plane: y of the tip in the axes of T, the probe's angle against these, both rates."""
+    cone, probe = at.kin.frame(T), at.kin.frame(P)
+    return {
+        "lateral_miss": mechanism.evaluated(at, "throat").tip.y,
+        "lateral_miss_rate": tip_motion(mechanism, at)[1].y,
+        "attitude_miss": probe.angle - cone.angle,
+        "attitude_miss_rate": probe.spin - cone.spin,
+    }
+
+
+def tip_motion(mechanism: Assembled, at: EvaluatedState) -> tuple[Vector, Vector]:
+    """Return where the tip's centre is in the axes of T [m], and how it moves in these [m/s]."""
+    cone, centre = at.kin.frame(T), mechanism.evaluated(at, TIP).centre
+    off = centre.place - cone.origin
+    return cone.unturn(off), cone.unturn(centre.velocity - cone.velocity_at(off))
+
+
+Misses = Callable[[Assembled, EvaluatedState], dict[str, Scalar]]
+
+
+def reader(misses: Misses) -> Reader:
+    """Return what reads off a run in the plane or in space. ``misses``: of tip and probe, as of `CaptureReading`."""
+
+    def look(mechanism: Assembled, at: EvaluatedState, active: Closed, masses: Float[Array, " rank"]) -> CaptureReading:
+        return _look(mechanism, at, active, masses, misses(mechanism, at))
+
+    return Reader(look, _crossing_slot, _directions)
+
+
+def _look(
+    mechanism: Assembled,
+    at: EvaluatedState,
+    active: Closed,
+    masses: Float[Array, " rank"],
+    misses: dict[str, Scalar],
+) -> CaptureReading:
+    holder = holder_in(mechanism)
     flank_mass, axial_mass, *held = masses
     return CaptureReading(
         throat=mechanism.evaluated(at, "throat"),
-        tip_rate=_tip_rate(mechanism, at),
-        attitude=probe.angle - cone.angle,
-        attitude_rate=probe.spin - cone.spin,
-        passive_velocity=cone.velocity,
+        misses=misses,
+        passive_velocity=at.kin.frame(T).velocity,
         relative_energy=mechanism.relative_energy(at, active),
         since_crossing=0.0 if holder is None else mechanism.evaluated(at, holder.name).since,
         flank_mass=flank_mass,
@@ -89,7 +122,7 @@ def _directions(mechanism: Assembled, at: EvaluatedState) -> Float[Array, "coord
     return jnp.stack(directions, axis=1)
 
 
-READER = Reader(_look, _crossing_slot, _directions)
+READER = reader(planar_misses)
 
 
 def crossings(mechanism: Assembled, log: Log) -> Bool[Array, " slots"]:
@@ -105,13 +138,6 @@ def crossings(mechanism: Assembled, log: Log) -> Bool[Array, " slots"]:
 def flank_direction(mechanism: Assembled, at: EvaluatedState) -> Float[Array, " coordinates"]:
     """Return A of the lower flank, where A q̇ is the approach speed (M79)."""
     return mechanism.element(TIP).closing_directions(mechanism.system, mechanism.evaluated(at, TIP))[:, LOWER]
-
-
-def _tip_rate(mechanism: Assembled, at: EvaluatedState) -> Scalar:
-    """Return how fast the tip's y in the axes of T changes [m/s]."""
-    cone = at.kin.frame(T)
-    centre = mechanism.evaluated(at, TIP).centre
-    return cone.unturn(centre.velocity - cone.velocity_at(centre.place - cone.origin)).y
 
 
 def _push(mechanism: Assembled, at: EvaluatedState, active: Closed) -> Scalar:

@@ -1,12 +1,14 @@
 """The start of a run: positions and velocities at t = 0."""
 
+from typing import Any
+
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..._types import Scalar, stacked
 from ...plane import Vector
 from .bodies import Masses
-from .design import Design, Scenario
+from .design import Design, DockingDesign, Scenario
 
 
 def start_motion(
@@ -27,7 +29,7 @@ def start_motion(
     if scenario.start == "free":
         placed, moving = _turned(design, scenario, masses, tip)
         return stacked([*placed, *passive]), stacked([*moving, *passive_rate])
-    probe, cylinder, active = _behind(design, masses, tip.x)
+    probe, cylinder, active = behind_tip(design, masses, tip.x)
     q = stacked([active, tip.y, 0.0, cylinder, tip.y, 0.0, probe, tip.y, 0.0, *passive])
     return q, stacked([scenario.approach_speed, 0.0, 0.0] * 3 + passive_rate)
 
@@ -35,17 +37,28 @@ def start_motion(
 def _tip_at_start(design: Design, scenario: Scenario) -> Vector:
     """Return the tip's centre at t = 0 in the axes of T: at the lower flank (M62), or anywhere before the mouth
     (M170)."""
+    if scenario.start == "free":
+        return Vector(before_mouth(design, scenario.standoff), scenario.offset)
+    return on_lower_flank(design, scenario.contact_distance)
+
+
+def before_mouth(design: DockingDesign[Any], standoff: Scalar) -> Scalar:
+    """Return where along the axis of T the tip's centre is, ``standoff`` [m] before it could touch the mouth (M170)."""
+    cone = design.cone
+    return -cone.offset - cone.length * jnp.cos(cone.half_angle) - design.probe.tip_radius - standoff
+
+
+def on_lower_flank(design: DockingDesign[Any], distance: Scalar) -> Vector:
+    """Return the tip's centre in the axes of T where it touches the lower flank at a slant ``distance`` [m] (M62)."""
     angle, cone, radius = design.cone.half_angle, design.cone, design.probe.tip_radius
     cos, sin = jnp.cos(angle), jnp.sin(angle)
-    if scenario.start == "free":
-        return Vector(-cone.offset - cone.length * cos - radius - scenario.standoff, scenario.offset)
     return Vector(
-        -cone.offset - scenario.contact_distance * cos - radius * sin,
-        -cone.throat_radius - scenario.contact_distance * sin + radius * cos,
+        -cone.offset - distance * cos - radius * sin,
+        -cone.throat_radius - distance * sin + radius * cos,
     )
 
 
-def _behind(design: Design, masses: Masses, tip: Scalar) -> tuple[Scalar, Scalar, Scalar]:
+def behind_tip(design: DockingDesign[Any], masses: Masses, tip: Scalar) -> tuple[Scalar, Scalar, Scalar]:
     """Return where the centres of mass of probe, cylinder and active vehicle are along their axis [m], the ``tip``
     being there and the spring at its free length."""
     probe = tip - masses.front
@@ -57,7 +70,7 @@ def _turned(design: Design, scenario: Scenario, masses: Masses, tip: Vector) -> 
     """Return positions and velocities of S, B and P at a free start: they lie along an axis through the tip and turn
     about the centre of mass of S as one body (M170)."""
     cos, sin = jnp.cos(scenario.active_angle), jnp.sin(scenario.active_angle)
-    probe, cylinder, active = _behind(design, masses, 0.0)
+    probe, cylinder, active = behind_tip(design, masses, 0.0)
     placed: list[Scalar] = []
     moving: list[Scalar] = []
     for behind in (active, cylinder, probe):

@@ -1,6 +1,6 @@
 """Where the tip is in the cone, and the ends of a run that follow: captured behind the throat, or escaped (M65)."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -10,7 +10,9 @@ from ..._types import Scalar
 from ...elements import Element
 from ...multibody import Kinematics, Point
 from ...plane import Vector
-from .design import Design, Scenario
+from .design import DockingDesign, Meeting
+
+LEAST = 1e-30  # m²: keeps the slope of a distance from the axis finite on it
 
 
 class ThroatState(NamedTuple):
@@ -36,8 +38,8 @@ class Throat(Element):
     - ``holder``: name of the element that holds the tip behind the throat; None: the run ends there, captured.
     """
 
-    design: Design
-    scenario: Scenario
+    design: DockingDesign[Any]
+    scenario: Meeting
     tip_point: Point
     tip_body: int = eqx.field(static=True)
     cone_body: int = eqx.field(static=True)
@@ -53,12 +55,17 @@ class Throat(Element):
         frame, centre, cone = kin.frame(self.cone_body), kin.point(self.tip_body, self.tip_point), self.design.cone
         tip = frame.unturn(centre.place - frame.origin)
         moves = frame.unturn(centre.velocity - frame.velocity)
+        # The cone turns with its vehicle: to the relative velocity comes that of its turning axes.
+        if kin.basis.dimensions == 2:
+            turning, aside = frame.spin * tip.y, jnp.abs(tip.y)
+        else:
+            spin = frame.unturn(frame.spin)
+            turning, aside = spin.z * tip.y - spin.y * tip.z, jnp.sqrt(tip.y**2 + tip.z**2 + LEAST)
         return ThroatState(
             before=self.plane - tip.x,
-            # The cone turns with its vehicle: to the relative velocity comes that of its turning axes.
-            receding=-jnp.asarray(moves.x + frame.spin * tip.y),
+            receding=-jnp.asarray(moves.x + turning),
             tip=tip,
-            off_rim=jnp.abs(tip.y) - (cone.throat_radius + cone.length * jnp.sin(cone.half_angle)),
+            off_rim=aside - (cone.throat_radius + cone.length * jnp.sin(cone.half_angle)),
         )
 
     @property

@@ -8,6 +8,8 @@ from typing import Any
 
 from .bending import BENDING
 from .buffer import ProbeBuffer as ProbeBuffer
+from .control import CONTROL
+from .control import Control as Control
 from .hinge_play import HINGE_PLAY
 from .hinge_play import Hinge as Hinge
 from .latch import LATCH
@@ -19,6 +21,7 @@ from .probe import Probe as Probe
 from .rod import ALUMINIUM_DENSITY as ALUMINIUM_DENSITY
 from .rod import ROD_RADIUS as ROD_RADIUS
 from .rod import TIP_RADIUS as TIP_RADIUS
+from .rod import RodFields as RodFields
 from .shock import SHOCK
 from .shock import Shock as Shock
 from .stops import END_STOP, REBOUND_STOP
@@ -37,6 +40,7 @@ PARTS: tuple[ProbePart, ...] = (
     LATCH,
     LOCKOUT,
     THRUST,
+    CONTROL,
     SHOCK,
 )
 

@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Array
 
 from ...._types import Scalar
-from ....elements import Element
+from ....elements import BallContact, Element
 from ....multibody import AxialSpringDamper
 from ...assembled import Assembled, Observable
 from ...layout import Closed, EvaluatedState
@@ -33,6 +33,7 @@ class Joined(NamedTuple):
     - ``tip``: the tip's centre on the probe.
     - ``axial``: the buffer's axial force, by which stops measure their stroke too, so that all of them agree on it.
     - ``throat``: the element with the capture plane.
+    - ``contact``: of the tip with the cone.
     """
 
     design: Any
@@ -40,6 +41,7 @@ class Joined(NamedTuple):
     tip: Any
     axial: AxialSpringDamper
     throat: Any
+    contact: BallContact
 
     @property
     def plane(self) -> Scalar:

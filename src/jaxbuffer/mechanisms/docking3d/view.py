@@ -1,0 +1,56 @@
+"""What is told of a docking in space and drawn of it."""
+
+import dataclasses
+
+from ..probe_cone.view import VIEW as PLANAR
+from ..view import Names
+from .assembly import CONTACTS
+from .design import Design3D
+from .drawing import drawing
+from .label import scenario_label
+
+
+def names(design: Design3D) -> Names:
+    """Return what the parts of a design are called."""
+    return Names(
+        bodies=("active", "cylinder", "probe", "passive"),
+        contacts=CONTACTS,
+        # Multipliers are named by their places, in the order of the joints' rows.
+        multipliers={
+            **{f"hinge {axis}": "N" for axis in "xyz"},
+            "hinge roll": "N m",
+            **{f"prismatic moment {k}": "N m" for k in (1, 2, 3)},
+            **{f"prismatic force {k}": "N" for k in (1, 2)},
+        },
+        others={
+            "tip_spin": "rad/s",
+            "hinge_force": "N",
+            "buffer_force": "N",
+            "stop_force": "N",
+            "stroke": "m",
+            "hinge_angle": "rad",
+            "hinge_alpha": "rad",
+            "hinge_beta": "rad",
+            "tip_y": "m",
+            "tip_z": "m",
+            "throat_distance": "m",
+            "relative_energy": "J",
+            "latch_force": "N",
+            "latch_closed": "-",
+            "passive_force": "N",
+            "control_moment": "N m",
+            **dict.fromkeys(design.shock.frequencies, "m/s²"),
+        },
+        shares={"relative_energy": "energy_left"},
+    )
+
+
+VIEW = dataclasses.replace(
+    PLANAR,
+    contact="contact",
+    names=names,
+    label=scenario_label,
+    approach=lambda scenario: f"approach at {scenario_label(scenario)}",
+    drawing=drawing,
+    limitations=("The forces have not been compared with a test of hardware: docs/verification.md.",),
+)
