@@ -271,10 +271,10 @@ def test_numbers_that_are_not_trusted_have_a_badge(folders, tmp_path, verdict, m
 
 @pytest.mark.parametrize("scale", ["log", "linear"])
 @pytest.mark.parametrize(
-    ("share", "said"), [(0.0, "at low bound"), (5e-7, "at low bound"), (1e-5, ""), (0.5, ""), (1.0, "at high bound")]
+    ("share", "said"), [(0.0, "at low bound"), (5e-6, "at low bound"), (1e-4, ""), (0.5, ""), (1.0, "at high bound")]
 )
 def test_a_variable_at_its_bound_is_so_in_command_and_page(tmp_path, scale, share, said):
-    """Within a millionth of the range on the variable's own scale, in the command's table as on the page."""
+    """Within a hundred-thousandth of the range on the variable's own scale, in the command's table as on the page."""
     variable = jb.Variable("buffer.k_A", 1.0, 900.0, scale)
     value = variable.value(share)
     problem = jb.Problem(jb.replace(jb.table2(), {variable.path: value}), [jb.Scenario()], [variable])

@@ -119,6 +119,15 @@ def test_a_limit_under_the_lower_bound_says_so_and_what_would_lower_it():
     assert message.endswith("To keep the limits, lower that bound, or relax the limit under it")
     rows = rows_of(repr(tuned), "Limits: what stands in the way")
     assert rows["first impact: peak hinge force"].endswith("above the limit")
+    # No search within the bounds gets below it.
+    report = SearchReport("", "2 searches", ". To search on, raise starts")
+    assert report.message(tuned.goal, tuned.after, bound) == message
+    assert report.message(tuned.goal, tuned.after, None).endswith(". To search on, raise starts")
+    # Where no variable on its bound would lower it, other numbers alone are named.
+    least = bound.least["peak_hinge_force"]._replace(slope=np.zeros(2))
+    alone = dataclasses.replace(bound, least={"peak_hinge_force": least})
+    fall = "; that would fall by numbers that are no variables, in per cent for 1 % more of each: cone.half_angle +0.84"
+    assert fall in report.message(tuned.goal, tuned.after, alone)
     # A limit above its lower bound, or one that is not known, is spoken of as any other.
     for other in (lower_bound(tuned, peak_hinge_force=49.0), None):
         assert "lower bound" not in SearchReport("", "2 searches").message(tuned.goal, tuned.after, other)

@@ -113,11 +113,12 @@ def _beneath(goal: Goal, limit: Limit, bound: PeakForceBound | None) -> str:
     widened = [_words(goal, worst, it) for it in helpful_variables(goal, least.scaled, worst) if it.at_bound]
     outside = {path: it for path, it in least.elasticities.items() if path not in problem.paths}
     levers = levers_text(outside)
-    lowered = [*widened, *([f"by numbers that are no variables, {levers}"] if levers else [])]
+    lowered = [f"with {' or '.join(widened)}"] if widened else []
+    lowered += [f"by numbers that are no variables, {levers}"] if levers else []
     return (
         f"it lies under the lower bound of {limit.name}, {value}{where}: within the bounds of the variables the first"
         " impact alone, which no buffer softens, has that much"
-        + (f"; that would fall with {' or '.join(lowered)}" if lowered else "")
+        + (f"; that would fall {' or '.join(lowered)}" if lowered else "")
     )
 
 

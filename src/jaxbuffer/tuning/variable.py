@@ -11,7 +11,7 @@ from ..value_text import interval_text, with_unit
 from .objective import ONE_LIMIT
 
 SCALES = ("log", "linear")
-AT_BOUND = 1e-5  # of a variable's range, on its scale: what five digits show as the bound
+AT_BOUND = 1e-5  # of a variable's range, on its scale
 
 
 @dataclasses.dataclass(frozen=True)
