@@ -90,7 +90,7 @@ def test_check_says_the_price_that_decides_and_refuses_it_without_parts(study, c
     assert "price ≤ 40 EUR of all parts" in shown
     (study / "study.toml").write_text(STUDY + "[problem.then]\nprice = 1.0\ntolerance = 0.1\n")
     assert run(["check", "study.toml"]) == 0
-    assert re.search(r"then +price\n", capsys.readouterr().out)
+    assert re.search(r"then +price, among those within 10 % of the least objective\n", capsys.readouterr().out)
     for table, name in (("objective", "price"), ("then", "price"), ("constraints", "mass")):
         (study / "study.toml").write_text(f"[problem.{table}]\n{name} = 1.0\n")
         assert run(["check", "study.toml"]) == 2
