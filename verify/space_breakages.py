@@ -103,7 +103,7 @@ def _free_ball_without_moment() -> None:
     BallContact.spin_moment = broken
 
 
-def _latch_without_roll() -> None:
+def _latch_without_turn() -> None:
     from jaxbuffer.elements import Latch
     from jaxbuffer.space import Vector
 
@@ -111,7 +111,7 @@ def _latch_without_roll() -> None:
 
     def broken(self, kin, own):
         at = evaluate(self, kin, own)
-        return at._replace(angle=at.angle._replace(x=0.0)) if isinstance(at.angle, Vector) else at
+        return at._replace(angle=at.angle * 0.0) if isinstance(at.angle, Vector) else at
 
     Latch.evaluate = broken
 
@@ -168,7 +168,7 @@ SPACE = (
     Breakage("slip direction", "friction along one fixed tangent", _slip_towards_the_throat, (IN_A_CONE,)),
     Breakage("surface of revolution", "the foot in the plane z = 0", _meridian_of_the_plane, (IN_A_CONE,)),
     Breakage("free ball in space", "it turns about x alone", _free_ball_without_moment, (ROLLING,)),
-    Breakage("latch in space", "it does not hold the roll", _latch_without_roll, (LATCHED,)),
+    Breakage("latch in space", "it does not hold the rotation vector", _latch_without_turn, (LATCHED,)),
     Breakage("thrust in space", "its angular impulse is not counted", _thrust_about_its_body, (CONSERVED,)),
     Breakage("rigid motion in space", "the inertia about the origin", _inertia_about_the_origin, (RIGID,)),
     Breakage("attitude control's axes", "the spin in inertial axes", _control_in_inertial_axes, (CONTROLLED,)),
