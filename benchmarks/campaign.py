@@ -96,16 +96,6 @@ def docking(**changes: Any) -> Structure:
     return Structure(jb.replace(jb.table2(), changes), jb.Scenario(), 8.0, DOCKING, DOCKING_EVEN)
 
 
-def spatial() -> Structure:
-    """A docking probe in its cone, in space; what is misaligned in the plane is so about two axes."""
-    planar = docking()
-    even = {path: ends for path, ends in planar.even.items() if not path.startswith("scenario.")}
-    even |= {"scenario.contact_distance": planar.even["scenario.contact_distance"]}
-    even |= {"scenario.azimuth": (-3.0, 3.0), "scenario.passive_yaw": (-0.05, 0.05)}  # rad
-    even |= {"scenario.passive_pitch": (-0.05, 0.05), "scenario.passive_rate_x": (-0.05, 0.05)}  # rad, rad/s
-    return Structure(jb.docking3d(), jb.Scenario3D(), planar.duration, planar.logarithmic, even)
-
-
 def crank(**changes: Any) -> Structure:
     """A slider-crank with play."""
     design = jb.replace(jb.SliderCrank(), {path.replace("__", "."): value for path, value in changes.items()})
@@ -122,7 +112,6 @@ def drop(**modes: int) -> Structure:
 STUDIES = {
     "docking": docking,
     "docking, free tip": lambda: docking(**{"probe.free_tip": True}),
-    "docking in space": spatial,
     "slider-crank": lambda: crank(piston_pin__law="pereira"),
     "slider-crank, play in both pins": lambda: crank(piston_pin__law="pereira", crank_pin__joint="clearance"),
     "bar drop": drop,

@@ -17,8 +17,9 @@ ROOM = 1.15  # half of the view along the axis, in radii of the cone's mouth
 
 def drawing(design: Design3D, bodies: tuple[str, ...] = ()) -> Drawing:
     """Return both views: the side one shows every body by the projections of its axis and its centre of mass."""
-    side, front = planar_drawing(design, bodies), float(probe_masses(design).front)
-    wide, cone = mouth(design)[1], design.cone
+    shown: Any = design  # the plane's drawing takes what has the plane's fields
+    side, front = planar_drawing(shown, bodies), float(probe_masses(design).front)
+    wide, cone = mouth(shown)[1], design.cone
 
     def frames(history: Any) -> Float[np.ndarray, "steps frames 3"]:
         flat = side.frames(SimpleNamespace(position=from_the_side(history), others=history.others, state=None))

@@ -1,5 +1,7 @@
 """By how much the probe misses the cone's axis in space: aside, by its direction, and by its whole rotation."""
 
+from typing import Any
+
 import jax.numpy as jnp
 
 from ..._types import Scalar
@@ -14,9 +16,9 @@ LEAST = 1e-30  # of a square: keeps the slope of its root finite where nothing i
 
 def misses(mechanism: Assembled, at: EvaluatedState) -> dict[str, Scalar]:
     """Return each miss and its rate, by its name in `Docking3D`."""
-    tip, moves = tip_motion(mechanism, at)
+    tip, moves = map(_in_space, tip_motion(mechanism, at))
     aside, aside_rate = _size(Vector(0.0, tip.y, tip.z), Vector(0.0, moves.y, moves.z))
-    cone, probe = at.kin.frame(T), at.kin.frame(P)
+    cone, probe = (_in_space(at.kin.frame(body)) for body in (T, P))
     spin = probe.spin - cone.spin
     along, axis = probe.turn(AXES[0]), cone.turn(AXES[0])
     across = axis.cross(along)
@@ -32,6 +34,11 @@ def misses(mechanism: Assembled, at: EvaluatedState) -> dict[str, Scalar]:
         "swing_miss": jnp.arctan2(sine, along.dot(axis)),
         "swing_miss_rate": spin.dot(across) / sine,
     }
+
+
+def _in_space(it: Any) -> Any:
+    """Return a vector or a frame as one of space, which its type does not say."""
+    return it
 
 
 def _size(vector: Vector, rate: Vector) -> tuple[Scalar, Scalar]:

@@ -34,8 +34,8 @@ GAIN_WHERE_HELD = 0.5
 class Parts(NamedTuple):
     """What a mechanism was assembled from: ``design``, ``scenario``, and the ``probe`` with its tip."""
 
-    design: Design
-    scenario: Scenario
+    design: DockingDesign[Any]
+    scenario: Any
     probe: Masses
 
 

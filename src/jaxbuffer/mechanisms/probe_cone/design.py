@@ -39,6 +39,7 @@ C = TypeVar("C", bound=Capture)
 class DockingDesign(DesignOf[C]):
     """What designs of a probe in a cone share, in the plane and in space."""
 
+    active: eqx.AbstractVar[Active]
     buffer: eqx.AbstractVar[ProbeBuffer]
     probe: eqx.AbstractVar[RodFields]
     cone: eqx.AbstractVar[Cone]
@@ -127,6 +128,7 @@ class Meeting(Part):
 
     of_free_start: ClassVar[tuple[str, ...]]
     start: eqx.AbstractVar[str]
+    standoff: eqx.AbstractVar[Number]
 
     @property
     def without_effect(self) -> tuple[str, ...]:

@@ -52,7 +52,8 @@ class Throat(Element):
         return -self.design.cone.offset - self.design.probe.tip_radius * jnp.sin(self.design.cone.half_angle)
 
     def evaluate(self, kin: Kinematics, own: Array) -> ThroatState:
-        frame, centre, cone = kin.frame(self.cone_body), kin.point(self.tip_body, self.tip_point), self.design.cone
+        frame: Any = kin.frame(self.cone_body)  # of the plane or of space
+        centre, cone = kin.point(self.tip_body, self.tip_point), self.design.cone
         tip = frame.unturn(centre.place - frame.origin)
         moves = frame.unturn(centre.velocity - frame.velocity)
         # The cone turns with its vehicle: to the relative velocity comes that of its turning axes.
