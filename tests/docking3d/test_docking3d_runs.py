@@ -16,12 +16,6 @@ SLOW = (
     "free start, all rates",
     "free tip, target rolls",
 )
-    "table2, another azimuth",
-    "two planes",
-    "latched, two planes",
-    "free start, all rates",
-    "free tip, target rolls",
-)
 OF_LATCHES = ("latch_force", "latch_time")  # the reference has the capture's time where there is no latch
 
 TIGHT = 1e-9
