@@ -39,7 +39,9 @@ def test_it_is_the_independent_programs(name):
             continue
         value = float(run.quantity(quantity))
         assert math.isfinite(value), quantity
-        assert value == pytest.approx(reference[named], rel=1e-5, abs=1e-12), quantity
+        # A held run ends where the energy left, which falls slowly, is a thousandth.
+        rel = 1e-4 if quantity == "end_time" and reference["outcome"] == "held" else 1e-5
+        assert value == pytest.approx(reference[named], rel=rel, abs=1e-12), quantity
 
 
 @pytest.mark.long
