@@ -47,7 +47,8 @@ def names(design: Design3D) -> Names:
 
 VIEW = dataclasses.replace(
     PLANAR,
-    contact="contact",
+    title="Capture in space",
+    contact="cone",
     names=names,
     label=scenario_label,
     approach=lambda scenario: f"approach at {scenario_label(scenario)}",

@@ -24,12 +24,16 @@ def panels(capture: Capture) -> list[Panel]:
     # The stroke's panel is the buffer's; of the others those come first that tell of the time after the impacts.
     others = (it for it in capture.elements if not isinstance(it, Buffer))
     more = sorted((panel for it in others for panel in it.report.panels(capture)), key=lambda panel: not panel.to_end)
+    view = capture.mechanism.view
+    contacts = [view.contact_in_words(name) for name in view.names(capture.design).contacts]
     gaps = Panel(
         "Gap and distance to capture",
         "distance [mm]",
         (
-            PanelCurve("gap, lower flank", 1e3 * history.gap[:, 0]),
-            PanelCurve("gap, upper flank", 1e3 * history.gap[:, 1]),
+            *(
+                PanelCurve(f"gap, {name}", 1e3 * gap)
+                for name, gap in zip(contacts, np.transpose(history.gap), strict=True)
+            ),
             PanelCurve("to the capture plane", 1e3 * history.throat_distance, dashed=True),
         ),
         (Level("", 0.0),),
