@@ -66,9 +66,8 @@ def test_the_angle_of_a_start_is_that_of_the_rotation_between_the_vehicles(size)
 def test_a_latch_that_puts_in_much_by_turning_is_said_before_a_run():
     """½ · 50 N m/rad · (0.03² + 0.04²) is 62.5 mJ: yaw and pitch count together, to second order."""
     (line,) = said(LATCH, jb.Scenario3D(passive_yaw=0.03, passive_pitch=0.04))
-    assert line.startswith(
-        "closing the latch adds up to 62.5 mJ by turning the probe, at the start's angle of 2.86 deg"
-    )
+    assert line.startswith("closing the latch adds up to 62.5 mJ by turning the probe")
+    assert "the start's angle of 2.86 deg" in line
     assert said(LATCH, jb.Scenario3D(passive_yaw=0.003, passive_pitch=0.004)) == []
 
 

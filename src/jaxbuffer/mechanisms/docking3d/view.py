@@ -1,7 +1,10 @@
 """What is told of a docking in space and drawn of it."""
 
 import dataclasses
+import functools
+from types import MappingProxyType
 
+from ..probe_cone.panels import panels
 from ..probe_cone.view import VIEW as PLANAR
 from ..view import Names
 from .assembly import CONTACTS
@@ -45,6 +48,8 @@ def names(design: Design3D) -> Names:
     )
 
 
+ANGLES = MappingProxyType({"√(α² + β²)": "hinge_angle", "α, about y": "hinge_alpha", "β, about z": "hinge_beta"})
+
 VIEW = dataclasses.replace(
     PLANAR,
     title="Capture in space",
@@ -52,6 +57,7 @@ VIEW = dataclasses.replace(
     names=names,
     label=scenario_label,
     approach=lambda scenario: f"approach at {scenario_label(scenario)}",
+    panels=functools.partial(panels, angles=ANGLES),
     drawing=drawing,
     limitations=("The forces have not been compared with a test of hardware: docs/verification.md.",),
 )
