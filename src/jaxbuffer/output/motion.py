@@ -141,7 +141,7 @@ def motion_figure(run: Run, times: Sequence[float] | None = None) -> Figure:
         grid[k, 0].set_title(caption(at, k))
         if detail is not None:
             # Where both name a part, the entry of the whole stays.
-            named = closer(grid[k, 1], at, k) | named
+            named = named | closer(grid[k, 1], at, k) | named
     legend_below(figure, list(named.values()), list(named))
     arrows = ". Arrows: contact force" if at.drawing.touches else ""
     figure.suptitle(f"{run.mechanism.view.title}, {run.mechanism.view.approach(run.scenario)}{arrows}")

@@ -10,6 +10,7 @@ from jaxtyping import Array, Float
 from ...hybrid import Kind
 from ...programs.cache import stored
 from ...value_text import percent_text, with_unit
+from ..assembled import Assembled
 from ..energy import energy_text, energy_unit
 from ..registry import mechanism_of
 from .bodies import T
@@ -46,6 +47,7 @@ def course(
     """
     design = parameters[0]
     mechanism = mechanism_of(design).system(*parameters)
+    assert isinstance(mechanism, Assembled)
     passive = design.passive.mass
     active = design.active.mass + design.buffer.cylinder_mass + mechanism.parts.probe.mass
 
