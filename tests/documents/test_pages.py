@@ -15,7 +15,7 @@ from jaxbuffer.mechanisms import all_mechanisms, registry
 
 README = ROOT / "README.md"
 # Pages for `make test-long`.
-LONG = ("diffrax", "gradients", "mechanisms", "ring", "slider_crank", "structures", "tank_drop", "tuning")
+LONG = ("diffrax", "docking3d", "gradients", "mechanisms", "ring", "slider_crank", "structures", "tank_drop", "tuning")
 
 
 @pytest.mark.slow

@@ -10,7 +10,6 @@ from jaxbuffer.fields import get, inactive, metadata, paths
 from jaxbuffer.mechanisms import all_mechanisms
 from jaxbuffer.mechanisms.cautions import cautions
 from jaxbuffer.mechanisms.probe_cone.assembly import assemble
-from jaxbuffer.mechanisms.probe_cone.contradictions import _flight
 from jaxbuffer.mechanisms.probe_cone.mechanism import PROBE_CONE
 from jaxbuffer.study.load import load
 
@@ -126,9 +125,9 @@ def test_the_flight_turns_about_the_active_vehicles_centre_of_mass():
     scenario = jb.Scenario(start="free", active_rate=0.2, standoff=0.05)
     tip = -float(design.cone.offset + design.cone.length * np.cos(design.cone.half_angle)) - 0.015 - 0.05
     centre = float(assemble(design, scenario).q[0])
-    x, y = _flight(design, scenario, tip)
+    x, aside = scenario.approach.flight(design, scenario, tip)
     along = np.diff(x[:2])[0] / 0.1  # s at 0.1 m/s, turned by 1e-5 rad
-    assert np.diff(y[:2])[0] / along == pytest.approx(0.2 * (tip - centre), rel=1e-3)
+    assert np.diff(aside[:2])[0] / along == pytest.approx(0.2 * (tip - centre), rel=1e-3)
 
 
 def test_one_of_several_scenarios_that_misses_is_numbered():

@@ -69,7 +69,7 @@ def test_the_impact_that_turns_the_vehicles_round_is_named(escaped, seen):
     turn, hits, last = turned_round(escaped, seen), escaped.impacts, int(escaped._located.count)
     times = np.asarray(hits.time)[: int(hits.count)]
     assert turn.before > 0.0 > turn.after
-    assert turn.time == pytest.approx(times[turn.impact - 1]) and turn.flank == int(hits.contact[turn.impact - 1])
+    assert turn.time == pytest.approx(times[turn.impact - 1]) and turn.contact == int(hits.contact[turn.impact - 1])
     later = np.asarray(escaped._located.time)[:last] >= times[turn.impact]
     assert np.all(seen.approach[:last][later] <= 0.0)
 

@@ -153,7 +153,8 @@ class Detail(NamedTuple):
     """A closer look: ``title``; ``centre`` and ``half`` the width of what is seen [m].
 
     ``shapes``: drawn instead of the whole mechanism's, if any; ``true``: whether all is in scale; ``axes``: what is
-    seen to the right and upwards; ``path``: number of a frame whose way so far is drawn, None for none.
+    seen to the right and upwards; ``path``: number of a frame whose way so far is drawn, None for none; ``framed``:
+    whether it is seen from where the whole is seen, whose picture then has a frame around it.
     """
 
     title: str
@@ -163,6 +164,7 @@ class Detail(NamedTuple):
     true: bool = True
     axes: tuple[str, str] = ("x from the middle [mm]", "y [mm]")
     path: int | None = None
+    framed: bool = True
 
 
 def as_they_are(history: Any) -> Float[np.ndarray, "steps bodies 3"]:

@@ -153,12 +153,13 @@ def _level(axes: Axes, level: Level) -> None:
     colour, dashes = (RED, "-") if level.limit else (GREY, "--") if level.label else ("black", "-")
     axes.axhline(level.value, color=colour, linestyle=dashes, linewidth=0.8)
     if level.label:
-        place = (1.0, level.value)
+        # Outside of what is drawn: below a level that is the lowest, which has a value below zero.
+        place, below = (1.0, level.value), level.value < 0.0
         axes.annotate(
-            level.label, place, (0, 2), axes.get_yaxis_transform(), "offset points",
-            color=RED if level.limit else INK, ha="right", va="bottom", fontsize=8,
+            level.label, place, (0, -2 if below else 2), axes.get_yaxis_transform(), "offset points",
+            color=RED if level.limit else INK, ha="right", va="top" if below else "bottom", fontsize=8,
         )  # fmt: skip
-        # A level may be the highest of all that is drawn, and its name stands above it.
+        # A level may be the highest or lowest of all that is drawn, with its name beyond it.
         axes.margins(y=0.12)
 
 

@@ -141,7 +141,7 @@ def motion_figure(run: Run, times: Sequence[float] | None = None) -> Figure:
         grid[k, 0].set_title(caption(at, k))
         if detail is not None:
             # Where both name a part, the entry of the whole stays.
-            named = closer(grid[k, 1], at, k) | named
+            named = named | closer(grid[k, 1], at, k) | named
     legend_below(figure, list(named.values()), list(named))
     arrows = ". Arrows: contact force" if at.drawing.touches else ""
     figure.suptitle(f"{run.mechanism.view.title}, {run.mechanism.view.approach(run.scenario)}{arrows}")
@@ -191,7 +191,7 @@ def whole(axes: Axes, at: Scene, k: int) -> dict[str, Any]:
     forces(axes, at.drawing, frames, _instant(at, k), *_arrows(at, 0.2 * max(right - left, high - low)))
     detail = at.drawing.detail
     # A frame nearly as large as the picture would not show where the detail is.
-    if detail is not None and (h := _half(at, k)) < 0.2 * (right - left):
+    if detail is not None and detail.framed and (h := _half(at, k)) < 0.2 * (right - left):
         x, y = detail.centre.at(frames)
         axes.plot([x - h, x + h, x + h, x - h, x - h], [y - h, y - h, y + h, y + h, y - h], ":", color=GREY, zorder=3)
     axes.set_xlim(left, right)
@@ -210,7 +210,7 @@ def closer(axes: Axes, at: Scene, k: int) -> dict[str, Any]:
     forces(axes, at.drawing, frames, _instant(at, k), *_arrows(at, 0.8 * half), MM, middle)
     if at.path is not None:
         way = at.path[np.asarray(at.run.history.time) <= at.times[k]] - middle  # type: ignore[union-attr]
-        axes.plot(*(way / MM).T, "-", color=BLUE, linewidth=0.9, zorder=3)
+        axes.plot(*(way / MM).T, "-", color=RED, linewidth=1.2, zorder=3)
     axes.set_xlim(-half / MM, half / MM)
     axes.set_ylim(-half / MM, half / MM)
     axes.set_title(detail.title)

@@ -77,6 +77,8 @@ def motion_record(run: Run) -> dict[str, Any]:
         "paces": [speed_in_words(float(slower)) for slower in paced.slower],
         "frames": _rounded(at.frames),
         "forces": [_forces(at, k) for k in range(len(at.times))],
+        # A picture of a mechanism in space has no arrows, and tells the forces' sizes all the same.
+        "acting": _rounded(np.hypot(at.instants.contact_force, at.instants.friction_force)),
         # The page's script divides by it, also where nothing touches.
         "largest": max(at.peak, 1e-12),
         "contacts": contact_names(run),
@@ -88,6 +90,7 @@ def motion_record(run: Run) -> dict[str, Any]:
             **_spot(detail.centre),
             "half": detail.half,
             "title": detail.title,
+            "path": detail.path,
             "shapes": _shapes(detail.shapes, at.frames.shape[1]),  # what is drawn there instead, if anything
         },
     }

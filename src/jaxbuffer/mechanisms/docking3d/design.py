@@ -10,8 +10,9 @@ from jaxtyping import Array, Bool
 
 from ..._types import Scalar
 from ...errors import InputError, check_entries, check_type, concrete, inside
-from ...fields import POSITIVE, Number, all_of, like, number
+from ...fields import POSITIVE, Number, all_of, choice, like, number
 from ...space import Quaternion, Vector
+from ..probe_cone.approach import Approach, rotation_matrix
 from ..probe_cone.contact import Contact
 from ..probe_cone.design import (
     NOT_FACING,
@@ -144,7 +145,12 @@ class Approach3D(Meeting):
     passive_rate_y: Number = number(0.0, "rad/s", doc="pitch rate of the passive vehicle at the start")
     passive_rate_z: Number = number(0.0, "rad/s", doc="yaw rate of the passive vehicle at the start")
     active_rate_x: Number = number(0.0, "rad/s", doc="roll rate of the active vehicle at the start")
-    start: str = like(Scenario, "start")
+    start: str = choice(
+        "contact",
+        "contact",
+        "free",
+        doc="contact: the tip touches the cone at the start, at the azimuth; free: it is anywhere before the cone",
+    )
     offset_y: Number = number(0.0, "m", doc=f"y of the tip from the cone's axis {AT_FREE_START}")
     offset_z: Number = number(0.0, "m", doc=f"z of the tip from the cone's axis {AT_FREE_START}")
     standoff: Number = like(Scenario, "standoff")
@@ -159,6 +165,20 @@ class Approach3D(Meeting):
         *("offset_y", "offset_z", "standoff", "active_yaw", "active_pitch", "active_rate_y", "active_rate_z"),
         *("lateral_speed_y", "lateral_speed_z"),
     )
+    offsets: ClassVar[tuple[str, ...]] = ("offset_y", "offset_z")
+
+    @property
+    def approach(self) -> Approach:
+        """Return the start in plain numbers."""
+        lateral = float(self.lateral_speed_y), float(self.lateral_speed_z)
+        return Approach(
+            speeds=np.array([float(self.approach_speed), *lateral]),
+            offset=(float(self.offset_y), float(self.offset_z)),
+            active=rotation_matrix(self.active_yaw, self.active_pitch),
+            passive=rotation_matrix(self.passive_yaw, self.passive_pitch),
+            active_spin=np.array([float(rate) for rate in self.active_spin]),
+            passive_spin=np.array([float(rate) for rate in self.passive_spin]),
+        )
 
     @property
     def without_effect(self) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from ..drawing import Detail, Disc, Drawing, Spot
+from ..probe_cone.approach import turned
 from ..probe_cone.bodies import P, T, probe_masses
 from ..probe_cone.drawing import drawing as planar_drawing
 from ..probe_cone.drawing import mouth
@@ -32,12 +33,14 @@ def drawing(design: Design3D, bodies: tuple[str, ...] = ()) -> Drawing:
         Spot(count),
         ROOM * wide,
         (
+            # Of the probe's colour, below both edges of the cone.
+            Disc(Spot(count + 1), float(design.probe.tip_radius), part="probe"),
             Disc(Spot(count), wide, filled=False, part="mouth and throat of the cone"),
             Disc(Spot(count), float(cone.throat_radius), filled=False),
-            Disc(Spot(count + 1), float(design.probe.tip_radius), filled=False, part="tip"),
         ),
         axes=("z [mm]", "y [mm]"),
         path=count + 1,
+        framed=False,
     )
     return Drawing(side.shapes, names=side.names, detail=along, frames=frames)
 
@@ -50,7 +53,7 @@ def _at_rest(bodies: tuple[str, ...]) -> Any:
 def from_the_side(history: Any) -> Float[np.ndarray, "steps bodies 3"]:
     """Return x and y of each body, and the angle of its axis as it is seen along z."""
     position = np.asarray(history.position)
-    along = _turned(position[..., 3:], np.array([1.0, 0.0, 0.0]))
+    along = turned(position[..., 3:], np.array([1.0, 0.0, 0.0]))
     return np.concatenate([position[..., :2], np.arctan2(along[..., 1], along[..., 0])[..., None]], axis=-1)
 
 
@@ -58,15 +61,7 @@ def along_the_axis(history: Any, front: float) -> Float[np.ndarray, "steps 2 3"]
     """Return the frames of a view in which the cone stands still, z to the right and y up: its own, and the tip's,
     ``front`` [m] before the probe's centre of mass."""
     position = np.asarray(history.position)
-    tip = position[:, P, :3] + _turned(position[:, P, 3:], np.array([front, 0.0, 0.0]))
-    off = _turned(-position[:, T, 3:], tip - position[:, T, :3])
+    tip = position[:, P, :3] + turned(position[:, P, 3:], np.array([front, 0.0, 0.0]))
+    off = turned(-position[:, T, 3:], tip - position[:, T, :3])
     moved = np.stack([off[:, 2], off[:, 1], np.zeros(len(off))], axis=-1)
     return np.stack([np.zeros_like(moved), moved], axis=1)
-
-
-def _turned(rotation: np.ndarray, vector: np.ndarray) -> np.ndarray:
-    """Return a vector turned by a rotation vector [rad] (Rodrigues)."""
-    angle = np.linalg.norm(rotation, axis=-1, keepdims=True)
-    axis = rotation / np.maximum(angle, 1e-300)
-    across = np.cross(axis, vector)
-    return vector + np.sin(angle) * across + (1.0 - np.cos(angle)) * np.cross(axis, across)

@@ -1,10 +1,17 @@
 """What is told of a docking in space and drawn of it."""
 
 import dataclasses
+from types import MappingProxyType
+from typing import Any
 
+import numpy as np
+
+from ..picture import Panel, PanelCurve
+from ..probe_cone.panels import panels as docking_panels
 from ..probe_cone.view import VIEW as PLANAR
 from ..view import Names
 from .assembly import CONTACTS
+from .capture import Capture3D
 from .design import Design3D
 from .drawing import drawing
 from .label import scenario_label
@@ -45,12 +52,26 @@ def names(design: Design3D) -> Names:
     )
 
 
+ANGLES = MappingProxyType({"√(α² + β²)": "hinge_angle", "α, about y": "hinge_alpha", "β, about z": "hinge_beta"})
+
+
+def panels(capture: Capture3D) -> list[Panel]:
+    """Return the panels of every docking with a history, and how the hinge's angles go in their plane."""
+    others: Any = capture.history.others  # type: ignore[union-attr]
+    alpha, beta = (np.degrees(np.asarray(others[name])) for name in ("hinge_alpha", "hinge_beta"))
+    way = PanelCurve("", beta, along=alpha)
+    plane = Panel("Hinge angles in their plane", "β, about z [°]", (way,), path="α, about y [°]")
+    return [*docking_panels(capture, ANGLES), plane]
+
+
 VIEW = dataclasses.replace(
     PLANAR,
-    contact="contact",
+    title="Capture in space",
+    contact="cone",
     names=names,
     label=scenario_label,
     approach=lambda scenario: f"approach at {scenario_label(scenario)}",
+    panels=panels,
     drawing=drawing,
     limitations=("The forces have not been compared with a test of hardware: docs/verification.md.",),
 )

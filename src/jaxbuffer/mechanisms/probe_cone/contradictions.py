@@ -9,9 +9,6 @@ from ..view import Caution
 from .design import Design, Scenario
 from .parts import parts_of
 
-INSTANTS = 4001  # of a flight, between which the tip moves by far less than its radius
-FURTHER = 4.0  # times the way to the throat that a flight is followed
-
 
 def contradictions(design: Design, scenario: Scenario) -> list[Caution]:
     """Return a caution for a ball that does not pass the throat, an approach that misses the cone, and what the parts
@@ -46,45 +43,17 @@ def _miss(design: Design, scenario: Scenario) -> Iterator[Caution]:
     length, angle = float(cone.length), float(cone.half_angle)
     mouth = -float(cone.offset) - length * np.cos(angle)
     rim = float(cone.throat_radius) + length * np.sin(angle)
-    x, y = _flight(design, scenario, mouth - radius - float(scenario.standoff))
+    x, aside = scenario.approach.flight(design, scenario, mouth - radius - float(scenario.standoff))
     past = np.flatnonzero(x > mouth)
     # A tip that does not get to the mouth in that time does not miss it for certain.
     if not past.size:
         return
     before = slice(0, int(past[0]) + 1)
-    off = np.interp(mouth, x[before][-2:], y[before][-2:])
+    off = np.interp(mouth, x[before][-2:], aside[before][-2:])
     # A tip that passes the mouth outside the rim may have touched the rim on its way.
-    nearest = np.min(np.hypot(x[before] - mouth, np.abs(y[before]) - rim))
-    if abs(off) > rim and nearest > radius:
-        passed = f"the tip passes its mouth {1e3 * abs(off):.4g} mm off the axis, beyond the rim at {1e3 * rim:.4g} mm"
-        given = f"scenario.offset is {1e3 * float(scenario.offset):.4g} mm"
-        yield Caution(f"the approach misses the cone: {passed}; {given}", "approach", excess=abs(off) - rim)
-
-
-def _flight(design: Design, scenario: Scenario, start: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return where the tip's centre is in the axes of the passive vehicle [m] while nothing touches, at instants from 0
-    on.
-
-    ``start``: its x at t = 0 in those axes [m] (M170).
-    """
-    speed, lateral = float(scenario.approach_speed), float(scenario.lateral_speed)
-    time = np.linspace(0.0, FURTHER * abs(start) / speed, INSTANTS)
-    turn, tilt = float(scenario.misalignment), float(scenario.active_angle)
-    offset = float(scenario.offset)
-    first = start * np.cos(turn) - offset * np.sin(turn), start * np.sin(turn) + offset * np.cos(turn)
-    # The active vehicle turns about its centre of mass, which is this far behind the tip at the spring's free length.
-    # The hinge is at the cylinder's front, and the spring begins at its rear.
-    buffer, probe = design.buffer, float(design.probe.length)
-    to_hinge = probe + float(buffer.free_length) - float(buffer.cylinder_length)
-    behind = float(design.active.hinge_offset) + to_hinge
-    pushed = np.zeros_like(time)
-    if scenario.has("thrust"):
-        for_time, push = float(scenario.thrust_time), float(scenario.thrust) / float(design.active.mass)
-        pushing = np.minimum(time, for_time)
-        # ½ a t² while it pushes, and from then on at the speed a τ that it has given: one formula for both.
-        pushed = push * pushing * (time - 0.5 * pushing)
-    axis = tilt + float(scenario.active_rate) * time
-    x = first[0] + speed * time + pushed * np.cos(tilt) + behind * (np.cos(axis) - np.cos(tilt))
-    y = first[1] + lateral * time + pushed * np.sin(tilt) + behind * (np.sin(axis) - np.sin(tilt))
-    seen = turn + float(scenario.passive_rate) * time
-    return x * np.cos(seen) + y * np.sin(seen), -x * np.sin(seen) + y * np.cos(seen)
+    nearest = np.min(np.hypot(x[before] - mouth, aside[before] - rim))
+    if off > rim and nearest > radius:
+        passed = f"the tip passes its mouth {1e3 * off:.4g} mm off the axis, beyond the rim at {1e3 * rim:.4g} mm"
+        offsets = (f"scenario.{name} is {1e3 * float(getattr(scenario, name)):.4g} mm" for name in scenario.offsets)
+        given = " and ".join(offsets)
+        yield Caution(f"the approach misses the cone: {passed}; {given}", "approach", excess=off - rim)

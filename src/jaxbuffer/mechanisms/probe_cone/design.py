@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from abc import abstractmethod
 from collections.abc import Iterator
 from typing import Any, ClassVar, TypeVar
 
@@ -16,6 +17,7 @@ from ...errors import InputError, check_entries, check_type, concrete, inside, s
 from ...fields import NON_NEGATIVE, POSITIVE, Number, Part, all_of, choice, number
 from ...suggestions import same_name, same_word
 from ..run import DesignOf
+from .approach import Approach, rotation_matrix
 from .capture import Capture
 from .contact import Contact
 from .parts import (
@@ -124,11 +126,18 @@ class Meeting(Part):
     """What scenarios of a docking share, in the plane and in space: the start in contact or free.
 
     - ``of_free_start``: names of the fields that belong to a free start.
+    - ``offsets``: names of the fields of the tip's offset from the cone's axis.
     """
 
     of_free_start: ClassVar[tuple[str, ...]]
+    offsets: ClassVar[tuple[str, ...]]
     start: eqx.AbstractVar[str]
     standoff: eqx.AbstractVar[Number]
+
+    @property
+    @abstractmethod
+    def approach(self) -> Approach:
+        """Return the start in plain numbers."""
 
     @property
     def without_effect(self) -> tuple[str, ...]:
@@ -196,6 +205,19 @@ class MeetingFields(Meeting):
     lateral_speed: Number = number(0.0, "m/s", doc="speed of the active vehicle across its approach at a free start")
 
     of_free_start: ClassVar[tuple[str, ...]] = OF_FREE_START
+    offsets: ClassVar[tuple[str, ...]] = ("offset",)
+
+    @property
+    def approach(self) -> Approach:
+        """Return the start in plain numbers."""
+        return Approach(
+            speeds=np.array([float(self.approach_speed), float(self.lateral_speed), 0.0]),
+            offset=(float(self.offset), 0.0),
+            active=rotation_matrix(self.active_angle),
+            passive=rotation_matrix(self.misalignment),
+            active_spin=np.array([0.0, 0.0, float(self.active_rate)]),
+            passive_spin=np.array([0.0, 0.0, float(self.passive_rate)]),
+        )
 
 
 class Scenario(ThrustFields, MeetingFields):

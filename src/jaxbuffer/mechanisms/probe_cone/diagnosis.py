@@ -10,8 +10,9 @@ from jaxtyping import Array, Float
 from ...hybrid import Kind
 from ...programs.cache import stored
 from ...value_text import percent_text, with_unit
+from ..assembled import Assembled
 from ..energy import energy_text, energy_unit
-from .assembly import CONTACTS, assemble
+from ..registry import mechanism_of
 from .bodies import T
 from .capture import Capture
 from .panels import NOT_ELASTIC
@@ -44,8 +45,9 @@ def course(
 
     ``closed``: contacts that are closed then.
     """
-    mechanism = assemble(*parameters)
     design = parameters[0]
+    mechanism = mechanism_of(design).system(*parameters)
+    assert isinstance(mechanism, Assembled)
     passive = design.passive.mass
     active = design.active.mass + design.buffer.cylinder_mass + mechanism.parts.probe.mass
 
@@ -55,12 +57,12 @@ def course(
         momentum = mechanism.momentum(state)[0]
         cone = here.kin.frame(T)
         # The active side has the momentum of the whole less that of the passive vehicle.
-        x, y = ((momentum[k] - passive * v) / active - v for k, v in enumerate((cone.velocity.x, cone.velocity.y)))
-        speed = x * cone.cos + y * cone.sin
+        common = here.kin.basis.vector(*momentum)
+        speed = ((common - cone.velocity * passive) * (1.0 / active) - cone.velocity).dot(cone.x_axis)
         reduced = active * passive / (active + passive)
-        common = 0.5 * (momentum[0] ** 2 + momentum[1] ** 2) / (active + passive)
+        together = 0.5 * common.dot(common) / (active + passive)
         relative = mechanism.relative_energy(here, touching)
-        return Course(tip.before, -tip.receding, speed, 0.5 * reduced * speed**2, common, relative)
+        return Course(tip.before, -tip.receding, speed, 0.5 * reduced * speed**2, together, relative)
 
     return jax.vmap(at)(states, closed)
 
@@ -68,12 +70,13 @@ def course(
 class Turn(NamedTuple):
     """The impact after which the vehicles parted for good.
 
-    ``impact``: its number from 1; ``flank``: its number; ``time`` of its touchdown [s]; ``before``, ``after``: how fast
-    the vehicles approach each other at that touchdown, and at the first event at which they part [m/s].
+    ``impact``: its number from 1; ``contact``: number of what is touched; ``time`` of its touchdown [s]; ``before``,
+    ``after``: how fast the vehicles approach each other at that touchdown, and at the first event at which they part
+    [m/s].
     """
 
     impact: int
-    flank: int
+    contact: int
     time: float
     before: float
     after: float
@@ -86,8 +89,9 @@ def turned_round(capture: Capture, motion: Course) -> Turn | None:
     count = min(int(log.count), int(log.room))
     kind, which, time = (np.asarray(x)[:count] for x in (log.kind, log.which, log.time))
     approach = np.asarray(motion.approach)[:count]
+    contacts = len(capture.mechanism.view.names(capture.design).contacts)
     # Parts have touchdowns too, under numbers behind those of the flanks.
-    touched = (kind == Kind.TOUCHDOWN) & (which < len(CONTACTS))
+    touched = (kind == Kind.TOUCHDOWN) & (which < contacts)
     approaching = np.flatnonzero(approach > 0.0)
     # They never approach, or still do, or nothing touches before they part: no impact turned them round.
     if not approaching.size or approaching[-1] == count - 1 or not np.any(touched[: approaching[-1] + 1]):
@@ -159,8 +163,10 @@ def _turn(capture: Capture, motion: Course) -> str:
     turn = turned_round(capture, motion)
     if turn is None:
         return "never: the vehicles still approach each other at the end"
+    view = capture.mechanism.view
+    contact = view.contact_in_words(view.names(capture.design).contact(turn.contact))
     return (
-        f"impact {turn.impact} of {int(capture.impact_count)}, {CONTACTS[turn.flank]} flank, at {turn.time:.4g} s: the"
+        f"impact {turn.impact} of {int(capture.impact_count)}, {contact}, at {turn.time:.4g} s: the"
         f" vehicles approach at {1e3 * turn.before:.3g} mm/s before it and part at {-1e3 * turn.after:.3g} mm/s after"
     )
 

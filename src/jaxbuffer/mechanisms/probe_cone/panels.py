@@ -1,5 +1,7 @@
 """What to draw of a capture over time."""
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -17,19 +19,29 @@ SUPPLIES = tuple(part.supply for part in PARTS if part.supply is not None)
 NOT_ELASTIC = ("kinetic", *(supply.name for supply in SUPPLIES))  # of what a history calls stored
 
 
-def panels(capture: Capture) -> list[Panel]:
+ONE_ANGLE: Mapping[str, str] = MappingProxyType({"": "hinge_angle"})
+
+
+def panels(capture: Capture, angles: Mapping[str, str] = ONE_ANGLE) -> list[Panel]:
     """Return panels of gap and distance to capture, energy, stroke, hinge angle and elements of a capture with a
-    history."""
+    history.
+
+    ``angles``: the history's names of the hinge's angles, by what the legend calls them.
+    """
     history: Any = capture.history
     # The stroke's panel is the buffer's; of the others those come first that tell of the time after the impacts.
     others = (it for it in capture.elements if not isinstance(it, Buffer))
     more = sorted((panel for it in others for panel in it.report.panels(capture)), key=lambda panel: not panel.to_end)
+    view = capture.mechanism.view
+    contacts = [view.contact_in_words(name) for name in view.names(capture.design).contacts]
     gaps = Panel(
         "Gap and distance to capture",
         "distance [mm]",
         (
-            PanelCurve("gap, lower flank", 1e3 * history.gap[:, 0]),
-            PanelCurve("gap, upper flank", 1e3 * history.gap[:, 1]),
+            *(
+                PanelCurve(f"gap, {name}", 1e3 * gap)
+                for name, gap in zip(contacts, np.transpose(history.gap), strict=True)
+            ),
             PanelCurve("to the capture plane", 1e3 * history.throat_distance, dashed=True),
         ),
         (Level("", 0.0),),
@@ -38,7 +50,7 @@ def panels(capture: Capture) -> list[Panel]:
     angle = Panel(
         f"Hinge angle{reach(turned, most, '°')}",
         "hinge angle [°]",
-        (PanelCurve("", np.degrees(history.hinge_angle)),),
+        tuple(PanelCurve(label, np.degrees(history.others[name])) for label, name in angles.items()),
         (Level("", 0.0),),
     )
     rest = [_energy(capture), _stroke(capture), angle, *more]

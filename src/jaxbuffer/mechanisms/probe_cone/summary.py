@@ -1,5 +1,7 @@
 """A capture in a dozen lines, for people."""
 
+from typing import Any
+
 import jax
 import numpy as np
 
@@ -10,9 +12,7 @@ from ...labelled.record import heading
 from ...value_text import percent_text
 from ..energy import energy_text
 from ..quantity import NEGLIGIBLE
-from .assembly import CONTACTS
 from .capture import Capture
-from .label import scenario_label
 from .law_validity import warnings
 from .outcome import Outcome
 from .panels import SUPPLIES, energy_shares, stroke_limits
@@ -23,15 +23,15 @@ from .vehicle_forces import larger_than_contact
 
 def summary(capture: Capture) -> str:
     """Return a capture in a dozen lines, units included."""
-    outcome = capture.outcome
+    outcome, view = capture.outcome, capture.mechanism.view
     if outcome.failed:
-        where = scenario_label(capture.scenario)
-        return f"Capture: {outcome.reason} (after {int(capture.attempts)} steps; {where})"
+        where = view.label(capture.scenario)
+        return f"{view.title}: {outcome.reason} (after {int(capture.attempts)} steps; {where})"
     e, b = jax.tree.map(np.asarray, (capture.energy, capture.balance))  # so that sums compile nothing
     at = capture.maximum_times
     lines = [
-        f"Capture: {outcome.reason}",
-        f"  scenario             {scenario_label(capture.scenario)}",
+        f"{view.title}: {outcome.reason}",
+        f"  scenario             {view.label(capture.scenario)}",
         f"  end time             {float(capture.end_time):.6g} s, in contact {float(capture.contact_time):.4g} s",
         f"  peak contact force   {_peak(capture)}",
         *_larger(capture),
@@ -42,7 +42,7 @@ def summary(capture: Capture) -> str:
         *(f"  extension            {text}" for text in (extension_text(capture),) if text),
         f"  hinge angle          {np.degrees(float(capture.hinge_angle)):.6g} deg{when(at['hinge_angle'])}",
         *(line for element in capture.elements for line in _of_part(capture, element)),
-        f"  penetration          at most {1e6 * float(capture.penetration):.3g} µm into a flank",
+        f"  penetration          at most {1e6 * float(capture.penetration):.3g} µm into a {view.contact}",
         f"  capture margin       {_margin(capture)}",
         f"  energy left          {_energy_left(capture)}",
         f"  energy               {_energy_before(capture)}, dissipated {float(e.dissipated):.6g} J"
@@ -70,10 +70,15 @@ def _stroke(capture: Capture, at: dict[str, float]) -> str:
 
 def _peak(capture: Capture) -> str:
     if not int(capture.impact_count):
-        return "none: the tip touched no flank"
-    flank = CONTACTS[int(capture.peak_contact)]
+        return f"none: the tip touched no {capture.mechanism.view.contact}"
     when = f"{float(capture.peak_force):.6g} N at {float(capture.peak_time):.6g} s"
-    return f"{when}, {flank} flank, {_which_impact(capture)}"
+    return f"{when}, {_contact(capture, capture.peak_contact)}, {_which_impact(capture)}"
+
+
+def _contact(capture: Capture, number: Any) -> str:
+    """Return a contact in words: "upper flank"; "cone" of the only one."""
+    view = capture.mechanism.view
+    return view.contact_in_words(view.names(capture.design).contact(int(number)))
 
 
 def _larger(capture: Capture) -> list[str]:
@@ -86,7 +91,7 @@ def _first_impact(capture: Capture) -> list[str]:
     if not int(capture.impact_count):
         return []
     if capture.scenario.start == "free":
-        return [f"  first impact         {peak:.6g} N, {CONTACTS[int(capture.impacts.contact[0])]} flank"]
+        return [f"  first impact         {peak:.6g} N, {_contact(capture, capture.impacts.contact[0])}"]
     return [
         f"  first impact         {peak:.6g} N; closed form {_predicted(capture)} ({float(first.elastic_peak):.4g} N"
         f" without loss): effective mass {float(first.effective_mass):.4g} kg,"

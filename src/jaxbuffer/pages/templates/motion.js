@@ -28,7 +28,7 @@ function corners(shape, frames) {
 }
 
 class View {
-  constructor(svg, data, shapes) {
+  constructor(svg, data, shapes, path = null) {
     this.svg = svg;
     this.data = data;
     this.drawn = shapes;
@@ -41,12 +41,19 @@ class View {
       return element;
     });
     this.arrows = data.contacts.map(() => {
-      const element = this.add("polyline");
-      element.setAttribute("fill", "none");
-      element.setAttribute("stroke", "#b2182b");
+      const element = this.line("#b2182b");
       element.style.strokeWidth = "3px";
       return element;
     });
+    this.path = path;
+    if (path !== null) this.way = this.line("#d55e00");
+  }
+
+  line(colour) {
+    const element = this.add("polyline");
+    element.setAttribute("fill", "none");
+    element.setAttribute("stroke", colour);
+    return element;
   }
 
   add(name) {
@@ -60,6 +67,7 @@ class View {
     const frames = this.data.frames[k], flipped = points => points.map(([x, y]) => `${x},${-y}`).join(" ");
     this.svg.setAttribute("viewBox", `${left} ${-high} ${right - left} ${high - low}`);
     this.drawn.forEach((shape, n) => this.shapes[n].setAttribute("points", flipped(corners(shape, frames))));
+    if (this.way) this.way.setAttribute("points", flipped(this.data.frames.slice(0, k + 1).map(all => all[this.path])));
     const reach = 0.2 * (right - left);
     this.data.forces[k].forEach(([x, y, forceX, forceY], n) => {
       const scale = reach / this.data.largest, tip = [x + scale * forceX, y + scale * forceY];
@@ -80,7 +88,7 @@ class Motion {
     this.whole = new View(root.querySelector(".whole"), this.data, this.data.shapes);
     const closer = root.querySelector(".closer");
     const detail = this.data.detail, own = detail && detail.shapes && detail.shapes.length ? detail.shapes : this.data.shapes;
-    if (detail) this.closer = new View(closer, this.data, own); else closer.remove();
+    if (detail) this.closer = new View(closer, this.data, own, detail.path); else closer.remove();
     this.button = root.querySelector(".play");
     this.slider = root.querySelector(".time");
     this.clock = root.querySelector(".clock");
@@ -97,7 +105,9 @@ class Motion {
       const { body, x, y, half } = this.data.detail, [cx, cy] = placed(frameOf(this.data.frames[k], body), [x, y]);
       this.closer.show(k, [[cx - half, cy - half], [cx + half, cy + half]]);
     }
-    const acting = this.data.contacts.map((name, n) => [name, Math.hypot(...this.data.forces[k][n].slice(2))])
+    // Records of earlier versions have the arrows alone.
+    const sizes = this.data.acting ? this.data.acting[k] : this.data.forces[k].map(([, , x, y]) => Math.hypot(x, y));
+    const acting = this.data.contacts.map((name, n) => [name, sizes[n]])
       .filter(([, force]) => force > 1e-4 * this.data.largest).map(([name, force]) => `${force.toPrecision(3)} N ${name}`);
     const text = [`${this.data.times[k].toPrecision(4)} s`, this.data.paces[k], ...acting].join(" · ");
     this.clock.textContent = text;

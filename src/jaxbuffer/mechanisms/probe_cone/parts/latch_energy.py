@@ -105,15 +105,13 @@ def closing_warnings(capture: Any) -> list[str]:
 def closing_cautions(design: Any, scenario: Any) -> list[Caution]:
     """Return a caution where turning the probe onto the cone's axis, by its angle at the start, puts in more than a
     tenth of what the vehicles bring. How far the tip misses the seat is known after a run only."""
-    free = scenario.start == "free"
-    angle = (float(scenario.active_angle) if free else 0.0) - float(scenario.misalignment)
-    speed = np.hypot(float(scenario.approach_speed), float(scenario.lateral_speed) if free else 0.0)
+    angle, speed = scenario.approach.angle, np.linalg.norm(scenario.approach.speeds)
     turn, brought = closing_parts(design, 0.0, angle).turn, 0.5 * float(reduced_mass(design)) * float(speed) ** 2
     if not turn > MUCH * brought:
         return []
     line = (
         f"closing the latch adds up to {energy_text(turn)} by turning the probe, at the start's angle of"
-        f" {np.degrees(abs(angle)):.3g} deg, {_share_of(turn / brought)} the vehicles bring ({energy_text(brought)}):"
+        f" {np.degrees(angle):.3g} deg, {_share_of(turn / brought)} the vehicles bring ({energy_text(brought)}):"
         " a smaller latch.turn_stiffness adds less"
     )
     return [Caution(line, "latch energy", excess=turn / brought, measured=True)]

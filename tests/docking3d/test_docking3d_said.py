@@ -1,0 +1,89 @@
+"""What is said of a docking in space before anything is computed, and in which words."""
+
+import re
+
+import numpy as np
+import pytest
+
+import jaxbuffer as jb
+from docking3d.reference import CASES
+from jaxbuffer.cli.entry import run as command
+from jaxbuffer.mechanisms.cautions import cautions
+from jaxbuffer.mechanisms.docking3d.bodies import assemble_system
+from jaxbuffer.mechanisms.docking3d.mechanism import DOCKING3D
+from jaxbuffer.mechanisms.docking3d.start import start_motion
+from jaxbuffer.mechanisms.probe_cone.approach import Approach, rotation_matrix, turned
+from jaxbuffer.mechanisms.probe_cone.bodies import P, T, probe_masses
+from jaxbuffer.mechanisms.probe_cone.start import before_mouth
+
+LATCH = {"latch.stiffness": 2e3, "latch.turn_stiffness": 50.0, "buffer.rebound_stiffness": 1e4}
+
+
+def said(changes, scenario):
+    return cautions([(jb.replace(jb.docking3d(), changes), scenario)])
+
+
+@pytest.mark.parametrize(
+    ("offsets", "miss"),
+    [
+        ({"offset_y": 0.06, "offset_z": -0.06}, "84.85 mm off the axis"),  # either alone is within the rim, 67 mm
+        ({"offset_y": 0.06, "offset_z": -0.04}, ""),  # 72 mm: beyond the rim by less than the ball's radius
+        ({"lateral_speed_z": 0.2, "standoff": 0.1}, "230 mm off the axis"),  # 115 mm forward at 0.1 m/s
+    ],
+)
+def test_an_approach_that_misses_the_cone_is_said(offsets, miss):
+    lines = said({}, jb.Scenario3D(start="free", **offsets))
+    if not miss:
+        assert lines == []
+        return
+    assert miss in lines[0] and "scenario.offset_y is" in lines[0] and "scenario.offset_z is" in lines[0]
+
+
+def test_a_flight_begins_as_the_mechanism_does():
+    """The tip's place and speed in the axes of the passive vehicle, all rates given, against the bodies' own motion."""
+    design, scenario = CASES["free start, all rates"].design, CASES["free start, all rates"].scenario
+    masses = probe_masses(design)
+    kin = assemble_system(design, masses, 20.0).kinematics(*start_motion(design, scenario, masses))
+    tip, cone = kin.point(P, masses.tip_centre), kin.frame(T)
+    # In axes that turn with the cone a point moves with its velocity less that of the cone's material under it.
+    moves = np.array(cone.unturn(tip.velocity - cone.velocity_at(tip.place - cone.origin)), float)
+    place = np.array(cone.unturn(tip.place - cone.origin), float)
+    x, aside = scenario.approach.flight(design, scenario, float(before_mouth(design, scenario.standoff)))
+    step = 4.0 * abs(x[0]) / scenario.approach_speed / (len(x) - 1)
+    assert (x[0], aside[0]) == pytest.approx((place[0], np.hypot(*place[1:])))
+    rates = [np.dot([-1.5, 2.0, -0.5], values[:3]) / step for values in (x, aside)]  # of second order
+    assert rates == pytest.approx([moves[0], place[1:] @ moves[1:] / np.hypot(*place[1:])], rel=1e-5)
+
+
+@pytest.mark.parametrize("size", [1e-9, 0.02, 2.5])
+def test_the_angle_of_a_start_is_that_of_the_rotation_between_the_vehicles(size):
+    zero, passive = np.zeros(3), rotation_matrix(0.3, -0.2)
+    axis = np.array([0.6, 0.0, -0.8])
+    active = np.stack([turned(size * axis, column) for column in passive.T], axis=1)
+    assert Approach(zero, (0.0, 0.0), active, passive, zero, zero).angle == pytest.approx(size, rel=1e-6)
+
+
+def test_a_latch_that_puts_in_much_by_turning_is_said_before_a_run():
+    """½ · 50 N m/rad · (0.03² + 0.04²) is 62.5 mJ: yaw and pitch count together, to second order."""
+    (line,) = said(LATCH, jb.Scenario3D(passive_yaw=0.03, passive_pitch=0.04))
+    assert line.startswith("closing the latch adds up to 62.5 mJ by turning the probe")
+    assert "the start's angle of 2.86 deg" in line
+    assert said(LATCH, jb.Scenario3D(passive_yaw=0.003, passive_pitch=0.004)) == []
+
+
+def test_a_scenario_in_a_few_words():
+    label = DOCKING3D.view.label
+    assert label(jb.Scenario3D(azimuth="40 deg", passive_pitch="1 deg")) == (
+        "0.1 m/s, azimuth 40 deg, passive pitch 1 deg"
+    )
+    free = jb.Scenario3D(start="free", offset_y=-0.03, active_rate_x="2 deg/s")
+    assert label(free) == "0.1 m/s, free start, active rate x 2 deg/s, offset y -30 mm"
+
+
+def test_check_explains_the_study_that_init_writes(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert command(["init", "--kind", "docking3d", "study.toml"]) == 0
+    assert command(["check", "study.toml"]) == 0
+    shown = capsys.readouterr().out
+    assert re.search(r'mechanism\s+Capture in space, kind = "docking3d"', shown)
+    assert "every load case must end held or latched" in shown
