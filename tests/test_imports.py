@@ -106,4 +106,4 @@ def test_the_order_of_the_mechanisms_does_not_depend_on_which_was_imported_first
     code = "import {}; from jaxbuffer.mechanisms import all_mechanisms; print(*[it.name for it in all_mechanisms()])"
     program = f"import sys; sys.path.insert(0, {str(SOURCE)!r}); {code.format('jaxbuffer.mechanisms.slider_crank')}"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
-    assert done.stdout.split() == ["probe_cone", "bar_drop", "slider_crank", "tank_drop"]
+    assert done.stdout.split() == ["probe_cone", "docking3d", "bar_drop", "slider_crank", "tank_drop"]

@@ -161,4 +161,4 @@ def test_each_field_is_offered_in_a_line_with_its_unit(shell, line, typed, name)
 
 def test_the_units_of_options_are_offered_too():
     lines, _ = offered("simulate --dur", shell="fish")
-    assert lines == ["--duration\tSimulated time until timeout [s]; default 8, with a latch 20."]
+    assert lines == ["--duration\tSimulated time until timeout [s]; default: the mechanism's."]

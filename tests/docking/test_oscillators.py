@@ -32,7 +32,7 @@ def test_a_half_sine_in_any_direction_by_closed_form():
     def moving(time):
         """A body 3 that a half-sine of 1 s and 2 m/s² pushes."""
         speed = 2.0 / jnp.pi * (1.0 - jnp.cos(jnp.pi * time)) * DIRECTION
-        return SimpleNamespace(v=jnp.concatenate([jnp.full(9, 7.0), speed, jnp.full(1, 7.0)]))
+        return SimpleNamespace(frame=lambda body: SimpleNamespace(velocity=tuple(speed)) if body == 3 else None)
 
     at = lambda time, states: oscillators.evaluate(moving(time), states)  # noqa: E731
     rate = jax.jit(lambda time, states: jnp.stack(oscillators.rates(at(time, states), jnp.zeros(0))))

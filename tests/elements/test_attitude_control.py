@@ -13,10 +13,10 @@ from jaxbuffer.elements import AttitudeControl, BallContact
 from jaxbuffer.fields import POSITIVE, Part, number
 from jaxbuffer.mechanisms.assembled import Assembled
 from jaxbuffer.mechanisms.mechanism import Defaults, Mechanism
-from jaxbuffer.mechanisms.registry import register
 from jaxbuffer.multibody import Body, System
 from jaxbuffer.plane import PLANE
 from jaxbuffer.space import SPACE
+from registration import registered
 
 MASS, INERTIA, ANGLE, SPIN, DURATION = 2.0, 0.4, 0.3, -0.5, 1.5
 STIFFNESS, DAMPING, SPEED = 5.0, 0.7, 0.8  # N m/rad, N m s/rad, m/s
@@ -68,12 +68,16 @@ class TurnedInSpace(Turned):
 
 
 def of(name, design, basis, axis):
-    made = mechanism_of(basis, axis)
-    register(Mechanism(name, design, Thrown, {}, made, defaults=Defaults(duration=DURATION)))
+    return Mechanism(name, design, Thrown, {}, mechanism_of(basis, axis), defaults=Defaults(duration=DURATION))
 
 
-of("turned in the plane", Turned, PLANE, None)
-of("turned in space", TurnedInSpace, SPACE, SKEW)
+@pytest.fixture(scope="module", autouse=True)
+def known():
+    in_space = of("turned in space", TurnedInSpace, SPACE, SKEW)
+    with registered(of("turned in the plane", Turned, PLANE, None)), registered(in_space):
+        yield
+
+
 BOTH = pytest.mark.parametrize("design", [Turned, TurnedInSpace])
 
 
@@ -86,7 +90,7 @@ def seen(run):
     time, position, velocity = (np.array(it) for it in (run.history.time, run.history.position, run.history.velocity))
     if position.shape[-1] == 3:
         return time, position[:, 0, 2], velocity[:, 0, 2]
-    turns, spins = Rotation.from_quat(position[:, 0, 3:], scalar_first=True).as_rotvec(), velocity[:, 0, 3:]
+    turns, spins = position[:, 0, 3:], velocity[:, 0, 3:]
     assert_allclose(np.cross(turns, SKEW), 0.0, atol=1e-8)
     return time, turns @ SKEW, spins @ SKEW
 
@@ -166,7 +170,7 @@ def spun(run):
     time, position, velocity = (np.array(it) for it in (run.history.time, run.history.position, run.history.velocity))
     if position.shape[-1] == 3:
         return time, velocity[:, 0, 2] - velocity[0, 0, 2]
-    turns = Rotation.from_quat(position[:, 0, 3:], scalar_first=True)
+    turns = Rotation.from_rotvec(position[:, 0, 3:])
     spin = turns.inv().apply(velocity[:, 0, 3:])[:, 0]
     return time, spin - spin[0]
 

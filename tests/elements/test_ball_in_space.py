@@ -16,9 +16,9 @@ from jaxbuffer.errors import InputError
 from jaxbuffer.fields import POSITIVE, Part, number
 from jaxbuffer.mechanisms.assembled import Assembled
 from jaxbuffer.mechanisms.mechanism import Defaults, Mechanism
-from jaxbuffer.mechanisms.registry import register
 from jaxbuffer.multibody import GROUND, AppliedForce, Body, Kinematics, System
 from jaxbuffer.space import SPACE
+from registration import registered
 
 RADIUS, MOUTH, SLOPE = 0.3, (-0.4, 0.9), 0.7  # m; where the cone's meridian ends, and its angle to the axis
 START = (0.2, MOUTH[1] - 0.6 * np.tan(SLOPE))
@@ -251,7 +251,10 @@ def rolling(design, scenario, stabilisation=20.0):
     return Assembled(system, q, v, (ball,), closed=jnp.ones(1), size=(1e-3, 1.0), energy_size=1.0)
 
 
-register(Mechanism("ball that rolls", RollingBall, Nothing, {}, rolling, defaults=Defaults(duration=0.4)))
+@pytest.fixture(scope="module", autouse=True)
+def known():
+    with registered(Mechanism("ball that rolls", RollingBall, Nothing, {}, rolling, defaults=Defaults(duration=0.4))):
+        yield
 
 
 def test_a_sliding_ball_comes_to_roll():

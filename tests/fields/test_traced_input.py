@@ -19,7 +19,11 @@ NUMBERS = [
     *(path for path in paths(jb.table2()) if unit(jb.table2(), path)),
     *(f"scenario.{path}" for path in paths(jb.Scenario()) if unit(jb.Scenario(), path)),
 ]
-BESIDE = {"scenario.thrust": {"scenario.thrust_time": 1.0}, "scenario.thrust_time": {"scenario.thrust": 1.0}}
+BESIDE = {
+    "scenario.thrust": {"scenario.thrust_time": 1.0},
+    "scenario.thrust_time": {"scenario.thrust": 1.0},
+    "control.stiffness": {"control.limit": 1.0},
+}
 
 
 def given(values):

@@ -71,7 +71,8 @@ def test_input_errors_are_value_errors():
         ({"probe.tipmass": 1.0}, "probe.tipmass is unknown; did you mean probe.tip_mass?"),
         (
             {"zzz": 1.0},
-            "zzz is unknown; known: active, passive, buffer, probe, cone, contact, hinge, latch, lockout, shock",
+            "zzz is unknown; known: active, passive, buffer, probe, cone, contact, hinge, latch, lockout, shock,"
+            " control",
         ),
         ({"buffer": 1.0}, "buffer is a section; name one of its fields"),
         (

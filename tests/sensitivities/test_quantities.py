@@ -112,7 +112,7 @@ def test_units():
 
 
 def test_angles_are_shown_in_degrees():
-    shown = [quantity.shown for quantity in QUANTITIES.values() if quantity.unit == "rad"]
+    shown = [quantity.in_figures for quantity in QUANTITIES.values() if quantity.unit == "rad"]
     assert shown
     for unit, factor in shown:
         assert unit == "deg"

@@ -10,7 +10,7 @@ from ..mechanisms.quantity import Catalogue, Quantity
 from ..mechanisms.run import Run
 from ..tables import table
 from ..value_text import UNKNOWN, percent_text, table_text, unit_text, with_unit
-from .cases import numbered
+from .cases import in_sentence
 from .objective import Constraints, Limits
 
 CLOSE = 1e-3  # relative margin below which a value is at its limit
@@ -109,9 +109,10 @@ class ShownRow(NamedTuple):
         return ShownRow(success, value, bound, where=where, state="broken" if missed else "kept")
 
 
-def limit_table(rows: Iterable[ShownRow], several: bool) -> Table:
-    """Return the rows as a table; ``several``: whether they are of more than one load case, which each row names."""
-    made = table("Limits: what stands in the way", ("limit",), ("value", "bound", "room"))
+def limit_table(rows: Iterable[ShownRow], several: bool, where: str = "") -> Table:
+    """Return the rows as a table; ``several``: whether they are of more than one load case, which each row names;
+    ``where``: the single one as a sentence names it, if it is one of several."""
+    made = table(f"Limits: what stands in the way{where and f' in {where}'}", ("limit",), ("value", "bound", "room"))
     for heading in ("load case", "") if several else ("",):
         made.add_column(heading)
     for row in rows:
@@ -126,7 +127,7 @@ def run_limit_table(run: Run, constraints: Constraints, number: str = "") -> Tab
     """
     if run.outcome.failed:
         return None
-    mechanism, label = run.mechanism, numbered(run.mechanism.view.label(run.scenario), number)
+    mechanism, label = run.mechanism, run.mechanism.view.label(run.scenario)
     always = mechanism.always(run.design)
     limits: Limits = constraints.limits.with_always(always)
     values = constraints._replace(limits=limits).values(run) | {IMPACTS: int(run.impact_count)}
@@ -135,4 +136,4 @@ def run_limit_table(run: Run, constraints: Constraints, number: str = "") -> Tab
     success = limits.success(mechanism, run.design)
     if success is not None and (limits.require_success or limits.ends):
         shown.append(ShownRow.of_end(success, [label], [bool(limits.ended(mechanism, int(run.outcome)))]))
-    return limit_table(shown, several=False) if shown else None
+    return limit_table(shown, several=False, where=in_sentence(label, number) if number else "") if shown else None
