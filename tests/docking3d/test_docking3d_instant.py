@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from jaxbuffer import Scenario3D, docking3d, replace
+from jaxbuffer.hybrid.sensitivity.batched_map import on_columns
 from jaxbuffer.mechanisms.docking3d.assembly import assemble
 from jaxbuffer.mechanisms.docking3d.misses import misses
 from jaxbuffer.mechanisms.probe_cone.bodies import P, T
@@ -76,6 +77,22 @@ def test_momenta_and_energy_are_kept(values):
     each = [float(flow) for flow in jax.tree.leaves(energy)]
     assert max(map(abs, each)) > 0.01  # W
     assert abs(sum(each)) < 1e-10 * max(map(abs, each))
+
+
+@pytest.mark.parametrize("values", PARTS.values(), ids=PARTS)
+def test_the_linearised_motion_is_read_number_by_number(values):
+    """On random columns, against the same linear map taken one by one."""
+    mechanism, state, closed = moving(values)
+    vectors = jax.random.normal(jax.random.key(0), (state.size, 2))
+
+    @jax.jit
+    def both(state):
+        _, push = jax.linearize(lambda y: mechanism.derivative(jnp.zeros(()), y, closed), state)
+        return on_columns(push, state)(vectors), jax.vmap(push, in_axes=-1, out_axes=-1)(vectors)
+
+    found, expected = map(np.asarray, both(state))
+    assert np.abs(expected).max() > 1.0
+    np.testing.assert_allclose(found, expected, rtol=1e-10, atol=1e-10 * np.abs(expected).max())
 
 
 def test_misses_have_the_rates_of_the_motion():

@@ -69,3 +69,8 @@ def test_what_a_mask_switches_off_may_be_infinite():
 def test_an_unknown_operation_is_said():
     with pytest.raises(Unsupported, match="cumsum"):
         on_columns(jnp.cumsum, jnp.zeros(3))
+
+
+def test_a_division_by_what_is_linear_is_said():
+    with pytest.raises(Unsupported, match="div"):
+        on_columns(lambda x: x / (1.0 + 0.0 * x), jnp.zeros(3))

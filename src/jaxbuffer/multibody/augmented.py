@@ -170,7 +170,9 @@ def _solve(
     if of_space:
         # Every entry stands in many of the factors'.
         once = iter(evaluated_once([entry for row in schur for entry in row]))
-        schur, sides = [[next(once) for _ in row] for row in schur], evaluated_once(sides)
+        schur = [[next(once) for _ in row] for row in schur]
+        # The solution is linear in the sides, and is read as such where tangents are stepped.
+        sides = evaluated_once(sides, schur[0][0])
     multipliers = ldl_solve(schur, sides)
     return mass.solve(force - _reaction(jacobian, multipliers, force.shape[0])), multipliers
 

@@ -61,14 +61,16 @@ class Factors(NamedTuple):
         return x
 
 
-def evaluated_once(values: Sequence[Scalar]) -> list[Scalar]:
+def evaluated_once(values: Sequence[Scalar], number: Scalar | None = None) -> list[Scalar]:
     """Return the same numbers, each of which a compiled program computes once; Python's numbers stay as they are.
 
-    XLA evaluates cheap operations anew wherever they are used, but never a division.
+    XLA evaluates cheap operations anew wherever they are used, but never a division. ``number``: any finite one that
+    the program computes, from which the divisor is made (default: from each value itself); of values that are to stay
+    linear in something, one that does not depend on it.
     """
     places = [k for k, value in enumerate(values) if not isinstance(value, float)]
     array = stacked([values[k] for k in places])
-    array = array / (1.0 + 0.0 * array)
+    array = array / (1.0 + 0.0 * (array if number is None else number))
     traced = {place: array[k] for k, place in enumerate(places)}
     return [traced.get(k, value) for k, value in enumerate(values)]
 

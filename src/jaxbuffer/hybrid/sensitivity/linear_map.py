@@ -100,6 +100,8 @@ def _multiplied(given: Sequence[Any], shape: tuple[int, ...], _: Any) -> np.ndar
 
 
 def _divided(given: Sequence[Any], shape: tuple[int, ...], _: Any) -> np.ndarray:
+    if _is_linear(given[1]):
+        raise Unsupported("div by what is linear")
     return _each(_times, shape, given[0], _elements(1.0 / given[1]))
 
 
