@@ -17,6 +17,8 @@ OF_WHOLE_RUNS = {
     *(f"mechanisms/test_{it}.py" for it in ("bottomed_words", "diagnosis", "full_tank", "other_laws", "struck_beam")),
     *("mechanisms/test_tank_drop_gradients.py", "mechanisms/test_tank_plates.py", "structures/test_hertz.py"),
     *(f"multibody/test_flexible_{it}.py" for it in ("examples", "spin_up")),
+    # the docking in space, whose programs take half a minute each; its start and what is said of it are quick
+    *(f"docking3d/test_docking3d_{it}.py" for it in ("files", "instant", "runs")),
     "properties/test_invariants.py",
     *(f"verification/test_{it}.py" for it in ("batched_captures", "buffer_end", "diffrax_route", "docking")),
     *(f"verification/test_{it}.py" for it in ("elasticities", "exact", "gradients", "hard_cases", "located_maxima")),

@@ -100,6 +100,7 @@ CHOICES = {
     "contact.memory": "event, smooth",
     "contact.arms": "moving, published",
     "scenario.start": "contact, free",
+    "control.until": "contact, latch, end",
     "probe.free_tip": "true or false",
     "probe.bending_modes": "a whole number of at least 2",
 }

@@ -48,8 +48,9 @@ def test_implicit_steps_know_them():
     built = mechanism({"shock.active_1": 20.0, "shock.passive_3": 150.0, "shock.damping": 0.2})
     state, active = built.start()
     n, oscillators = built.coordinates, built.element("oscillators")
+    frames = lambda v: SimpleNamespace(frame=lambda k: SimpleNamespace(velocity=(v[3 * k], v[3 * k + 1])))  # noqa: E731
     swinging = built.layout.places[f"element {built.elements.index(oscillators)}"]
-    at = lambda y: oscillators.evaluate(SimpleNamespace(v=y[n : 2 * n]), y[swinging])  # noqa: E731
+    at = lambda y: oscillators.evaluate(frames(y[n : 2 * n]), y[swinging])  # noqa: E731
     rates = lambda y: jnp.stack(oscillators.rates(at(y), jnp.zeros(0)))  # noqa: E731
     jacobian = np.zeros((len(state), len(state)))
     jacobian[swinging] = np.asarray(jax.jacfwd(rates)(state))

@@ -138,7 +138,7 @@ def test_the_command_line(tmp_path, monkeypatch, capsys):
         (
             'kind = "bar_dorp"',
             [],
-            "choose one of bar_drop, probe_cone, slider_crank, tank_drop; did you mean bar_drop?",
+            "choose one of bar_drop, docking3d, probe_cone, slider_crank, tank_drop; did you mean bar_drop?",
         ),
         ('kind = "bar_drop"', ["--impact.dampin", "1"], "impact.dampin is unknown; did you mean impact.damping?"),
         ('kind = "bar_drop"', ["--scenario.height", "0.3"], "scenario.height = 0.3 m is out of range"),

@@ -457,8 +457,9 @@ def test_a_run_is_held_against_its_studys_limits(folders):
     """Made up: 250 N and 7.5 mm of stroke, limits 300 N and 25 mm; the missed one does not end captured."""
     title = "Limits"
     _, _, rows = section_text(review([load(folders["run"])]), title)
-    assert without_scenario(rows)[0] == ["buffer stroke", "mm", "7.5", "≤ 25", "70 %", "kept"]
-    assert without_scenario(rows)[1] == ["peak contact force", "N", "250", "≤ 300", "16.7 %", "kept"]
+    # What stands in the way first.
+    assert without_scenario(rows)[0] == ["peak contact force", "N", "250", "≤ 300", "16.7 %", "kept"]
+    assert without_scenario(rows)[1] == ["buffer stroke", "mm", "7.5", "≤ 25", "70 %", "kept"]
     _, _, rows = section_text(review([load(folders["missed"])]), title)
     assert ["captured", "-", "0", "of 1", "–", "broken"] in without_scenario(rows)
 
@@ -712,7 +713,7 @@ def test_the_farthest_from_capture_is_named(tmp_path):
     for case, margin in zip(record["scenarios"], (0.3, -0.1, -3.0), strict=True):
         case["after"]["capture_share [-]"] = margin
     _, _, rows = told_of(tmp_path, record)
-    assert rows[-1][2:5] == ["1", "0.3 m/s, +2.865°", "of 3"]
+    assert rows[0][2:5] == ["1", "0.3 m/s, +2.865°", "of 3"]
 
 
 def test_what_breaks_a_limit_first(folders, tmp_path):
