@@ -1,13 +1,10 @@
-"""What the command line writes of a docking in space, and what its pictures show."""
-
-import json
+"""What the pictures of a docking in space show."""
 
 import numpy as np
 import pytest
 
 import jaxbuffer as jb
 from docking3d.reference import CASES
-from jaxbuffer.cli.entry import run as command
 from jaxbuffer.mechanisms.probe_cone.bodies import T
 from jaxbuffer.output.figures import run_figure
 from jaxbuffer.output.motion import motion_figure, scene
@@ -20,21 +17,6 @@ CASE = CASES["table2, another azimuth"]
 @pytest.fixture(scope="module")
 def run():
     return jb.simulate(CASE.design, CASE.scenario, CASE.duration, history=True)
-
-
-def test_the_command_line_writes_the_run_and_its_page(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "study.toml").write_text(
-        f'kind = "docking3d"\n[scenario]\nazimuth = 0.7\n[options]\nduration = {CASE.duration}\n'
-    )
-    assert command(["simulate", "study.toml", "--output", "results"]) == 0
-    assert command(["report", "results"]) == 0
-    shown = capsys.readouterr().out
-    assert "Capture in space: captured" in shown and "azimuth 40.107 deg" in shown
-    assert f"{CASE.values['peak_force']:.6g} N at" in shown and "cone, impact" in shown
-    motion = json.loads((tmp_path / "results" / "motion.json").read_text())
-    assert np.max(motion["acting"]) == pytest.approx(motion["largest"], rel=1e-3)
-    assert "with the ball's path" in (tmp_path / "results" / "report.html").read_text()
 
 
 def test_the_path_is_that_of_the_ball_in_the_cones_axes(run):
