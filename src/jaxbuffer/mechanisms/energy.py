@@ -8,6 +8,8 @@ from jaxtyping import Array, Float
 from ..fields import Portable, numbers_text
 from ..value_text import unit_by_size, with_unit
 
+MUCH = 0.01  # of the energy: a thousand times what loose tolerances change
+
 
 class Energy(Portable):
     """The energies at one instant or, with an axis, along a history.
@@ -70,6 +72,17 @@ class Balance(Portable):
     linear_momentum: Float[Array, ""]
     angular_momentum: Float[Array, ""]
     drift: Float[Array, ""]
+
+    @property
+    def warnings(self) -> list[str]:
+        """Return a line where energy is off so far that nothing else of a solved run can be right."""
+        off = abs(float(self.energy))
+        if not off > MUCH:
+            return []
+        return [
+            f"energy is off by {off:.2g} times what there is: no number of this run can be trusted; try a smaller rtol,"
+            " and look whether a part passes where the model ends, such as behind a flank"
+        ]
 
     def __repr__(self) -> str:
         units = {"drift": "m or rad"}

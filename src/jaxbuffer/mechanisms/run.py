@@ -315,7 +315,8 @@ class Run(Portable, Saved):
             return self._batch_text()
         summary = self.mechanism.view.summary or plain_summary
         first, *rest = summary(self).split("\n")
-        notes = [f"  note: {line}" for line in cautions(((self.design, self.scenario),), measured=False)]
+        said = [*cautions(((self.design, self.scenario),), measured=False), *self.balance.warnings]
+        notes = [f"  note: {line}" for line in said]
         return "\n".join([first, *notes, *rest, *(f"  {line}" for line in self.diagnosis)])
 
     def _batch_text(self) -> str:

@@ -109,7 +109,7 @@ def run_dataset(run: Any) -> Dataset:
 
 
 def _ended(run: Any) -> dict[str, Any]:
-    warnings = [] if run.outcome.failed else run.mechanism.view.warnings(run)
+    warnings = [] if run.outcome.failed else [*run.balance.warnings, *run.mechanism.view.warnings(run)]
     return {"outcome": run.outcome.name, "outcome_meaning": run.outcome.reason, "warnings": "\n".join(warnings)}
 
 

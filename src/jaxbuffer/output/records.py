@@ -46,7 +46,7 @@ def run_record(
             "reason": str(trust),
             "errors": {name: json_number(error) for name, error in trust.errors.items()},
         },
-        "outside_validity": mechanism.view.warnings(run),
+        "outside_validity": [*run.balance.warnings, *mechanism.view.warnings(run)],
         "cautions": cautions(((run.design, run.scenario),), measured=False),
         "larger_force": mechanism.view.larger_force(run),
         "diagnosis": dict(mechanism.view.diagnosis(run)) if run.diagnosis else {},
