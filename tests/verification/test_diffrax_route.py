@@ -110,7 +110,8 @@ def test_the_literal_call():
     solution = solved(jb.table2(), diffrax.Tsit5(), saveat=diffrax.SaveAt(subs=saved), max_steps=8192)
     assert bool(solution.event_mask)
     assert int(problem.ended_by(solution.ys[0][0], problem.args)) == jb.Outcome.captured
-    np.testing.assert_allclose(solution.ts[0], whole.end_time, rtol=1e-8)
+    # Both are solves at rtol 1e-8, of other steps, after two dozen impacts.
+    np.testing.assert_allclose(solution.ts[0], whole.end_time, rtol=1e-7)
     stroke = solution.ys[1]["stroke"]
     np.testing.assert_allclose(np.max(stroke[np.isfinite(stroke)]), whole.stroke, rtol=1e-5)
 
