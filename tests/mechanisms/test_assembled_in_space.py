@@ -68,10 +68,15 @@ TWINS = Mechanism(
 )
 
 
-@pytest.fixture(scope="module")
-def run():
+@pytest.fixture(scope="module", autouse=True)
+def known():
     with registered(TWINS):
-        yield jb.simulate(Twins(), Thrown(), rtol=1e-10, atol=1e-10, history=True)
+        yield
+
+
+@pytest.fixture(scope="module")
+def run(known):
+    return jb.simulate(Twins(), Thrown(), rtol=1e-10, atol=1e-10, history=True)
 
 
 def test_a_free_top_precesses_about_its_angular_momentum(run):
@@ -127,6 +132,7 @@ def test_the_largest_stretch_has_the_slopes_of_the_closed_form():
     np.testing.assert_allclose(jax.jacfwd(of)(numbers), jax.grad(lambda n: largest_swing(*n))(numbers), rtol=1e-7)
 
 
+@pytest.mark.quick
 def test_the_energy_of_the_whole_as_a_rigid_body_is_that_of_one_body():
     """Three bodies that move as one: their kinetic energy; and of any motion ½ P²/M + ½ H·J⁻¹H by NumPy."""
     rng = np.random.default_rng(1)

@@ -106,6 +106,8 @@ OPTIONAL = (
         "latch.stiffness",
         "latch.strength",
         "lockout.stiffness",
+        "control.stiffness",
+        "control.limit",
     ),
     *("hinge.play", "probe.bending_stiffness", "cone.young_modulus", "cone.poisson_ratio"),
     *(f"shock.{vehicle}_{k}" for vehicle in ("active", "passive") for k in (1, 2, 3)),
@@ -122,7 +124,7 @@ def test_reading_and_writing_know_the_same_paths(reader):
 
 def test_every_number_declares_its_unit():
     numbers = [path for path in paths(table2()) if not isinstance(get(table2(), path), (str, bool))]
-    assert len(numbers) == 77
+    assert len(numbers) == 80
     without = ["buffer.spring_curve", "buffer.damper_curve", "probe.bending_modes"]  # a curve's points have units
     assert [path for path in numbers if not unit(table2(), path)] == without
     assert unit(table2(), "buffer.c_T") == "N m s/rad"

@@ -50,7 +50,9 @@ def test_the_pin_may_touch_a_small_area_of_its_bush(share, told):
 def test_the_way_beyond_the_capture_plane_goes_on_at_the_last_speed():
     """0.3 m before it, and 0.1 m/s nearer: 4 s later 0.1 m beyond."""
     mechanism = SimpleNamespace(
-        parts=SimpleNamespace(scenario=SimpleNamespace(start="contact")), all_of=lambda kind: []
+        parts=SimpleNamespace(scenario=SimpleNamespace(start="contact")),
+        all_of=lambda kind: [],
+        element=lambda name: SimpleNamespace(holder=None),
     )
     ended = SimpleNamespace(count=jnp.asarray(2), time=jnp.asarray([0.0, 6.0, 1.0]))
     at_end = SimpleNamespace(throat=SimpleNamespace(before=0.3, receding=-0.1))

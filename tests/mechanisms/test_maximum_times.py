@@ -4,11 +4,13 @@ import math
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 
 from jaxbuffer.mechanisms.quantity import Quantity
 from jaxbuffer.mechanisms.run import Run
 
 
+@pytest.mark.quick
 def test_an_extension_of_an_atom_s_width_is_reached_at_no_time():
     of = lambda name: Quantity("m", lambda run: run.maxima[name], name)  # noqa: E731
     run = SimpleNamespace(
