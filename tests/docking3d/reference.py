@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from jaxbuffer import Design3D, Scenario3D, docking3d, replace
+from verification.docking_cases import QUANTITIES as PLANAR_QUANTITIES
 
 SECTIONS = ("latch", "control", "active", "passive", "buffer")
 SCENARIO = {field.name for field in dataclasses.fields(Scenario3D)}
@@ -20,19 +21,9 @@ SHORT = {  # names of the reference that are not the last ones of their paths
     "rolling": "probe.free_tip",
 }
 QUANTITIES = {  # of a run, and their names in the reference
-    "peak_force": "peak_force",
-    "stroke": "stroke",
-    "hinge_angle": "hinge_angle",
-    "peak_hinge_force": "hinge_force",
-    "peak_latch_force": "latch_force",
-    "latch_time": "latch_time",
-    "end_time": "end_time",
-    "relative_energy": "relative_energy",
-    "lateral_miss": "lateral_miss",
-    "swing_miss": "swing_miss",
-    "attitude_miss": "attitude_miss",
+    **PLANAR_QUANTITIES,
+    **{name: name for name in ("lateral_miss", "swing_miss", "attitude_miss")},
 }
-DIFFERENTIATED = ("peak_force", "stroke", "peak_latch_force")  # in the order of the reference's elasticities
 
 
 class Case(NamedTuple):

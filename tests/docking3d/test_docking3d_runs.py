@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
-from docking3d.reference import CASES, DIFFERENTIATED, QUANTITIES, path_of
+from docking3d.reference import CASES, QUANTITIES, path_of
+from verification.docking_cases import DIFFERENTIATED, of_half_closed_latches
 
 # One structure each is compiled, in half a minute or more: a capture, one until held, a free start, a free tip.
 SLOW = (
@@ -38,6 +39,8 @@ def test_it_is_the_independent_programs(name):
         if named not in reference or (named in OF_LATCHES and not case.design.latch.has("stiffness")):
             continue
         value = float(run.quantity(quantity))
+        if quantity == "relative_energy" and reference["outcome"] == "torn":
+            value += of_half_closed_latches(case.design, run)
         assert math.isfinite(value), quantity
         # A held run ends where the energy left, which falls slowly, is a thousandth.
         rel = 1e-4 if quantity == "end_time" and reference["outcome"] == "held" else 1e-5

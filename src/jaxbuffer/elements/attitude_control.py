@@ -101,10 +101,10 @@ class AttitudeControl(Element):
         """Return the moment on the body, in inertial axes [N m]."""
         acting = self._acting(closed) * self.limit
         pairs = zip(at.angles, at.spins, strict=True)
-        of_axes = (-acting * jnp.tanh(self._asked(angle, spin) / self.limit) for angle, spin in pairs)
+        of_axes = (-acting * jnp.tanh(self._unlimited(angle, spin) / self.limit) for angle, spin in pairs)
         return at.frame.from_axes(at.basis.turn(*of_axes))
 
-    def _asked(self, angle: Scalar, spin: Scalar) -> Scalar:
+    def _unlimited(self, angle: Scalar, spin: Scalar) -> Scalar:
         """Return the moment about an axis that a control without a limit would exert against its angle and spin."""
         return self.stiffness * angle + self.damping * spin
 
@@ -142,7 +142,7 @@ class AttitudeControl(Element):
         still = (0.0,) * at.basis.dimensions
         springs = []
         for unit, angle, spin in zip(at.basis.unit_turns, at.angles, at.spins, strict=True):
-            slope = self._acting(closed) * (1.0 - jnp.tanh(self._asked(angle, spin) / self.limit) ** 2)
+            slope = self._acting(closed) * (1.0 - jnp.tanh(self._unlimited(angle, spin) / self.limit) ** 2)
             about = {self.body: (*still, *components(at.frame.from_axes(unit)))}
             springs.append(SpringDirection(about, slope * self.stiffness, slope * self.damping))
         return tuple(springs)

@@ -1,6 +1,5 @@
 """What is said before anything is computed: numbers without effect, and what the geometry rules out."""
 
-import re
 from collections.abc import Collection, Mapping, Sequence
 from types import MappingProxyType
 
@@ -10,8 +9,6 @@ import numpy as np
 from ..fields import Part, inactive
 from .registry import mechanism_of
 from .view import Caution
-
-NUMBER = re.compile(r"(?<!\w)-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 
 
 def cautions(

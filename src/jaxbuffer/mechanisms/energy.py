@@ -8,7 +8,7 @@ from jaxtyping import Array, Float
 from ..fields import Portable, numbers_text
 from ..value_text import unit_by_size, with_unit
 
-MUCH = 0.01  # of the energy: a thousand times what loose tolerances change
+MUCH = 0.01  # of the energy, beyond which a run says that it is off
 
 
 class Energy(Portable):

@@ -140,7 +140,7 @@ def motion_figure(run: Run, times: Sequence[float] | None = None) -> Figure:
         named |= whole(grid[k, 0], at, k)
         grid[k, 0].set_title(caption(at, k))
         if detail is not None:
-            # Where both name a part, the entry of the whole stays.
+            # The parts of the whole come first in the legend, and their entries stay where both name a part.
             named = named | closer(grid[k, 1], at, k) | named
     legend_below(figure, list(named.values()), list(named))
     arrows = ". Arrows: contact force" if at.drawing.touches else ""

@@ -1,14 +1,11 @@
 """The catalogue of quantities of a docking in space: the plane's, and what is a size or new there."""
 
-import math
-
 from ..probe_cone.parts.bending import BENDING
 from ..probe_cone.parts.hinge_play import HINGE_PLAY
 from ..probe_cone.parts.lockout import LOCKOUT
 from ..probe_cone.quantities import QUANTITIES as PLANAR
 from ..quantity import Quantity
 
-DEGREES = 180.0 / math.pi
 # Parts that a design in space does not have.
 OF_THE_PLANE = {name for part in (BENDING, HINGE_PLAY, LOCKOUT) for name in part.quantities}
 
@@ -30,13 +27,11 @@ QUANTITIES: dict[str, Quantity] = {
         lambda c: c.docking.swing_miss,
         "angle between the probe's axis and the cone's where the tip crosses the capture plane",
         "swing miss",
-        shown=("deg", DEGREES),
     ),
     "swing_miss_rate": Quantity(
         "rad/s",
         lambda c: c.docking.swing_miss_rate,
         "how fast that changes there",
         signed=True,
-        shown=("deg/s", DEGREES),
     ),
 }

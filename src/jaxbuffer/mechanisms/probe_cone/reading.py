@@ -83,7 +83,7 @@ def _look(
     misses: dict[str, Scalar],
 ) -> CaptureReading:
     holder = holder_in(mechanism)
-    flank_mass, axial_mass, *held = masses
+    flank_mass, axial_mass, *along_pull = masses
     return CaptureReading(
         throat=mechanism.evaluated(at, "throat"),
         misses=misses,
@@ -94,7 +94,7 @@ def _look(
         axial_mass=axial_mass,
         stroke_rate=mechanism.evaluated(at, "buffer").stroke_rate,
         push=_push(mechanism, at, active),
-        stretched=0.0 if holder is None else holder.stretched(mechanism.evaluated(at, holder.name), held[0]),
+        stretched=0.0 if holder is None else holder.stretched(mechanism.evaluated(at, holder.name), along_pull[0]),
     )
 
 

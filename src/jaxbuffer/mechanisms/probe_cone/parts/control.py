@@ -52,8 +52,8 @@ class ControlPart(ProbePart):
     def elements(self, joined: Joined) -> tuple[Element, ...]:
         control = joined.design.control
         # Until latches close that the design does not have, it acts to the end.
-        held = LATCH.elements(joined)[0] if control.until == "latch" and LATCH.present(joined.design) else None
-        until = joined.contact if control.until == "contact" else held
+        latch = LATCH.elements(joined)[0] if control.until == "latch" and LATCH.present(joined.design) else None
+        until = joined.contact if control.until == "contact" else latch
         return (AttitudeControl(S, control.stiffness, control.damping, control.limit, until),)
 
 

@@ -122,7 +122,7 @@ class LatchPart(ProbePart):
 
     def elements(self, joined: Joined) -> tuple[Element, ...]:
         latch, plane = joined.design.latch, joined.plane
-        held = Latch(
+        element = Latch(
             first=P,
             second=T,
             point=joined.tip,
@@ -137,7 +137,7 @@ class LatchPart(ProbePart):
             closing_time=latch.closing_time,
             strength=latch.strength,
         )
-        return (held,)
+        return (element,)
 
     def rest_threshold(self, design: Any) -> Scalar:
         return design.latch.quiet
