@@ -7,7 +7,7 @@ import pytest
 
 import jaxbuffer as jb
 from docking3d.reference import CASES, QUANTITIES, path_of
-from verification.docking_cases import DIFFERENTIATED, of_half_closed_latches
+from verification.docking_cases import DIFFERENTIATED
 
 # One structure each is compiled, in half a minute or more: a capture, one until held, a free start, a free tip.
 SLOW = (
@@ -38,13 +38,15 @@ def test_it_is_the_independent_programs(name):
     for quantity, named in QUANTITIES.items():
         if named not in reference or (named in OF_LATCHES and not case.design.latch.has("stiffness")):
             continue
-        value = float(run.quantity(quantity))
-        if quantity == "relative_energy" and reference["outcome"] == "torn":
-            value += of_half_closed_latches(case.design, run)
+        value, allowed = float(run.quantity(quantity)), 1e-12
+        if quantity == "relative_energy":
+            allowed = 1e-6  # shares of the first energy, which itself is kept to this
+            if run.outcome.name == "torn":  # the reference counts nothing in latches that have torn
+                value *= 1.0 - float(run.energy.stored["latch"]) / float(run.docking.energy_left)
         assert math.isfinite(value), quantity
         # A held run ends where the energy left, which falls slowly, is a thousandth.
         rel = 1e-4 if quantity == "end_time" and reference["outcome"] == "held" else 1e-5
-        assert value == pytest.approx(reference[named], rel=rel, abs=1e-12), quantity
+        assert value == pytest.approx(reference[named], rel=rel, abs=allowed), quantity
 
 
 @pytest.mark.long

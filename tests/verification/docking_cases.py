@@ -3,7 +3,7 @@
 import dataclasses
 import json
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -48,18 +48,17 @@ class DockingCase(NamedTuple):
         reference = self.values.get(QUANTITIES[quantity])
         value = float(run.quantity(quantity))
         if quantity == "relative_energy" and run.outcome.name == "torn":
-            value += of_half_closed_latches(self.design, run)
+            value += self._of_half_closed_latches(run)
         if reference is None:  # no latch time without a crossing
             return 0.0 if np.isnan(value) else np.inf
         return abs(value - reference) / (abs(reference) or 1.0)
 
-
-def of_half_closed_latches(design: Any, run: Capture) -> float:
-    """What latches would store if they were closed where they tear, beyond what they do, over the first energy: the
-    reference counts that, while here only the share that they are closed is stored energy (M176)."""
-    x = (float(run.end_time) - float(run.docking.latch_time)) / float(design.latch.closing_time)
-    first = float(run.docking.energy_left) / float(run.docking.relative_energy)
-    return (1.0 / (x * x * (3.0 - 2.0 * x)) - 1.0) * float(run.energy.stored["latch"]) / first
+    def _of_half_closed_latches(self, run: Capture) -> float:
+        """What latches would store if they were closed where they tear, beyond what they do, over the first energy: the
+        reference counts that, while here only the share that they are closed is stored energy (M176)."""
+        x = (float(run.end_time) - float(run.docking.latch_time)) / float(self.design.latch.closing_time)
+        first = float(run.docking.energy_left) / float(run.docking.relative_energy)
+        return (1.0 / (x * x * (3.0 - 2.0 * x)) - 1.0) * float(run.energy.stored["latch"]) / first
 
 
 def path_of(name: str) -> str:

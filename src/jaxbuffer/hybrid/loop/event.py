@@ -61,13 +61,15 @@ def event_at_end(task: Task, state: LoopState, trial: Trial, decision: Decision)
     """
     contacts, refinement = task.contacts, decision.refinement
     here = state.locating & refinement.occurred & decision.accepted
+    passed, ending = _passed_unlocated(state, trial, decision)
     guard = jnp.where(here, state.bracket.guard, -1)
+    guard = jnp.where(passed, task.contacts + ending, guard)
     of_contact = (guard >= 0) & (guard < contacts)
     terminal = (guard >= contacts) & (guard < task.rated)
     chosen = of_contact & (task.each_contact == guard)
     # A contact's guard has one number, whether it closes or opens: its present state says which of the two this is.
     touchdown = of_contact & jnp.any(chosen & (state.active < 0.5))
-    offset = jnp.where(state.locating, refinement.offset, 0.0)
+    offset = jnp.where(state.locating & ~(passed & (guard != state.bracket.guard)), refinement.offset, 0.0)
     at_event = _moved(task.system, trial.step, offset)
 
     def touch() -> tuple[Rows, Float[Array, ""]]:
@@ -91,6 +93,18 @@ def event_at_end(task: Task, state: LoopState, trial: Trial, decision: Decision)
         active=jnp.where(chosen, 1.0 - state.active, state.active),
         contact_step=contact_step,
     )
+
+
+def _passed_unlocated(
+    state: LoopState, trial: Trial, decision: Decision
+) -> tuple[Bool[Array, ""], Int[Array, ""]]:
+    """Return whether a guard of the run's end rises through zero in an accepted step, and which one.
+
+    It has been located, unless it jumps with another event, as where a tip comes behind a flank: the search then ends
+    on either of the two. The run must end there all the same, since the guard may fall again and never cross.
+    """
+    rises = (state.point.guards.terminal < 0.0) & (trial.guards.terminal > 0.0)
+    return decision.accepted & jnp.any(rises), jnp.argmax(rises)
 
 
 def _touchdown(
