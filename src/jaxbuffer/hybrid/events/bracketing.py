@@ -26,7 +26,8 @@ class Bracket(NamedTuple):
 
     ``guard`` (-1: none is being located); ``step`` [s]: the length to try next; ``low``, ``high`` [s]: lengths at which
     the guard is below and above zero, ``low_value``, ``high_value``: its values there; ``tries`` so far;
-    ``converged``: the last try, of the state alone, ended on the event and is retaken with tangents.
+    ``converged``: the last try, of the state alone, ended on the event and is retaken with tangents; ``clear``: at
+    ``low`` no other guard of a contact or of the run's end is above zero.
     """
 
     guard: Int[Array, ""]
@@ -37,12 +38,17 @@ class Bracket(NamedTuple):
     high_value: Float[Array, ""]
     tries: Int[Array, ""]
     converged: Bool[Array, ""]
+    clear: Bool[Array, ""]
+
+    def is_closed(self, tolerance: Float[Array, ""] | float) -> Bool[Array, ""]:
+        """Return whether its ends are no farther apart than a ``tolerance`` [s]."""
+        return self.high - self.low <= tolerance
 
     @staticmethod
     def none() -> "Bracket":
         """Return the bracket of no event."""
         zero = jnp.zeros(())
-        return Bracket(jnp.asarray(-1), zero, zero, zero, zero, zero, jnp.asarray(0), jnp.asarray(False))
+        return Bracket(jnp.asarray(-1), zero, zero, zero, zero, zero, jnp.asarray(0), jnp.asarray(False), jnp.asarray(True))
 
     @staticmethod
     def around(crossing: Crossing, before: Float[Array, " guards"], tries: Int[Array, ""]) -> "Bracket":
@@ -58,6 +64,7 @@ class Bracket(NamedTuple):
             high_value=crossing.far_value,
             tries=tries,
             converged=jnp.asarray(False),
+            clear=jnp.asarray(True),
         )
 
     @staticmethod
@@ -74,6 +81,7 @@ class Bracket(NamedTuple):
             high_value=(1.0 - RELEASE_BRACKET) * gap,
             tries=jnp.asarray(0),
             converged=jnp.asarray(False),
+            clear=jnp.asarray(True),
         )
 
 
@@ -131,17 +139,26 @@ def refine(
     # With tangents the same step may end a little beside: it stays on its event.
     converged = close | bracket.converged & rising
     out_of_tries = bracket.tries >= jnp.where(exact, MAX_TRIES, MAX_TRIES_MAXIMUM)
+    others = jnp.arange(rated) != bracket.guard
+    clear = jnp.where(below, ~jnp.any(others & (guards.value[:rated] > 0.0)), bracket.clear)
+    reached = bracket._replace(
+        step=following,
+        low=low,
+        high=high,
+        low_value=low_value,
+        high_value=high_value,
+        tries=bracket.tries + 1,
+        clear=clear,
+    )
     # A step of length zero is one onto a contact that closes at once.
-    finished = converged | (high - low <= tolerance) | out_of_tries | (step == 0.0)
+    finished = converged | reached.is_closed(tolerance) | out_of_tries | (step == 0.0)
     return Refinement(
         finished=finished,
         converged=converged,
         occurred=finished & (converged | ~below),
         offset=jnp.where(converged & inside, offset, 0.0),
         guard_rate=rate,
-        bracket=bracket._replace(
-            step=following, low=low, high=high, low_value=low_value, high_value=high_value, tries=bracket.tries + 1
-        ),
+        bracket=reached,
     )
 
 

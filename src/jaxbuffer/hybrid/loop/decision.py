@@ -42,7 +42,7 @@ def decide(task: Task, state: LoopState, trial: Trial) -> Decision:
     step that overshoots an event is mostly what is not smooth there), but no maximum.
 
     On arrival at an event another one may turn out to lie a little before. Then that one is located first, unless too
-    many tries have been spent. And a step that would stand is shortened where a guard may have risen above zero and
+    many tries have been spent, or the two are one: both guards jump within the time tolerance. And a step that would stand is shortened where a guard may have risen above zero and
     fallen again within it.
     """
     bracket = state.bracket
@@ -86,7 +86,8 @@ def _outcome(task: Task, state: LoopState, trial: Trial, crossing: Crossing, ref
     locating, accurate, finite = state.locating, trial.accurate, trial.finite
     overshot = jnp.where(task.options.solver.is_implicit(trial.method), 1.0, OVERSHOT)
     from_step = ~locating & ~state.reevaluating & (trial.state_norm <= overshot)
-    on_arrival = locating & refinement.finished & (state.bracket.tries < MAX_TRIES)
+    at_once = refinement.bracket.clear & refinement.bracket.is_closed(task.event_time)
+    on_arrival = locating & refinement.finished & (state.bracket.tries < MAX_TRIES) & ~at_once
     holds_event = (from_step | on_arrival) & finite & crossing.exists
     only_maximum = holds_event & ~locating & accurate & crossing.alone & (crossing.guard >= task.rated)
     succeeds = accurate & finite & (~locating | refinement.finished) & (~holds_event | only_maximum)
