@@ -47,8 +47,8 @@ class Bracket(NamedTuple):
     @staticmethod
     def none() -> "Bracket":
         """Return the bracket of no event."""
-        zero = jnp.zeros(())
-        return Bracket(jnp.asarray(-1), zero, zero, zero, zero, zero, jnp.asarray(0), jnp.asarray(False), jnp.asarray(True))
+        zero, none = jnp.zeros(()), jnp.asarray(-1)
+        return Bracket(none, zero, zero, zero, zero, zero, jnp.asarray(0), jnp.asarray(False), jnp.asarray(True))
 
     @staticmethod
     def around(crossing: Crossing, before: Float[Array, " guards"], tries: Int[Array, ""]) -> "Bracket":

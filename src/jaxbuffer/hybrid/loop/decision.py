@@ -42,8 +42,8 @@ def decide(task: Task, state: LoopState, trial: Trial) -> Decision:
     step that overshoots an event is mostly what is not smooth there), but no maximum.
 
     On arrival at an event another one may turn out to lie a little before. Then that one is located first, unless too
-    many tries have been spent, or the two are one: both guards jump within the time tolerance. And a step that would stand is shortened where a guard may have risen above zero and
-    fallen again within it.
+    many tries have been spent, or the two are one: both guards jump within the time tolerance. And a step that would
+    stand is shortened where a guard may have risen above zero and fallen again within it.
     """
     bracket = state.bracket
     before = state.point.guards.falling(state.located)

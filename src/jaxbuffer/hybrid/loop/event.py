@@ -95,9 +95,7 @@ def event_at_end(task: Task, state: LoopState, trial: Trial, decision: Decision)
     )
 
 
-def _passed_unlocated(
-    state: LoopState, trial: Trial, decision: Decision
-) -> tuple[Bool[Array, ""], Int[Array, ""]]:
+def _passed_unlocated(state: LoopState, trial: Trial, decision: Decision) -> tuple[Bool[Array, ""], Int[Array, ""]]:
     """Return whether a guard of the run's end rises through zero in an accepted step, and which one.
 
     It has been located, unless it jumps with another event, as where a tip comes behind a flank: the search then ends
