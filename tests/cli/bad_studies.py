@@ -289,5 +289,6 @@ STUDIES = [
     line("simulate study.toml", "study.toml is not valid TOML", "line 2", study="[buffer]\nk_A = \n"),
     line("simulate study.toml", "study.toml is not valid TOML", "line 3", study="[buffer]\nk_A = 1\nk_A = 2\n"),
     line("simulate missing.toml", "missing.toml: no such file"),
-    line("simulate .", ".: Is a directory"),
+    line("simulate .", ".: a folder, not a study", "did you mean study.toml?", study=""),
+    line("animate /tmp", "/tmp: a folder, not a study"),
 ]

@@ -188,7 +188,7 @@ def test_bad_input_is_one_line_with_field_value_unit_and_range(tmp_path, text, p
 def test_files_that_can_not_be_read(tmp_path):
     with pytest.raises(InputError, match=r"missing\.toml: no such file"):
         load(tmp_path / "missing.toml")
-    with pytest.raises(InputError, match="Is a directory"):
+    with pytest.raises(InputError, match=r"a folder, not a study; give a file that ends in \.toml"):
         load(tmp_path)
     (tmp_path / "latin.toml").write_bytes(b"# \xe9")
     with pytest.raises(InputError, match=r"latin\.toml is not valid TOML: .*utf-8"):

@@ -12,7 +12,7 @@ from ..fields import SCENARIO, by_path, errors_in_typed_units, typed_unit
 from ..files import user_path
 from ..mechanisms import mechanism_named
 from .config import DEFAULT_KIND, Config, sections, study_tables
-from .mistaken import no_file, no_table, no_toml
+from .mistaken import in_folder, no_file, no_table, no_toml
 from .parts_toml import sums
 from .problem_toml import check_table
 from .tables import StudyNames, read_keys, replaced
@@ -28,6 +28,8 @@ def load(path: str | Path | None) -> Config:
         content = file.read_bytes()
     except FileNotFoundError:
         raise InputError(f"{path}: no such file{no_file(file)}") from None
+    except IsADirectoryError:
+        raise InputError(f"{path}: a folder, not a study{in_folder(file)}") from None
     except OSError as error:
         raise InputError(f"{path}: {error.strerror}") from None
     return loads(content, path)

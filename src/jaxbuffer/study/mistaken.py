@@ -38,6 +38,12 @@ def no_file(path: Path) -> str:
     return f"; did you mean {folder / near}?" if near else f"; jaxbuffer init {path} writes one to begin with"
 
 
+def in_folder(folder: Path) -> str:
+    """Suggest the study that a folder given in its place may mean."""
+    studies = sorted(folder.glob("*.toml"))
+    return f"; did you mean {studies[0]}?" if studies else "; give a file that ends in .toml"
+
+
 def no_toml(text: str, error: ValueError) -> str:
     """Return the message of tomllib with the line's text and a suggestion."""
     lines, message = text.splitlines(), str(error)
