@@ -149,7 +149,8 @@ def show_comparisons(rows: list[Comparison]) -> int:
 
 def _beyond(case: Case, run: jb.Run) -> bool:
     """Whether a run exceeds a limit that the mechanism's summaries warn of."""
-    limits = mechanism_of(case.design).view.validity(case.design, run.peak_force, run.quantity("penetration"))
+    mechanism = mechanism_of(case.design)
+    limits = mechanism.view.validity(case.design, {name: run.quantity(name) for name in mechanism.swept})
     return any(np.any(limit.passed) for limit in limits)
 
 
