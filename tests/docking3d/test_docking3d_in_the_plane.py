@@ -37,7 +37,7 @@ def in_space(q, v):
 
 @pytest.mark.quick
 def test_all_bodies_accelerate_as_in_the_plane():
-    """The tip pressed into the lower flank and spinning, the buffer at its stop, the latches closed."""
+    """The tip pressed into the lower flank and spinning, the hinge bent, the buffer at its stop, the latches closed."""
     changes = LATCHED | {"probe.free_tip": True}
     flat, space = (
         mechanism_of(design).system(design, scenario, 20.0)
@@ -51,13 +51,16 @@ def test_all_bodies_accelerate_as_in_the_plane():
     moved = states[0]
     # Along the probe towards the cylinder by more than the stroke, and the cone onto the tip by a few micrometres.
     moved[at["q"]] += [*np.zeros(6), -8e-3, 0.0, 0.0, -8e-3 - 4e-6, 0.0, 0.0]
+    bent, arm = 0.1, jb.table2().active.hinge_offset  # rad, m: the active vehicle turned about the hinge
+    moved[at["q"]] += [arm * (1.0 - np.cos(bent)), -arm * np.sin(bent), bent, *np.zeros(9)]
     moved[at["v"]] += 0.05 * rng.normal(size=12)
     moved[at["spins"]] = 0.7
     q, v = in_space(moved[at["q"]], moved[at["v"]])
     for name, values in (("q", q), ("v", v), ("spins", [0.0, 0.0, 0.7])):
         states[1][space.places[name]] = values
     for state, mechanism in zip(states, (flat, space), strict=True):
-        state[mechanism.places["element 5"]] = [0.2, 0.0]  # 0.2 s since the latches began to close
+        latch = [element.name for element in mechanism.elements].index("latch")
+        state[mechanism.places[f"element {latch}"]] = [0.2, 0.0]  # 0.2 s since the latches began to close
     rates = [
         np.asarray(mechanism.derivative(0.0, jnp.asarray(state), jnp.ones_like(mechanism.start()[1])))
         for mechanism, state in zip((flat, space), states, strict=True)
