@@ -17,6 +17,7 @@ stopped, by ``--minutes``, Ctrl-C or a request to end, prints its counts so far 
 
 import collections
 import dataclasses
+import math
 from typing import Annotated, Any
 
 import jax
@@ -34,7 +35,7 @@ from jaxbuffer.run.stepper import run_of, stepped
 from jaxbuffer.run.trust import trust
 
 from .names import chosen
-from .optional_parts import CRANK_PARTS, DOCKING_PARTS, DROP_PARTS, Ranges, Structure, structures
+from .optional_parts import CRANK_PARTS, DOCKING_PARTS, DROP_PARTS, SPACE_PARTS, Ranges, Structure, structures
 from .portions import Portion, cases
 
 RUNS, STRUCTURES = 10_000, 60
@@ -64,6 +65,23 @@ DOCKING_EVEN: Ranges = {
     "scenario.contact_distance": (0.005, 0.07),  # m
     "scenario.misalignment": (-0.14, 0.14),  # rad
     "scenario.passive_rate": (-0.03, 0.03),  # rad/s
+}
+SPACE: Ranges = DOCKING | {
+    "active.roll_inertia": (0.1, 1e4),  # kg m²
+    "passive.roll_inertia": (0.1, 1e4),
+    "probe.rod_radius": (0.003, 0.012),  # m
+}
+SPACE_EVEN: Ranges = {
+    **{
+        path: DOCKING_EVEN[path]
+        for path in DOCKING_EVEN
+        if path not in ("scenario.misalignment", "scenario.passive_rate")
+    },
+    "scenario.azimuth": (-math.pi, math.pi),  # rad
+    "scenario.passive_yaw": (-0.1, 0.1),
+    "scenario.passive_pitch": (-0.1, 0.1),
+    **{f"scenario.passive_rate_{axis}": (-0.03, 0.03) for axis in "xyz"},  # rad/s
+    "scenario.active_rate_x": (-0.03, 0.03),
 }
 CRANK: Ranges = {
     "crank.length": (0.02, 0.2),  # m
@@ -96,6 +114,11 @@ def docking(**changes: Any) -> Structure:
     return Structure(jb.replace(jb.table2(), changes), jb.Scenario(), 8.0, DOCKING, DOCKING_EVEN)
 
 
+def space(**changes: Any) -> Structure:
+    """A docking probe in its cone, in space."""
+    return Structure(jb.replace(jb.docking3d(), changes), jb.Scenario3D(), 8.0, SPACE, SPACE_EVEN)
+
+
 def crank(**changes: Any) -> Structure:
     """A slider-crank with play."""
     design = jb.replace(jb.SliderCrank(), {path.replace("__", "."): value for path, value in changes.items()})
@@ -112,6 +135,7 @@ def drop(**modes: int) -> Structure:
 STUDIES = {
     "docking": docking,
     "docking, free tip": lambda: docking(**{"probe.free_tip": True}),
+    "docking in space": space,
     "slider-crank": lambda: crank(piston_pin__law="pereira"),
     "slider-crank, play in both pins": lambda: crank(piston_pin__law="pereira", crank_pin__joint="clearance"),
     "bar drop": drop,
@@ -120,6 +144,7 @@ STUDIES = {
 # Of each mechanism the study whose structure is changed by optional parts, and these.
 ANY_PARTS = {
     "docking, any parts": ("docking", DOCKING_PARTS),
+    "docking in space, any parts": ("docking in space", SPACE_PARTS),
     "slider-crank, any parts": ("slider-crank", CRANK_PARTS),
     "bar drop, any parts": ("bar drop", DROP_PARTS),
 }

@@ -208,6 +208,22 @@ DOCKING_PARTS: dict[str, OptionalPart] = {
     **_laws([name for name in LAWS if name != "lankarani-nikravesh"], "contact.law"),
 }
 
+OF_THE_PLANE = ("play", "bending", "lockout")  # parts that a docking in space does not have
+SPACE_PARTS: dict[str, OptionalPart] = {
+    **{name: part for name, part in DOCKING_PARTS.items() if name not in OF_THE_PLANE},
+    "free start": OptionalPart(
+        {"scenario.start": "free"},
+        logarithmic={"scenario.standoff": (1e-4, 0.02)},  # m
+        even={
+            **{f"scenario.offset_{axis}": (-0.03, 0.03) for axis in "yz"},
+            **{f"scenario.active_{angle}": (-0.05, 0.05) for angle in ("yaw", "pitch")},  # rad
+            **{f"scenario.active_rate_{axis}": (-0.01, 0.01) for axis in "yz"},  # rad/s
+            **{f"scenario.lateral_speed_{axis}": (-0.01, 0.01) for axis in "yz"},  # m/s
+        },
+        instead_of=("scenario.contact_distance", "scenario.azimuth"),
+    ),
+}
+
 CRANK_PARTS: dict[str, OptionalPart] = {
     "play in the crank pin": OptionalPart(
         {"crank_pin.joint": "clearance", "crank_pin.law": "pereira"},

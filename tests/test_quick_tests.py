@@ -7,7 +7,7 @@ OF_WHOLE_RUNS = {
     *("pages/test_report_browser.py", "pages/test_what_if_browser.py", "documents/test_pages.py"),
     *(
         f"verification/test_second_opinion{it}.py"
-        for it in ("", "_docking", "_drop", "_plate", "_slider_crank", "_tank")
+        for it in ("", "_docking", "_drop", "_plate", "_slider_crank", "_space", "_tank")
     ),
     # many designs, choices and fits
     *("choosing/test_worst_corners.py", "docking/test_similar_mechanisms.py", "elements/test_without_contacts.py"),

@@ -20,6 +20,18 @@ RIGID = "tests/mechanisms/test_assembled_in_space.py::test_the_energy_of_the_who
 CONTROLLED = "tests/elements/test_attitude_control.py::test_in_space_each_axis_of_the_body_has_its_own_limit"
 TOUCHES = "tests/elements/test_attitude_control.py::test_it_ends_at_the_first_touchdown[Turned]"
 NEWTON = "tests/hybrid/test_in_space.py::test_newtons_matrix_solves_with_the_stiff_part"
+CROSS = "tests/multibody/test_space_forces.py::test_the_angles_of_a_cross"
+DOCKING = "tests/docking3d"
+HINGE = (
+    f"{DOCKING}/test_docking3d_bodies.py"
+    "::test_the_hinge_turns_about_y_of_the_active_vehicle_and_then_about_z_of_the_cylinder"
+)
+ROLL = f"{DOCKING}/test_docking3d_bodies.py::test_cylinder_and_probe_have_the_probes_roll_inertia_together"
+BEGUN = f"{DOCKING}/test_docking3d_start.py::test_joints_hold_and_the_tip_is_where_the_scenario_puts_it"
+ONE_BODY = f"{DOCKING}/test_docking3d_start.py::test_active_side_turns_as_one_body"
+AT_AN_INSTANT = f"{DOCKING}/test_docking3d_instant.py::test_momenta_and_energy_are_kept[all parts]"
+MISSED = f"{DOCKING}/test_docking3d_instant.py::test_misses_by_hand"
+IN_THE_PLANE = f"{DOCKING}/test_docking3d_in_the_plane.py::test_all_bodies_accelerate_as_in_the_plane"
 
 
 def _no_gyroscopic_moment() -> None:
@@ -158,6 +170,100 @@ def _control_to_the_end() -> None:
     AttitudeControl._acting = lambda self, closed: 1.0
 
 
+def _latch_in_its_own_axes() -> None:
+    from jaxbuffer.elements import Latch
+    from jaxbuffer.space import Vector
+
+    evaluate = Latch.evaluate
+
+    def broken(self, kin, own):
+        at = evaluate(self, kin, own)
+        return at._replace(angle=kin.frame(self.second).unturn(at.angle)) if isinstance(at.angle, Vector) else at
+
+    Latch.evaluate = broken
+
+
+def _hinge_about_z_first() -> None:
+    from jaxbuffer.mechanisms.docking3d import bodies
+
+    universal = bodies.Universal
+    bodies.Universal = lambda *ends, **points: universal(
+        *ends, **points, first_axis=(0.0, 0.0, 1.0), second_axis=(0.0, 1.0, 0.0)
+    )
+
+
+def _half_of_the_roll() -> None:
+    from jaxbuffer.mechanisms.docking3d import bodies
+
+    body = bodies.Body
+    bodies.Body = lambda mass, inertia: body(mass, (0.5 * inertia[0], *inertia[1:]))
+
+
+def _slope_of_the_hinge_lost() -> None:
+    from jaxbuffer.multibody import CrossSpringDamper
+
+    state = CrossSpringDamper.state
+
+    def broken(self, kin):
+        at = state(self, kin)
+        return at._replace(angles=(at.angles[0], 0.9 * at.angles[1]))
+
+    CrossSpringDamper.state = broken
+
+
+def _pitch_after_yaw() -> None:
+    from jaxbuffer.mechanisms.docking3d import design
+    from jaxbuffer.space import Quaternion, Vector
+
+    def broken(yaw, pitch):
+        about_y = Quaternion.of_rotation_vector(Vector(0.0, pitch, 0.0))
+        return about_y.after(Quaternion.of_rotation_vector(Vector(0.0, 0.0, yaw)))
+
+    design.rotation = broken
+
+
+def _azimuth_the_other_way() -> None:
+    from jaxbuffer.mechanisms.docking3d import start
+
+    tip = start._tip_at_start
+
+    def broken(design, scenario):
+        place = tip(design, scenario)
+        return place._replace(z=-place.z)
+
+    start._tip_at_start = broken
+
+
+def _bodies_beside_each_other() -> None:
+    from jaxbuffer.mechanisms.docking3d import start
+    from jaxbuffer.space import Frame
+
+    class Broken(Frame):
+        def rate_of(self, vector):
+            return vector * 0.0
+
+    start.Frame = Broken
+
+
+def _miss_along_y() -> None:
+    from jaxbuffer.mechanisms.docking3d import misses
+
+    size = misses._size
+    misses._size = lambda vector, rate: size(vector._replace(z=0.0), rate._replace(z=0.0))
+
+
+def _swing_with_the_roll() -> None:
+    from jaxbuffer.mechanisms.docking3d import misses
+
+    measured = misses.misses
+
+    def broken(mechanism, at):
+        found = measured(mechanism, at)
+        return found | {"swing_miss": found["attitude_miss"]}
+
+    misses.misses = broken
+
+
 SPACE = (
     Breakage("gyroscopic moment", "a free body's spin stays as it is", _no_gyroscopic_moment, (EULER,)),
     Breakage("quaternion's rate", "the spin taken in the body's axes", _spin_of_the_body, (TURNING, ROWS)),
@@ -174,4 +280,15 @@ SPACE = (
     Breakage("attitude control's axes", "the spin in inertial axes", _control_in_inertial_axes, (CONTROLLED,)),
     Breakage("attitude control's work", "it is not counted", _control_without_work, (CONTROLLED,)),
     Breakage("attitude control's end", "it acts on after a touchdown", _control_to_the_end, (TOUCHES,)),
+    Breakage(
+        "latch's axes", "its rotation vector in those of the body that holds", _latch_in_its_own_axes, (AT_AN_INSTANT,)
+    ),
+    Breakage("hinge's order", "first about z, then about y", _hinge_about_z_first, (HINGE,)),
+    Breakage("roll inertia in space", "half of each body's", _half_of_the_roll, (ROLL,)),
+    Breakage("hinge in space", "its second angle a tenth too small", _slope_of_the_hinge_lost, (CROSS, IN_THE_PLANE)),
+    Breakage("attitude at the start", "pitch after yaw", _pitch_after_yaw, (BEGUN,)),
+    Breakage("azimuth", "the other way about", _azimuth_the_other_way, (BEGUN,)),
+    Breakage("spin at the start", "all three bodies at one velocity", _bodies_beside_each_other, (ONE_BODY,)),
+    Breakage("lateral miss in space", "along y alone", _miss_along_y, (MISSED,)),
+    Breakage("swing miss", "with the roll", _swing_with_the_roll, (MISSED,)),
 )

@@ -7,6 +7,7 @@ import pytest
 
 import jaxbuffer as jb
 from benchmarks import campaign as campaigns
+from benchmarks import wide
 from benchmarks.campaign import ANY_PARTS, STUDIES, campaign, studies_of
 from benchmarks.elasticities import NUMBERS, OWN, numbers_of
 from benchmarks.portions import Portion, cases
@@ -52,6 +53,15 @@ def test_a_campaign_without_time_says_so():
     portion = Portion(minutes=0.0)
     assert list(portion.of(cases([STUDIES["docking"]()], 10, 0))) == []
     assert portion.stopped and portion.remark == "; stopped: go on with --first 0"
+
+
+@pytest.mark.slow
+def test_wide_designs_are_told_by_their_ends_and_beside_their_tight_solves(capsys):
+    assert wide.main(["bar drop, any parts"], runs=2, structures=1, tight=True) == 0
+    shown = capsys.readouterr().out
+    assert "bar drop, any parts: 2 runs" in shown and "beyond a limit of the model's validity: " in shown
+    assert "against rtol 1e-10, the quantity farthest off: " in shown
+    assert "another outcome or number of impacts: 0 " in shown and "off by over 1e-05: 0 " in shown
 
 
 def test_a_structure_is_differentiated_by_the_numbers_of_its_optional_parts():

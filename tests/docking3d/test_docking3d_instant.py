@@ -39,6 +39,10 @@ def moving(values):
     state = state.at[mechanism.places["q"]].set(q).at[mechanism.places["v"]].set(v)
     if mechanism.spins:
         state = state.at[mechanism.places["spins"]].set(jnp.asarray(TIP_SPIN))
+    names = [element.name for element in mechanism.elements]
+    if "latch" in names:
+        # Long since they began to close: at t = 0 they would exert nothing.
+        state = state.at[mechanism.places[f"element {names.index('latch')}"]].set(jnp.array([0.2, 0.0]))
     return mechanism, state, jnp.ones_like(closed)
 
 

@@ -72,7 +72,8 @@ class BallContact(Element):
     - ``point``: the ball's centre on its body.
     - ``carrier_point``: the origin of the shape's axes; on a flexible carrier the shape moves and turns with the
       material there.
-    - ``name``: of the contact.
+    - ``name``: of the contact, and in space part of the names of the force on the ball in a history, "tip_force_x" say,
+      in inertial axes [N].
     - ``names``: of the segments, whose contact forces are watched; empty: the one segment has the contact's name.
     - ``spin_inertia``: of a ball that spins freely on its body, with velocities of its own, one or in space three
       [kg m²]; None: it is fixed.
@@ -253,6 +254,12 @@ class BallContact(Element):
             return at.forces
         normal = self._exerting(closed) * self.pair.normal_force(self._onset(at.approach), at.memory)
         return ContactForces(normal, self.pair.friction_force(at.approach, normal))
+
+    def recorded(self, at: BallState, closed: Closed) -> dict[str, Scalar]:
+        if self.basis.dimensions == PLANE.dimensions:
+            return {}  # there normal force and friction say all
+        push = _sum(self._force_of_segments(at.approach, self.contact_forces(at, closed)))
+        return {f"{self.name}_force_{axis}": entry for axis, entry in zip("xyz", components(push), strict=True)}
 
     def with_forces(self, at: BallState, closed: Closed) -> BallState:
         return at._replace(forces=self.contact_forces(at, closed))

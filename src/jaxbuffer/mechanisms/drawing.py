@@ -19,6 +19,7 @@ STATIONS = 25  # along a body that bends
 
 Frames = Float[np.ndarray, "bodies 3"]  # [x, y, angle] of each [m, m, rad]
 Points = Float[np.ndarray, "points 2"]
+Arrows = Float[np.ndarray, "steps views contacts 4"]
 
 
 class Spot(NamedTuple):
@@ -176,11 +177,13 @@ class Drawing(NamedTuple):
     """A mechanism's picture.
 
     - ``shapes``: `Outline`, `Disc`, `RodShape`, `Band`, `Spring` and `Coil`, from the back to the front.
-    - ``touches``: one for each contact that has impacts, in their order.
+    - ``touches``: one for each contact that has impacts, in their order; none in space, where ``arrows`` says it.
     - ``names``: points worth a name.
     - ``detail``: a closer look at the contact.
     - ``frames``: from a history to the frames (steps, bodies, [x, y, angle]) that the shapes are fixed to: the bodies'
       own, and behind them any others, of the end of a bending rod say.
+    - ``arrows``: from a history to where the contact forces act, and the forces (steps, views, contacts, [x, y, F_x,
+      F_y]) [m, m, N, N], in the picture of the whole and in the detail; None: as the touches say, in both.
     """
 
     shapes: tuple[Any, ...]
@@ -188,6 +191,20 @@ class Drawing(NamedTuple):
     names: tuple[Named, ...] = ()
     detail: Detail | None = None
     frames: Callable[[Any], Float[np.ndarray, "steps frames 3"]] = as_they_are
+    arrows: Callable[[Any], Arrows] | None = None
+
+
+def arrows_of(drawing: Drawing, history: Any, frames: Float[np.ndarray, "steps frames 3"]) -> Arrows:
+    """Return where contact forces act at the steps of a history, and their components, as `Drawing.arrows`."""
+    if drawing.arrows is not None:
+        return drawing.arrows(history)
+    normal, friction = np.asarray(history.contact_force), np.asarray(history.friction_force)
+    arrows = np.zeros((len(frames), 2, len(drawing.touches), 4))
+    for k, each in enumerate(frames):
+        for n, touch in enumerate(drawing.touches):
+            point, outward, tangent = touch.at(each)
+            arrows[k, :, n] = [*point, *(normal[k, n] * outward + friction[k, n] * tangent)]
+    return arrows
 
 
 def with_stations(

@@ -4,13 +4,12 @@ import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-import jax
 import numpy as np
 from jaxtyping import Float
 
 from .._types import Axes, Figure
 from ..errors import InputError, check_type
-from ..mechanisms.drawing import Band, Drawing
+from ..mechanisms.drawing import Arrows, Band, Drawing, arrows_of
 from ..mechanisms.parts_drawing import drawing_of
 from ..mechanisms.run import Run
 from ..run.instants import at_times
@@ -33,16 +32,20 @@ BENT = ((BLUE, ":"), (INK, "-."), (RED, (0, (6, 1, 1, 1, 1, 1))))  # colour and 
 
 
 class Scene(NamedTuple):
-    """A run's drawing at some ``times`` [s]: ``frames`` of its bodies, ``instants`` with the forces there, ``views`` of
-    the whole (lower left and upper right corner [m]); ``peak``: the run's largest force [N]; ``magnified``: parts that
-    bend too little to be seen, and how many times larger their bending is drawn beside them [-]; ``moments``: as of
-    `moments`."""
+    """A run's drawing at some ``times`` [s].
+
+    ``frames`` of its bodies; ``instants`` of its history; ``arrows`` of the contact forces, in the whole and in the
+    detail; ``views`` of the whole (lower left and upper right corner [m]); ``peak``: the run's largest force [N];
+    ``magnified``: parts that bend too little to be seen, and how many times larger their bending is drawn beside them
+    [-]; ``moments``: as of `moments`; ``path`` of the detail's frame over the whole run [m].
+    """
 
     run: Run
     drawing: Drawing
     times: Float[np.ndarray, " times"]
     frames: Float[np.ndarray, "times frames 3"]
     instants: Any
+    arrows: Arrows
     views: Float[np.ndarray, "times 2 2"]
     peak: float
     magnified: list[tuple[Band, float]]
@@ -65,7 +68,19 @@ def scene(run: Run, times: Sequence[float] | np.ndarray) -> Scene:
     views = _views(drawing, frames, larger)
     detail = drawing.detail
     path = None if detail is None or detail.path is None else drawing.frames(run.history)[:, detail.path, :2]
-    return Scene(run, drawing, np.asarray(instants.time), frames, instants, views, peak, larger, moments(run), path)
+    return Scene(
+        run=run,
+        drawing=drawing,
+        times=np.asarray(instants.time),
+        frames=frames,
+        instants=instants,
+        arrows=arrows_of(drawing, instants, frames),
+        views=views,
+        peak=peak,
+        magnified=larger,
+        moments=moments(run),
+        path=path,
+    )
 
 
 def magnifications(run: Run, drawing: Drawing, wide: float) -> list[tuple[Band, float]]:
@@ -143,7 +158,7 @@ def motion_figure(run: Run, times: Sequence[float] | None = None) -> Figure:
             # The parts of the whole come first in the legend, and their entries stay where both name a part.
             named = named | closer(grid[k, 1], at, k) | named
     legend_below(figure, list(named.values()), list(named))
-    arrows = ". Arrows: contact force" if at.drawing.touches else ""
+    arrows = ". Arrows: contact force" if at.arrows.size else ""
     figure.suptitle(f"{run.mechanism.view.title}, {run.mechanism.view.approach(run.scenario)}{arrows}")
     return figure
 
@@ -188,7 +203,7 @@ def whole(axes: Axes, at: Scene, k: int) -> dict[str, Any]:
     for (band, times), (colour, dashes) in zip(at.magnified, BENT, strict=False):
         (line,) = axes.plot(*band.bent(frames, times).T, linestyle=dashes, color=colour, linewidth=1.6, zorder=3)
         named[f"bending of the {band.part} × {times:g}"] = line
-    forces(axes, at.drawing, frames, _instant(at, k), *_arrows(at, 0.2 * max(right - left, high - low)))
+    forces(axes, at.arrows[k, 0], *_arrows(at, 0.2 * max(right - left, high - low)))
     detail = at.drawing.detail
     # A frame nearly as large as the picture would not show where the detail is.
     if detail is not None and detail.framed and (h := _half(at, k)) < 0.2 * (right - left):
@@ -207,7 +222,7 @@ def closer(axes: Axes, at: Scene, k: int) -> dict[str, Any]:
     assert detail is not None
     middle, half = detail.centre.at(frames), _half(at, k)
     named = sketch(axes, detail.shapes or at.drawing.shapes, frames, MM, middle, fills(at.drawing.shapes))
-    forces(axes, at.drawing, frames, _instant(at, k), *_arrows(at, 0.8 * half), MM, middle)
+    forces(axes, at.arrows[k, 1], *_arrows(at, 0.8 * half), MM, middle)
     if at.path is not None:
         way = at.path[np.asarray(at.run.history.time) <= at.times[k]] - middle  # type: ignore[union-attr]
         axes.plot(*(way / MM).T, "-", color=RED, linewidth=1.2, zorder=3)
@@ -279,10 +294,6 @@ def _arrows(at: Scene, longest: float) -> tuple[float, float]:
     """Return the length [m] of an arrow for 1 N, and of the longest."""
     # A run in which nothing touches has a peak of zero.
     return longest / max(at.peak, 1e-300), longest
-
-
-def _instant(at: Scene, k: int) -> Any:
-    return jax.tree.map(lambda values: np.asarray(values)[k], at.instants)
 
 
 def _views(

@@ -11,7 +11,7 @@ from ..mechanisms.drawing import Band, RodShape, Spot, Spring
 from ..mechanisms.run import Run
 from ..run.instants import at_times
 from .animation import frames_of, speed_in_words
-from .motion import Scene, contact_names, scene
+from .motion import contact_names, scene
 from .pulses import TIMES, force_over_time, largest_times, last_contact
 from .sketch import INK, fills, is_filled, outline
 
@@ -76,8 +76,8 @@ def motion_record(run: Run) -> dict[str, Any]:
         "times": _rounded(paced.times),
         "paces": [speed_in_words(float(slower)) for slower in paced.slower],
         "frames": _rounded(at.frames),
-        "forces": [_forces(at, k) for k in range(len(at.times))],
-        # A picture of a mechanism in space has no arrows, and tells the forces' sizes all the same.
+        "forces": _rounded(at.arrows[:, 0]),
+        # Of a force in space a picture shows two components, and tells its size all the same.
         "acting": _rounded(np.hypot(at.instants.contact_force, at.instants.friction_force)),
         # The page's script divides by it, also where nothing touches.
         "largest": max(at.peak, 1e-12),
@@ -91,19 +91,11 @@ def motion_record(run: Run) -> dict[str, Any]:
             "half": detail.half,
             "title": detail.title,
             "path": detail.path,
+            # From another side a force has other components.
+            "forces": None if at.drawing.arrows is None else _rounded(at.arrows[:, 1]),
             "shapes": _shapes(detail.shapes, at.frames.shape[1]),  # what is drawn there instead, if anything
         },
     }
-
-
-def _forces(at: Scene, k: int) -> list[list[float]]:
-    """Return where each contact force acts [m], and its components [N]."""
-    arrows = []
-    normal, friction = (np.asarray(x)[k] for x in (at.instants.contact_force, at.instants.friction_force))
-    for touch, along, across in zip(at.drawing.touches, normal, friction, strict=False):
-        point, outward, tangent = touch.at(at.frames[k])
-        arrows.append(_rounded([*point, *(along * outward + across * tangent)]))
-    return arrows
 
 
 def _shapes(shapes: Sequence[Any], bodies: int) -> list[dict[str, Any]]:

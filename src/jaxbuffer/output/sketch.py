@@ -108,9 +108,7 @@ def outline(shape: Any, frames: Frames) -> Points:
 
 def forces(
     axes: Axes,
-    drawing: Drawing,
-    frames: Frames,
-    instant: Any,
+    arrows: Float[np.ndarray, "contacts 4"],
     length: float,
     reach: float,
     unit: float = 1.0,
@@ -118,19 +116,17 @@ def forces(
 ) -> None:
     """Draw an arrow for each contact force on a ball, from where it acts.
 
-    **Arguments:** ``instant``: a history's entry, F_n and F_t of each contact; ``length`` [m] of an arrow for 1 N;
-    ``reach`` [m]: of the longest, against which the shortest are left out; others as of `sketch`.
+    **Arguments:** ``arrows``: of each contact the place and the force there [m, m, N, N]; ``length`` [m] of an arrow
+    for 1 N; ``reach`` [m]: of the longest, against which the shortest are left out; others as of `sketch`.
     """
-    for k, touch in enumerate(drawing.touches):
-        normal_force, friction = float(instant.contact_force[k]), float(instant.friction_force[k])
-        arrow = length * float(np.hypot(normal_force, friction)) / reach
-        if normal_force <= 0.0:
+    for arrow in arrows:
+        force = arrow[2:]
+        if not np.any(force):
             continue
-        point, normal, tangent = touch.at(frames)
-        start = (point - origin) / unit
-        tip = start + length / unit * (normal_force * normal + friction * tangent)
+        start = (arrow[:2] - origin) / unit
+        tip = start + length / unit * force
         axes.plot(*start, "o", color=FORCE, markersize=3, zorder=4)
-        if arrow < SHORTEST:
+        if length * float(np.hypot(*force)) < SHORTEST * reach:
             continue
         style = {"arrowstyle": "-|>,head_width=0.25,head_length=0.5", "color": FORCE, "linewidth": 1.8}
         axes.annotate("", tip, start, arrowprops=style | {"shrinkA": 0.0, "shrinkB": 0.0}, zorder=4)

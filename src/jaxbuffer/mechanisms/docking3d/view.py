@@ -13,7 +13,7 @@ from ..view import Names
 from .assembly import CONTACTS
 from .capture import Capture3D
 from .design import Design3D
-from .drawing import drawing
+from .drawing import TIP_FORCE, drawing
 from .label import scenario_label
 
 
@@ -31,6 +31,7 @@ def names(design: Design3D) -> Names:
         },
         others={
             "tip_spin": "rad/s",
+            **dict.fromkeys(TIP_FORCE, "N"),
             "hinge_force": "N",
             "buffer_force": "N",
             "stop_force": "N",

@@ -28,7 +28,8 @@ function corners(shape, frames) {
 }
 
 class View {
-  constructor(svg, data, shapes, path = null) {
+  constructor(svg, data, shapes, path = null, forces = data.forces) {
+    this.forces = forces;
     this.svg = svg;
     this.data = data;
     this.drawn = shapes;
@@ -69,7 +70,7 @@ class View {
     this.drawn.forEach((shape, n) => this.shapes[n].setAttribute("points", flipped(corners(shape, frames))));
     if (this.way) this.way.setAttribute("points", flipped(this.data.frames.slice(0, k + 1).map(all => all[this.path])));
     const reach = 0.2 * (right - left);
-    this.data.forces[k].forEach(([x, y, forceX, forceY], n) => {
+    this.forces[k].forEach(([x, y, forceX, forceY], n) => {
       const scale = reach / this.data.largest, tip = [x + scale * forceX, y + scale * forceY];
       const size = Math.hypot(forceX, forceY), arrow = [];
       if (size > 0.02 * this.data.largest) {
@@ -88,7 +89,9 @@ class Motion {
     this.whole = new View(root.querySelector(".whole"), this.data, this.data.shapes);
     const closer = root.querySelector(".closer");
     const detail = this.data.detail, own = detail && detail.shapes && detail.shapes.length ? detail.shapes : this.data.shapes;
-    if (detail) this.closer = new View(closer, this.data, own, detail.path); else closer.remove();
+    // Records of earlier versions have no forces of the detail's own, and null means that it has none.
+    const forces = (detail && detail.forces) || this.data.forces;
+    if (detail) this.closer = new View(closer, this.data, own, detail.path, forces); else closer.remove();
     this.button = root.querySelector(".play");
     this.slider = root.querySelector(".time");
     this.clock = root.querySelector(".clock");

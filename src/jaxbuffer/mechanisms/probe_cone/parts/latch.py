@@ -181,6 +181,9 @@ class LatchPart(ProbePart):
         travel = _tooth(design)[2]
         return DrawnPart(_teeth(design, first), 2, lambda frames, history: _with_teeth(frames, history, travel))
 
+    def end_on(self, design: Any, first: int) -> DrawnPart:
+        return DrawnPart(_teeth_end_on(design, first), 2, lambda frames, history: _opened(frames, history, design))
+
 
 def _out_of_reach(design: Any) -> Iterator[Caution]:
     """Yield that the ball cannot reach its seat."""
@@ -220,6 +223,21 @@ def _with_teeth(frames: np.ndarray, history: Any, travel: float) -> Float[np.nda
         np.stack([x - side * away * np.sin(angle), y + side * away * np.cos(angle), angle], axis=-1)
         for side in (1.0, -1.0)
     ]
+    return np.concatenate([frames, np.stack(teeth, axis=1)], axis=1)
+
+
+def _teeth_end_on(design: Any, first: int) -> tuple[Outline, Outline]:
+    """Return the teeth as they are seen along the cone's axis, as wide as the ball."""
+    half, (_, y, travel) = float(design.probe.tip_radius), _tooth(design)
+    tooth = np.array([[-half, y], [half, y], [half, y + travel], [-half, y + travel]])
+    return Outline(first, tooth, part="latch"), Outline(first + 1, tooth * [1.0, -1.0])
+
+
+def _opened(frames: np.ndarray, history: Any, design: Any) -> Float[np.ndarray, "steps frames 3"]:
+    """Return frames, and behind them those of the upper and the lower latch in axes in which the cone stands still."""
+    none = np.zeros(len(frames))
+    away = _tooth(design)[2] * (1.0 - np.asarray(history.others.get("latch_closed", none)))
+    teeth = [np.stack([none, side * away, none], axis=-1) for side in (1.0, -1.0)]
     return np.concatenate([frames, np.stack(teeth, axis=1)], axis=1)
 
 

@@ -187,6 +187,10 @@ class ProbePart:
         """Return the part in a drawing. ``first``: number of the first frame of its own."""
         return DrawnPart(())
 
+    def end_on(self, design: Any, first: int) -> DrawnPart:
+        """Return the part as it is seen along the cone's axis, z to the right and y up; ``first`` as of `drawn`."""
+        return DrawnPart(())
+
 
 def loss(name: str) -> Callable[[Any], Any]:
     """Return how the energy lost in a place is read off, which not every design has."""
