@@ -72,7 +72,7 @@ def test_a_latch_that_puts_in_much_by_turning_is_said_before_a_run():
 
 
 def test_the_first_impact_in_closed_form_is_the_plane_s_at_any_azimuth():
-    """Straight on, every azimuth is the planar lower flank, turned: the same mass is met, and no roll inertia matters."""
+    """Straight on, every azimuth is the planar lower flank, turned: the same mass is met, whatever the roll inertia."""
     flat = jb.first_impact(jb.table2(), jb.Scenario(approach_speed=0.2))
     for azimuth in (0.0, 0.7):
         first = jb.first_impact(jb.docking3d(), jb.Scenario3D(approach_speed=0.2, azimuth=azimuth))
