@@ -18,6 +18,7 @@ STUDIES = (
     "tank",
     "full_tank",
     "card",
+    "initial_conditions",
 )
 
 

@@ -129,8 +129,13 @@ PYTHON = [
         lambda: simulate(replace(table2(), {"probe.tip_radius": 0.035}), Scenario(contact_distance=0.01)),
         "scenario.contact_distance = 0.01 m is out of range; allowed: (0.0137868, 0.0735] m",
     ),
-    call(lambda: first_impact(Scenario()), "design = Scenario(", "is not a Design"),
+    call(lambda: first_impact(Scenario()), "design = Scenario(", "is not a DockingDesign"),
     call(lambda: first_impact(table2(), Scenario(contact_distance=0.08)), "0.08 m", "(0, 0.0735] m"),
+    call(
+        lambda: simulate(table2(), Scenario(start="free", misalignment=1.0, active_angle=-1.0)),
+        "scenario.misalignment = 1 rad and scenario.active_angle = -1 rad turn the probe by 2 rad from the cone's axis",
+        "allowed: [0, 1.5708) rad",
+    ),
     # derivatives
     call(lambda: sensitivity(Scenario(), table2()), "design = Scenario(", "is not a design of a mechanism"),
     call(

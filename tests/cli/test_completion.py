@@ -113,7 +113,7 @@ def test_the_option_whose_value_is_typed(words, expected):
     assert completion.pending(words) == expected
 
 
-@pytest.mark.parametrize("kind", ["probe_cone", "bar_drop", "slider_crank", "tank_drop"])
+@pytest.mark.parametrize("kind", ["probe_cone", "docking3d", "bar_drop", "slider_crank", "tank_drop"])
 def test_every_field_and_quantity_is_known(kind, tmp_path):
     (study := tmp_path / "study.toml").write_text(f'kind = "{kind}"\n')
     mechanism, known = mechanism_named(kind), completion.names([str(study)])

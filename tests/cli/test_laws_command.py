@@ -18,6 +18,11 @@ def test_first_contact_has_the_joints_effective_mass():
     assert_allclose(speed, 0.1 * 0.5**0.5, rtol=1e-12)
 
 
+def test_first_contact_in_space_is_the_planar_flank_s_turned_about_the_axis():
+    in_space = first_contact(jb.docking3d(), jb.Scenario3D(azimuth=0.7))
+    assert_allclose(in_space, first_contact(jb.table2(), jb.Scenario()), rtol=1e-9)
+
+
 def test_defaults_of_the_other_laws_are_as_stiff_and_as_lossy_as_table_2s():
     found = {law.name: law.impact for law in compare_laws(jb.table2()).laws}
     for name in ("kelvin-voigt", "adams"):

@@ -71,6 +71,20 @@ def test_a_latch_that_puts_in_much_by_turning_is_said_before_a_run():
     assert said(LATCH, jb.Scenario3D(passive_yaw=0.003, passive_pitch=0.004)) == []
 
 
+def test_the_first_impact_in_closed_form_is_the_plane_s_at_any_azimuth():
+    """Straight on, every azimuth is the planar lower flank, turned: the same mass is met, whatever the roll inertia."""
+    flat = jb.first_impact(jb.table2(), jb.Scenario(approach_speed=0.2))
+    for azimuth in (0.0, 0.7):
+        first = jb.first_impact(jb.docking3d(), jb.Scenario3D(approach_speed=0.2, azimuth=azimuth))
+        for name in ("effective_mass", "effective_energy", "elastic_peak", "predicted_peak", "duration"):
+            assert float(getattr(first, name)) == pytest.approx(float(getattr(flat, name)), rel=1e-9), name
+
+
+def test_a_design_in_space_takes_a_scenario_in_space():
+    with pytest.raises(jb.InputError, match=r"is not a Scenario3D; .* jb.Scenario3D\(\)"):
+        jb.first_impact(jb.docking3d(), jb.Scenario())
+
+
 def test_a_scenario_in_a_few_words():
     label = DOCKING3D.view.label
     assert label(jb.Scenario3D(azimuth="40 deg", passive_pitch="1 deg")) == (

@@ -7,11 +7,13 @@ import pytest
 from docking3d.reference import CASES
 from jaxbuffer import InputError, Scenario, Scenario3D, docking3d, replace, simulate, table2
 from jaxbuffer.mechanisms.docking3d.bodies import assemble_system
+from jaxbuffer.mechanisms.docking3d.design import valid
 from jaxbuffer.mechanisms.docking3d.start import start_motion
 from jaxbuffer.mechanisms.probe_cone import bodies, start
 from jaxbuffer.mechanisms.probe_cone.bodies import B, P, S, T, probe_masses
 
 PLANAR_START = {"start": "free", "offset": -0.02, "active_angle": 0.03, "active_rate": -0.02, "lateral_speed": 0.004}
+ANGLES = ("passive_yaw", "passive_pitch", "active_yaw", "active_pitch")
 SAME_IN_SPACE = {
     "start": "free",
     "offset_y": -0.02,
@@ -57,6 +59,14 @@ def test_joints_hold_and_the_tip_is_where_the_scenario_puts_it(name):
     assert (y, z) == pytest.approx((np.hypot(y, z) * np.sin(azimuth), np.hypot(y, z) * np.cos(azimuth)), abs=1e-15)
 
 
+def test_a_probe_points_towards_the_cone_up_to_a_quarter_turn():
+    for angles in np.random.default_rng(1).uniform(-1.5, 1.5, (50, 4)):
+        scenario = Scenario3D(start="free", **dict(zip(ANGLES, angles, strict=True)))
+        along = rotation(*angles[:2])[:, 0] @ rotation(*angles[2:])[:, 0]
+        assert float(scenario.towards(np)) == pytest.approx(along, abs=1e-14)
+        assert bool(valid(docking3d(), scenario)) == (along > 0.0)
+
+
 def test_active_side_turns_as_one_body():
     case = CASES["free start, all rates"]
     _, kin, _ = begun(case.design, case.scenario)
@@ -100,6 +110,11 @@ def test_a_start_in_the_plane_is_the_plane_s(planar, spatial):
         ({"active.roll_inertia": 0.9}, {}, "no body has more than twice its active.inertia"),
         ({"contact.arms": "published"}, {}, "is of the plane"),
         ({}, {"passive_yaw": 0.6, "passive_pitch": 0.6}, "the tip must face the flank"),
+        (
+            {},
+            {"start": "free", "passive_yaw": 1.0, "active_yaw": -1.0, "active_pitch": 0.0},
+            r"active_pitch = 0 rad turn the probe by 2 rad from the cone's axis; allowed: \[0, 1.5708\) rad",
+        ),
         ({}, {"offset_z": 0.01}, 'belongs to scenario.start = "free"'),
         ({}, {"start": "free", "azimuth": 0.1}, 'belongs to scenario.start = "contact"'),
         ({}, {"contact_distance": 0.08}, "the flank ends at cone.length"),

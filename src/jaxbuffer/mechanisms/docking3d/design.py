@@ -20,6 +20,7 @@ from ..probe_cone.design import (
     Meeting,
     Scenario,
     check_contact_distance,
+    check_towards,
     distance_fits,
     facing_limit,
 )
@@ -131,6 +132,7 @@ def _angle(doc: str) -> Any:
 
 
 AT_FREE_START = "at a free start"
+PASSIVE_ANGLES, ACTIVE_ANGLES = ("passive_yaw", "passive_pitch"), ("active_yaw", "active_pitch")
 
 
 class Approach3D(Meeting):
@@ -179,6 +181,12 @@ class Approach3D(Meeting):
             active_spin=np.array([float(rate) for rate in self.active_spin]),
             passive_spin=np.array([float(rate) for rate in self.passive_spin]),
         )
+
+    def towards(self, xp: Any = jnp) -> Any:
+        # Of either axis: (cos yaw cos pitch, sin yaw cos pitch, -sin pitch).
+        between = xp.cos(self.passive_yaw - self.active_yaw)
+        level = xp.cos(self.passive_pitch) * xp.cos(self.active_pitch) * between
+        return level + xp.sin(self.passive_pitch) * xp.sin(self.active_pitch)
 
     @property
     def without_effect(self) -> tuple[str, ...]:
@@ -244,35 +252,28 @@ def rotation(yaw: Scalar, pitch: Scalar) -> Quaternion:
 def check_fit(design: Design3D, scenario: Scenario3D) -> None:
     """Check that scenario and design fit (M64).
 
-    **Raises:** `InputError` for a first contact off the cone, and a tip that does not face it.
+    **Raises:** `InputError` for a first contact off the cone, a tip that does not face it, and of a free start a probe
+    that points away from it.
     """
     check_type("design", design, Design3D, "the design first, such as jb.docking3d(), then the scenario")
     check_type("scenario", scenario, Scenario3D, "the design first, then a scenario, such as jb.Scenario3D()")
     if scenario.start == "free":
+        check_towards(scenario, (*PASSIVE_ANGLES, *ACTIVE_ANGLES))
         return
     check_contact_distance(design, scenario.contact_distance)
-    angle, yaw, pitch = (concrete(x) for x in (design.cone.half_angle, scenario.passive_yaw, scenario.passive_pitch))
-    if angle is None or yaw is None or pitch is None:
-        return
-    turned, limit = np.arccos(np.cos(yaw) * np.cos(pitch)), facing_limit(angle, np)
-    if np.any(beyond := ~(turned < limit)):
-        of = [float(np.broadcast_to(it, np.shape(beyond))[beyond].flat[0]) for it in (yaw, pitch, turned, limit)]
-        raise InputError(
-            f"scenario.passive_yaw = {of[0]:g} rad and scenario.passive_pitch = {of[1]:g} rad turn the cone's axis by"
-            f" {of[2]:g} rad; allowed: [0, {of[3]:g}) rad{NOT_FACING}"
-        )
+    if (half_angle := concrete(design.cone.half_angle)) is not None:
+        check_towards(scenario, PASSIVE_ANGLES, np.cos(facing_limit(half_angle, np)), NOT_FACING)
 
 
 def valid(design: Design3D, scenario: Scenario3D) -> Bool[Array, ""]:
     """Return whether every number is in its range and they fit (M64), for numbers known only inside compiled code."""
     ranges = [*design.in_range(), *scenario.in_range()]
     if scenario.start == "free":
-        return all_of(ranges)
+        return all_of([*ranges, scenario.towards() > 0.0])
     # The angle between the axes compares as its cosine does, which has a slope everywhere.
-    facing = jnp.cos(scenario.passive_yaw) * jnp.cos(scenario.passive_pitch)
     fit = [
         distance_fits(design, scenario.contact_distance),
-        facing > jnp.cos(facing_limit(design.cone.half_angle)),
+        scenario.towards() > jnp.cos(facing_limit(design.cone.half_angle)),
     ]
     return all_of([*ranges, *fit])
 

@@ -5,6 +5,7 @@ of a tenth of a millisecond and only add to it: no buffer lowers the first peak,
 """
 
 import functools
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -13,26 +14,31 @@ from jaxtyping import Array, Float
 
 from ..._types import Scalar
 from ...contact.laws import HystereticLaw
+from ...errors import check_type
 from ...fields import Curve, get, paths
 from ...programs.cache import stored
 from ..assembled import Assembled
 from ..layout import EvaluatedState
-from .assembly import LOWER, assemble
+from ..registry import mechanism_of
+from .assembly import LOWER
 from .bodies import TIP
 from .capture import FirstImpact
-from .design import Design, Scenario, check_fit
+from .design import DockingDesign, Meeting
 from .reading import flank_direction
 
 HERTZ_DURATION = 2.943275  # of a lossless impact, times its largest penetration over its approach speed [-]
 
 
-def first_impact(design: Design, scenario: Scenario | None = None) -> FirstImpact:
+AnyDesign = DockingDesign[Any]
+
+
+def first_impact(design: AnyDesign, scenario: Meeting | None = None) -> FirstImpact:
     """Return the first impact of a capture, without simulating it: a starting guess, and what no buffer goes below (M79
     to M81).
 
     **Arguments:**
 
-    - ``design``.
+    - ``design``: in the plane or in space.
     - ``scenario`` (default: Table 2's).
 
     **Returns:** a `FirstImpact`.
@@ -45,12 +51,14 @@ def first_impact(design: Design, scenario: Scenario | None = None) -> FirstImpac
     >>> print(f"{float(first.predicted_peak):.1f} N, {float(first.elastic_peak):.1f} N without loss")
     143.1 N, 149.9 N without loss
     """
-    scenario = Scenario() if scenario is None else scenario
-    check_fit(design, scenario)
+    check_type("design", design, DockingDesign, "the design first, such as jb.table2(), then the scenario")
+    mechanism = mechanism_of(design)
+    scenario = mechanism.scenario() if scenario is None else scenario
+    mechanism.check_fit(design, scenario)
     return _first_impact(_arrays(design, scenario))
 
 
-def first_impact_elasticities(design: Design, scenario: Scenario) -> dict[str, float]:
+def first_impact_elasticities(design: AnyDesign, scenario: Meeting) -> dict[str, float]:
     """Return the elasticities of the first impact's elastic peak (M80) by the numbers of a design that change it, by
     path: the change in per cent for one per cent more of a number [-]. There are none of a free start."""
     slopes = _log_peak_slopes(_arrays(design, scenario))
@@ -65,22 +73,27 @@ def first_impact_elasticities(design: Design, scenario: Scenario) -> dict[str, f
     return elasticities
 
 
-def _arrays(design: Design, scenario: Scenario) -> tuple[Design, Scenario]:
+def _arrays(design: AnyDesign, scenario: Meeting) -> tuple[AnyDesign, Meeting]:
     return jax.tree.map(lambda x: x if isinstance(x, jax.Array) else np.asarray(x, float), (design, scenario))
 
 
+def _assembled(design: AnyDesign, scenario: Meeting) -> Assembled:
+    """Return a design in a scenario, in the plane or in space as the design is."""
+    return mechanism_of(design).system(design, scenario)
+
+
 @functools.partial(stored, what="the first impact's closed form")
-def _first_impact(parameters: tuple[Design, Scenario]) -> FirstImpact:
-    mechanism = assemble(*parameters)
+def _first_impact(parameters: tuple[AnyDesign, Meeting]) -> FirstImpact:
+    mechanism = _assembled(*parameters)
     return predict(mechanism, *first_flank(mechanism, mechanism.first_evaluation()[0]))
 
 
 @functools.partial(stored, what="the first impact's elasticities")
-def _log_peak_slopes(parameters: tuple[Design, Scenario]) -> Design:
+def _log_peak_slopes(parameters: tuple[AnyDesign, Meeting]) -> AnyDesign:
     """Return the slopes of the logarithm of the elastic peak by the numbers of the design, in the design's form."""
 
-    def log_peak(design: Design) -> Float[Array, ""]:
-        mechanism = assemble(design, parameters[1])
+    def log_peak(design: AnyDesign) -> Float[Array, ""]:
+        mechanism = _assembled(design, parameters[1])
         return jnp.log(predict(mechanism, *first_flank(mechanism, mechanism.first_evaluation()[0])).elastic_peak)
 
     return jax.grad(log_peak)(parameters[0])

@@ -9,9 +9,10 @@ from ...errors import check_number, check_type
 from ...fields import POSITIVE, Part, replace
 from ...programs.process import check_ready
 from ...tables import table, text
-from .assembly import assemble, tip_on_flanks
+from ..registry import mechanism_of
+from .assembly import tip_on_flanks
 from .closed_form import first_flank
-from .design import Design, Scenario
+from .design import DockingDesign, Meeting
 
 ASKED = (0.1, 0.3, 0.5, 0.7, 0.9)  # restitutions, as in the published comparisons
 CURVE = tuple(np.round(np.linspace(0.02, 1.0, 50), 2))
@@ -42,9 +43,9 @@ class Comparison(NamedTuple):
         return laws_table(self)
 
 
-def first_contact(design: Design, scenario: Scenario) -> tuple[float, float]:
+def first_contact(design: Part, scenario: Part) -> tuple[float, float]:
     """Return effective mass [kg] and approach speed [m/s] of the first impact."""
-    mechanism = assemble(design, scenario)
+    mechanism = mechanism_of(design).system(design, scenario)
     mass, speed = first_flank(mechanism, mechanism.first_evaluation()[0])
     return float(mass), float(speed)
 
@@ -57,13 +58,13 @@ def compare_laws(
     **Arguments:** ``mass`` [kg], ``speed`` [m/s]: of the impact; default: those of the design's first contact.
     """
     check_ready()
-    check_type("design", design, Design, "a capture's design, such as jb.table2()")
-    assert isinstance(design, Design)
+    check_type("design", design, DockingDesign, "a capture's design, such as jb.table2()")
+    assert isinstance(design, DockingDesign)
     for name, value, unit in (("mass", mass, "kg"), ("speed", speed, "m/s")):
         if value is not None:
             check_number(name, value, unit, **POSITIVE)
-    meeting = Scenario() if scenario is None else scenario
-    assert isinstance(meeting, Scenario)
+    meeting = mechanism_of(design).scenario() if scenario is None else scenario
+    assert isinstance(meeting, Meeting)
     first = first_contact(design, meeting)
     mass, speed = (given if given is not None else own for given, own in zip((mass, speed), first, strict=True))
 

@@ -3,7 +3,7 @@
 import dataclasses
 import math
 from abc import abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, ClassVar, TypeVar
 
 import equinox as eqx
@@ -120,6 +120,7 @@ OF_FREE_START = ("offset", "standoff", "active_angle", "active_rate", "lateral_s
 
 
 NOT_FACING = "; the tip must face the flank of cone.half_angle"
+TURNED_AWAY = "; the probe must point towards the cone"
 
 
 class Meeting(Part):
@@ -138,6 +139,11 @@ class Meeting(Part):
     @abstractmethod
     def approach(self) -> Approach:
         """Return the start in plain numbers."""
+
+    @abstractmethod
+    def towards(self, xp: Any = jnp) -> Any:
+        """Return the cosine of the angle between the probe's axis and the cone's at t = 0 [-]: positive where the probe
+        points towards the cone. ``xp``: NumPy, or jax.numpy for traced numbers."""
 
     @property
     def without_effect(self) -> tuple[str, ...]:
@@ -219,6 +225,9 @@ class MeetingFields(Meeting):
             passive_spin=np.array([0.0, 0.0, float(self.passive_rate)]),
         )
 
+    def towards(self, xp: Any = jnp) -> Any:
+        return xp.cos(self.misalignment - self.active_angle)
+
 
 class Scenario(ThrustFields, MeetingFields):
     """How the vehicles meet: the tip touches the lower flank at t = 0 (M62, M63), or is anywhere before the cone.
@@ -256,6 +265,7 @@ def check_fit(design: Design, scenario: Scenario) -> None:
     check_type("scenario", scenario, Scenario, "the design first, then a scenario, such as jb.Scenario()")
     # A free start touches nothing, so that M64 has nothing to rule out.
     if scenario.start == "free":
+        check_towards(scenario, ("misalignment", "active_angle"))
         if design.contact.arms == "published":
             raise InputError(
                 'contact.arms = "published" holds the arm where the first contact is, scenario.contact_distance, which'
@@ -268,6 +278,25 @@ def check_fit(design: Design, scenario: Scenario) -> None:
         limit = facing_limit(angle[0], np)
         angles = scenario.misalignment
         check_entries("scenario.misalignment", angles, "rad", -limit, limit, too_low=NOT_FACING, too_high=NOT_FACING)
+
+
+def check_towards(scenario: Meeting, angles: Sequence[str], least: Any = 0.0, why: str = TURNED_AWAY) -> None:
+    """Check that the probe points towards the cone, by numbers that are known.
+
+    **Arguments:** ``angles``: names of the scenario's angles between them; ``least``: cosine of the angle that is just
+    too large; ``why``: ends the message. **Raises:** `InputError`.
+    """
+    known = [concrete(getattr(scenario, name)) for name in angles]
+    if any(angle is None for angle in known):
+        return
+    cosine = scenario.towards(np)
+    if np.any(beyond := ~(cosine > least)):
+        first = [float(np.broadcast_to(it, np.shape(beyond))[beyond].flat[0]) for it in (cosine, least, *known)]
+        turned, limit = np.arccos(np.clip(first[:2], -1.0, 1.0))
+        of = " and ".join(f"scenario.{name} = {it:g} rad" for name, it in zip(angles, first[2:], strict=True))
+        raise InputError(
+            f"{of} turn the probe by {turned:g} rad from the cone's axis; allowed: [0, {limit:g}) rad{why}"
+        )
 
 
 def check_contact_distance(design: DockingDesign[Any], distance: Scalar) -> None:
@@ -292,7 +321,7 @@ def valid(design: Design, scenario: Scenario) -> Bool[Array, ""]:
     is in no range."""
     ranges = [*design.in_range(), *scenario.in_range()]
     if scenario.start == "free":
-        return all_of(ranges)
+        return all_of([*ranges, scenario.towards() > 0.0])
     limit = facing_limit(design.cone.half_angle)
     fit = [
         distance_fits(design, scenario.contact_distance),
