@@ -104,7 +104,10 @@ class Enumeration:
 
     def run(self) -> None:
         """Decide all combinations."""
-        self._complete(self._pilots())
+        # Those asked for come first, and some that are spread over all.
+        allowed = np.flatnonzero(self.allowed)
+        spread = [int(allowed[place]) for place in spread_evenly(len(allowed), PILOTS)]
+        self._complete(list(dict.fromkeys([*self.first, *spread])))
         self.order = self._hardest_first()
         while chosen := self._most_promising():
             # The best few of those that were run are completed at once: what they reach drops others.
@@ -195,12 +198,6 @@ class Enumeration:
     def _farthest(self) -> Float[np.ndarray, " combinations"]:
         # A case that was not run proves nothing against a combination.
         return np.max(np.nan_to_num(self.judged.excess, nan=0.0), axis=1)
-
-    def _pilots(self) -> list[int]:
-        """Return combinations to begin with: those asked for, and some spread over all."""
-        allowed = np.flatnonzero(self.allowed)
-        spread = [int(allowed[place]) for place in spread_evenly(len(allowed), PILOTS)]
-        return list(dict.fromkeys([*self.first, *spread]))
 
     def _most_promising(self) -> list[int]:
         """Return the open combinations whose objective so far is the lowest; of those that were never run it is 0."""

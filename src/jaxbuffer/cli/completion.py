@@ -165,7 +165,11 @@ def _choices(words: Sequence[str], path: str) -> Offers:
 def _all_names() -> dict[str, Any]:
     """Return the names of all mechanisms, as `commands.names` collects them, from the file where they are kept."""
     folder = cache_folder()
-    kept = None if folder is None else folder / f"names-{_state()}.json"
+    # What the names depend on: the package's files, and which packages bring mechanisms. By sizes and times of the
+    # files: to read all of them would be felt at every key press.
+    facts = [version(), sorted((it.name, it.value) for it in entries()), *sorted(_stamps(SOURCES))]
+    state = hashlib.sha256(repr(facts).encode()).hexdigest()[:16]
+    kept = None if folder is None else folder / f"names-{state}.json"
     if kept is not None:
         with contextlib.suppress(OSError, ValueError):
             return dict(json.loads(kept.read_text(encoding="utf-8")))
@@ -186,14 +190,6 @@ def _all_names() -> dict[str, Any]:
                 former.unlink(missing_ok=True)
             write(kept, json.dumps(known))
     return known
-
-
-def _state() -> str:
-    """Return a hash of what the names depend on: the package's files, and which packages bring mechanisms."""
-    facts: list[Any] = [version(), sorted((it.name, it.value) for it in entries())]
-    # By sizes and times of the files: to read all of them would be felt at every key press.
-    facts += sorted(_stamps(SOURCES))
-    return hashlib.sha256(repr(facts).encode()).hexdigest()[:16]
 
 
 def _stamps(folder: Path) -> Iterable[tuple[str, int, int]]:

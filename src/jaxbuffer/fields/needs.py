@@ -2,7 +2,7 @@
 
 import dataclasses
 import functools
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Mapping
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -79,7 +79,10 @@ def inactive(
     passed over.
     """
     lines = []
-    for path, why in _inactive(design, scenario, varied):
+    for path in [*paths(design), *(f"{ROOT}{path}" for path in (() if scenario is None else paths(scenario)))]:
+        why = why_inactive(design, scenario, path, varied)
+        if not why:
+            continue
         if path in varied:
             lines.append(f"{path} is varied and has no effect: {why}")
         elif _differs(design, scenario, path):
@@ -116,12 +119,6 @@ def why_inactive(design: Any, scenario: Any, path: str, varied: Collection[str] 
         elif not is_set:
             return f"it needs {' or '.join(names)}"
     return ""
-
-
-def _inactive(design: Any, scenario: Any, varied: Collection[str]) -> Iterator[tuple[str, str]]:
-    """Return the paths of all fields without effect, each with the reason."""
-    every = [*paths(design), *(f"{ROOT}{path}" for path in (() if scenario is None else paths(scenario)))]
-    return ((path, why) for path in every if (why := why_inactive(design, scenario, path, varied)))
 
 
 def _owner(design: Any, scenario: Any, path: str) -> tuple[Any, str]:

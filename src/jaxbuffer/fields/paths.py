@@ -216,17 +216,14 @@ def _replace(module: T, values: dict[tuple[str, ...], Any]) -> T:
             raise InputError(f"{name} and single numbers of it are given together; keep one")
         if () in inner:
             fields[name] = inner[()]
+        elif not inner:
+            fields[name] = current
+        elif isinstance(current, Curve):
+            fields[name] = current.replaced({key[0]: value for key, value in inner.items()})
         else:
-            fields[name] = _replaced(current, inner) if inner else current
+            fields[name] = _replace(current, inner)
     given = {key[0] for key in values}
     return type(module)(**fields | _left_out(module, fields, given))
-
-
-def _replaced(current: Any, values: dict[tuple[str, ...], Any]) -> Any:
-    """Return a part or a curve with some of its numbers replaced."""
-    if isinstance(current, Curve):
-        return current.replaced({key[0]: value for key, value in values.items()})
-    return _replace(current, values)
 
 
 def _left_out(module: eqx.Module, fields: Mapping[str, Any], given: Collection[str]) -> dict[str, None]:

@@ -101,7 +101,7 @@ def as_unit(value: Any, unit: str) -> Any:
     if unit_of_library(value) is not None:
         converted = _converted(value, unit)
         return value if isinstance(converted, str) else converted
-    if isinstance(value, (list, tuple)) and any(map(_has_unit, value)):
+    if isinstance(value, (list, tuple)) and any(isinstance(it, str) or unit_of_library(it) is not None for it in value):
         check_units_agree(shown(value), value)
         value = [as_unit(entry, unit) for entry in value]
     return as_number(value)
@@ -112,11 +112,6 @@ def _unwrapped(value: np.ndarray) -> Any:
     if isinstance(value, np.ma.MaskedArray):
         return value if masked(value) else value.data
     return value.tolist() if value.dtype.kind in "OU" and unit_of_library(value) is None else value
-
-
-def _has_unit(value: Any) -> bool:
-    """Return whether a value brings a unit: a text that may have one, or a quantity of another library."""
-    return isinstance(value, str) or unit_of_library(value) is not None
 
 
 def in_unit(path: str, value: Any, unit: str, **limits: Any) -> Any:
@@ -375,16 +370,11 @@ def _unknown(symbol: str) -> str:
             # A plural is meant before anything that only looks alike.
             if word[-1] == "s" and word[:-1] in SYMBOLS:
                 near = word[:-1]
-            elif spaced := _spaced(word):
-                near = spaced
+            # Two symbols may be written as one word: "Nm" for "N m".
+            elif two := [(word[:k], word[k:]) for k in range(1, len(word)) if {word[:k], word[k:]} <= set(SYMBOLS)]:
+                near = " ".join(two[0])
             return f"the unit {word} is unknown" + (f"; did you mean {near}?" if near else "")
     return f"{shown(symbol)} is not a unit"
-
-
-def _spaced(word: str) -> str:
-    """Return the two symbols that are written as one word: "N m" for "Nm"; "" where it is not two."""
-    pairs = ((word[:k], word[k:]) for k in range(1, len(word)))
-    return next((f"{a} {b}" for a, b in pairs if a in SYMBOLS and b in SYMBOLS), "")
 
 
 def _instead(symbol: str, unit: str) -> str:

@@ -19,16 +19,12 @@ def clipped_rows(values: Float[np.ndarray, " rows"]) -> Bool[np.ndarray, " rows"
     if np.isclose(high, -low, rtol=1e-9, atol=0.0):
         sides = [sides[0] | sides[1]]
     result = np.zeros(len(values), bool)
-    for side in (it & ~_at_an_end(it) for it in sides):
-        if _is_clipped(values, side):
-            result |= side
+    for side in sides:
+        # What rests where the record begins or ends has one value without being clipped.
+        at_an_end = np.cumprod(side) + np.cumprod(side[::-1])[::-1] > 0
+        if _is_clipped(values, side & ~at_an_end):
+            result |= side & ~at_an_end
     return result
-
-
-def _at_an_end(rows: Bool[np.ndarray, " rows"]) -> Bool[np.ndarray, " rows"]:
-    """Return the rows that a record begins or ends with: what rests there has one value without being clipped."""
-    first, last = np.cumprod(rows), np.cumprod(rows[::-1])[::-1]
-    return (first + last) > 0
 
 
 def _is_clipped(values: np.ndarray, side: Bool[np.ndarray, " rows"]) -> bool:

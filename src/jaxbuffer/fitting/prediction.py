@@ -156,7 +156,10 @@ class Prediction:
         every = sorted({sensor.quantity for sensor in self.sensors.values()})
         nodes, place = np.zeros(0), np.arange(len(moments))
         if any(sensor.slow for sensor in self.sensors.values()):
-            nodes, place = _nodes(run, moments)
+            # The ends of steps and the rows' moments, in order, and the place of each row among them.
+            nodes = np.concatenate([np.clip(moments, run.time[0], run.time[-1]), run.time])
+            order = np.argsort(nodes, kind="stable")
+            nodes, place = nodes[order], np.argsort(order, kind="stable")[: len(moments)]
             known = signals(self.of, run, every, np.concatenate([nodes, 0.5 * (nodes[1:] + nodes[:-1])]))
         else:
             known = signals(self.of, run, every, moments)
@@ -176,13 +179,6 @@ class Prediction:
 def _plain(known: Signals, k: int, place: np.ndarray) -> tuple[np.ndarray, ...]:
     """Return value, slopes, rate and no slope by a time constant of a signal as it is, at some of the instants."""
     return known.values[k][place], known.slopes[k][place], known.rates[k][place], np.zeros(len(place))
-
-
-def _nodes(run: SteppedRun, moments: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the ends of steps and the rows' moments, in order, and the place of each row among them."""
-    every = np.concatenate([np.clip(moments, run.time[0], run.time[-1]), run.time])
-    order = np.argsort(every, kind="stable")
-    return every[order], np.argsort(order, kind="stable")[: len(moments)]
 
 
 def _filtered(known: Signals, k: int, nodes: np.ndarray, times: np.ndarray, lag: float) -> tuple[np.ndarray, ...]:

@@ -104,10 +104,6 @@ def _moved(
     return request(mechanism, design, scenario, end, tolerances=(rtol, rtol), options=options_of(keep=room))
 
 
-def _separate(numbers: Array, count: int) -> list[Array]:
-    return [numbers[k] for k in range(count)]
-
-
 @functools.partial(stored, what="runs of a fit")
 def _steps(
     mechanism: Mechanism, parts: Any, numbers: Array, end: Array, rtol: Array, chosen: Static
@@ -118,7 +114,8 @@ def _steps(
         parts, end, rtol = others
         return _moved(mechanism, parts, values, paths, end, rtol, room)
 
-    result = stepper_of(mechanism).step_with_tangents(make, _separate(numbers, len(paths)), (parts, end, rtol))
+    separate = [numbers[k] for k in range(len(paths))]
+    result = stepper_of(mechanism).step_with_tangents(make, separate, (parts, end, rtol))
     return result.steps, result.status
 
 

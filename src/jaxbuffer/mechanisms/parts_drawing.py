@@ -72,8 +72,13 @@ def assembled_drawing(system: Assembled, bodies: tuple[str, ...] = ()) -> Drawin
     latches = [element for element in system.elements if isinstance(element, Latch)]
     for latch in latches:
         shapes += _latch(latch, size)
-    # A picture shows the forces of those contacts that have impacts.
-    touches = [touch for contact in system.all_of(BallContact) for touch in _touches(contact)]
+    # A picture shows the forces of those contacts that have impacts, one a segment; on bodies that bend, at their
+    # origins.
+    touches = [
+        Touch(_spot(it.body, it.point), _spot(it.carrier, it.carrier_point), shape, side)
+        for it in system.all_of(BallContact)
+        for shape, side in _segments(it)
+    ]
 
     def frames(history: Any) -> Float[np.ndarray, "steps frames 3"]:
         position = np.asarray(history.position)
@@ -175,12 +180,6 @@ def _segments(contact: BallContact) -> list[tuple[Any, float]]:
         return [(shape, float(side[0]))]
     alone = [jax.tree.map(lambda x, k=k: np.broadcast_to(x, len(side))[k], shape) for k in range(contact.segments)]
     return list(zip(alone, map(float, side), strict=True))
-
-
-def _touches(contact: BallContact) -> list[Touch]:
-    """Return where a contact's forces act, one a segment; on bodies that bend, at their origins."""
-    ball, carrier = _spot(contact.body, contact.point), _spot(contact.carrier, contact.carrier_point)
-    return [Touch(ball, carrier, shape, side) for shape, side in _segments(contact)]
 
 
 def _springs(system: Assembled) -> list[AxialSpringDamper]:

@@ -131,11 +131,10 @@ def write_all(
         except OSError as error:
             failure = failure or error
         except Exception as error:
-            failure = failure or (_drawing_error(path, error) if is_figure(name) else error)
+            if failure is None and is_figure(name):
+                # matplotlib fails in many ways: the first line of what it says has to do.
+                first = next((line for line in str(error).splitlines() if line.strip()), "")
+                reason = f"cannot be drawn, {type(error).__name__}: {first}".rstrip(": ")
+                failure = OSError(errno.EIO, reason, str(path))
+            failure = failure or error
     return written, failure
-
-
-def _drawing_error(path: Path, error: Exception) -> OSError:
-    """Return what is said of a figure that matplotlib fails to draw."""
-    first = next((line for line in str(error).splitlines() if line.strip()), "")
-    return OSError(errno.EIO, f"cannot be drawn, {type(error).__name__}: {first}".rstrip(": "), str(path))

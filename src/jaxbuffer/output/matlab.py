@@ -115,30 +115,25 @@ def _content(values: dict[str, Any], renamed: Renamed) -> bytes:
 
 def _valid(values: Mapping[str, Any], renamed: Renamed, taken: Collection[str] = ()) -> dict[str, Any]:
     """Return the values by names that MATLAB can have, those in structures too; ``renamed`` gets the new names."""
-    names = {it: it for it in values if _is_valid(it) and it not in taken}
+    valid = {it for it in values if re.fullmatch("[A-Za-z][A-Za-z0-9_]*", it) and len(it) <= LONGEST} - {*KEYWORDS}
+    names = {it: it for it in values if it in valid and it not in taken}
     # Names that need no change keep theirs, whatever the others become.
     for original in values:
         if original not in names:
-            names[original] = _unused(_ascii(original), {*taken, *names.values()})
+            names[original] = _made_valid(original, {*taken, *names.values()})
             renamed.append((names[original], original))
     return {names[original]: _valid(it, renamed) if isinstance(it, dict) else it for original, it in values.items()}
 
 
-def _is_valid(name: str) -> bool:
-    return len(name) <= LONGEST and re.fullmatch("[A-Za-z][A-Za-z0-9_]*", name) is not None and name not in KEYWORDS
-
-
-def _ascii(name: str) -> str:
-    """Return a name of letters, digits and underscores that begins with a letter: "länge" becomes "lange"."""
+def _made_valid(name: str, taken: Collection[str]) -> str:
+    """Return a name of letters, digits and underscores that begins with a letter, as long as MATLAB allows: "länge"
+    becomes "lange", with a number behind it if that is taken."""
     plain = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode()
     plain = re.sub("[^A-Za-z0-9_]", "_", plain)
-    return plain if re.match("[A-Za-z]", plain) and plain not in KEYWORDS else f"x_{plain}"
-
-
-def _unused(name: str, taken: Collection[str]) -> str:
-    """Return the name, as long as MATLAB allows, with a number behind it if it is taken."""
-    made, count = name[:LONGEST], 1
+    if not re.match("[A-Za-z]", plain) or plain in KEYWORDS:
+        plain = f"x_{plain}"
+    made, count = plain[:LONGEST], 1
     while made in taken:
         count += 1
-        made = f"{name[: LONGEST - 1 - len(str(count))]}_{count}"
+        made = f"{plain[: LONGEST - 1 - len(str(count))]}_{count}"
     return made

@@ -92,15 +92,13 @@ def magnifications(run: Run, drawing: Drawing, wide: float) -> list[tuple[Band, 
         off = [np.max(np.hypot(*(band.bent(at) - band.straight(at)).T)) for at in drawing.frames(run.history)]
         largest = float(np.max(off))
         if ROUNDING * wide < largest < SEEN * wide:
-            factors.append((band, _round(LARGER * wide / largest)))
+            factor = LARGER * wide / largest
+            power = 10.0 ** math.floor(math.log10(factor))
+            # The largest of 1, 2, 5, 10, 20… that is not above the factor, which rounding may leave a hair below a
+            # round number that it is.
+            step = max(step for step in (1.0, 2.0, 5.0) if step * power <= factor * (1.0 + 1e-9))
+            factors.append((band, step * power))
     return factors
-
-
-def _round(factor: float) -> float:
-    """Return the largest of 1, 2, 5, 10, 20… that is not above a factor."""
-    power = 10.0 ** math.floor(math.log10(factor))
-    # Rounding may leave a factor that is round a hair below itself.
-    return power * max(step for step in (1.0, 2.0, 5.0) if step * power <= factor * (1.0 + 1e-9))
 
 
 def draw(run: Run, times: Sequence[float] | None = None) -> Figure:

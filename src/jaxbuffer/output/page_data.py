@@ -27,7 +27,13 @@ def force_record(runs: Mapping[str, Run], scenario: str) -> dict[str, Any]:
     """
     # Without a contact there is no force to draw.
     touching = {name: run for name, run in runs.items() if contact_names(run)}
-    curves = [{"name": name, **_curve(run)} for name, run in touching.items()]
+    curves = []
+    for name, run in touching.items():
+        time, force = force_over_time(run)
+        # Times that lie between two others without any force are left out.
+        idle = np.concatenate([[False], (force[:-2] == 0.0) & (force[1:-1] == 0.0) & (force[2:] == 0.0), [False]])
+        shown = np.round(time[~idle], DIGITS).tolist()
+        curves.append({"name": name, TIME: shown, FORCE: _significant(force[~idle])})
     more = [chart for name, run in runs.items() for chart in _to_end(name, run)] if len(runs) == 1 else []
     return {"scenario": scenario, "curves": curves, "more": more}
 
@@ -51,13 +57,6 @@ def _to_end(name: str, run: Run) -> list[dict[str, Any]]:
         for panel in panels(whole)
         if panel.to_end and not panel.stacked
     ]
-
-
-def _curve(run: Run) -> dict[str, list[float]]:
-    """Return a run's times and forces, without those that lie between two others without any force."""
-    time, force = force_over_time(run)
-    idle = np.concatenate([[False], (force[:-2] == 0.0) & (force[1:-1] == 0.0) & (force[2:] == 0.0), [False]])
-    return {TIME: np.round(time[~idle], DIGITS).tolist(), FORCE: _significant(force[~idle])}
 
 
 def _significant(values: Any) -> list[float]:

@@ -66,18 +66,13 @@ def _of_tuning(results: Results, others: Sequence[Results]) -> list[Cell]:
         return [Cell(f"the design {corners_verdict(tuned)}", "bad"), force, *_of_search(tuned, True)]
     first = [] if tuned["feasible"] else [Cell(f"{INFEASIBLE} found", "bad")]
     limits = [] if counts is None or not (counts.faults or tuned["feasible"]) else [_of_limits(results, counts)]
-    first += _of_corners(tuned)
+    if tuned.get("tolerances"):
+        corners = tuned["corners"]
+        held = f"holds in {corners['holding']} of {corners['run']} corners"
+        first.append(Cell(held, "good" if corners["holds"] else "bad"))
     if counts is None and (count := end_count(results)) is not None:
         limits = [Cell(str(count), "good" if count.complete else "unsure")]
     return [*first, *limits, force, *_of_search(tuned, tuned["feasible"])]
-
-
-def _of_corners(tuned: Record) -> list[Cell]:
-    """Return a badge with the corners of tolerances in which a design holds."""
-    if not tuned.get("tolerances"):
-        return []
-    holding, run = tuned["corners"]["holding"], tuned["corners"]["run"]
-    return [Cell(f"holds in {holding} of {run} corners", "good" if tuned["corners"]["holds"] else "bad")]
 
 
 def _of_objective(results: Results, others: Sequence[Results], feasible: bool) -> Cell:
@@ -135,8 +130,14 @@ def _of_run(results: Results, others: Sequence[Results]) -> list[Cell]:
     if record is not None:
         # A folder with a tuning has its limits in the badges of that.
         counts = limit_counts(results, others) if results.tuned is None else None
-        end = ended(results.mechanism, record["outcome"])
-        phrases, mark = _with_limits(counts, end.mark)
+        phrases, mark = list[str](), ended(results.mechanism, record["outcome"]).mark
+        if counts is not None and counts.faults:
+            missed = [f"not {words(counts.success or '')}"] if counts.missed else []
+            phrases, mark = [*_broken(counts), *missed], "bad"
+        elif counts is not None:
+            nearly = _nearly(counts)
+            phrases = ["limits kept as far as known" if counts.unknown else "limits kept", *nearly]
+            mark = "unsure" if mark == "good" and nearly else mark
         main = _main(results, record)
         most = [] if main is None else [f"{words(main[0])} {main[1]}"]
         larger = [text] if (text := record.get("larger_force")) else []
@@ -149,17 +150,6 @@ def _of_run(results: Results, others: Sequence[Results]) -> list[Cell]:
         verdict = derived["certificate"]["verdict"]
         cells.append(Cell(f"gradients: {verdict}", MARKS.get(verdict, "")))
     return cells
-
-
-def _with_limits(counts: LimitCounts | None, mark: str) -> tuple[list[str], str]:
-    """Return what to say of a run's limits, and how to mark a run that ended as ``mark`` says."""
-    if counts is None:
-        return [], mark
-    if counts.faults:
-        missed = [f"not {words(counts.success or '')}"] if counts.missed else []
-        return [*_broken(counts), *missed], "bad"
-    kept = "limits kept as far as known" if counts.unknown else "limits kept"
-    return [kept, *_nearly(counts)], "unsure" if mark == "good" and _nearly(counts) else mark
 
 
 def _of_many(results: Results) -> list[Cell]:

@@ -62,7 +62,11 @@ def comparison(every: Sequence[Results]) -> Page:
         every_limit = [tables[-1], *limited_by_scenario(every)]
         # Tables of other limited quantities are folded below that of the main one, and share its key to the colours.
         parts[-1] = dataclasses.replace(parts[-1], text=[COLOURS], tables=every_limit)
-    parts += _with_differences(distinct(_limits(every)), every)
+    sections = distinct(_limits(every))
+    if sections and (differences := differing(every)):
+        against = f"The folders are held against different limits: {'; '.join(differences)}."
+        sections[0] = dataclasses.replace(sections[0], warnings=[against, *sections[0].warnings])
+    parts += sections
     if curves := _forces(every):
         caption = "Contact force over time, each curve by its folder"
         parts.append(PageSection("Forces", curves=[{"caption": caption, "axis": FORCE, "curves": curves}]))
@@ -101,16 +105,6 @@ def _limits(every: Sequence[Results]) -> list[tuple[Results, PageSection]]:
     """Return a section for each folder that says which limits it keeps, its own or those of the first folder that has
     some."""
     return [(results, section) for results in every if (section := limits(results, every, named=True)) is not None]
-
-
-def _with_differences(sections: list[PageSection], every: Sequence[Results]) -> list[PageSection]:
-    """Return the sections with a warning in the first one where the folders' limits differ."""
-    differences = differing(every)
-    if not differences or not sections:
-        return sections
-    first = sections[0]
-    difference = f"The folders are held against different limits: {'; '.join(differences)}."
-    return [dataclasses.replace(first, warnings=[difference, *first.warnings]), *sections[1:]]
 
 
 def limit_tables(every: Sequence[Results]) -> list[Table]:
@@ -204,18 +198,13 @@ def _beside(values: Sequence[Any], merit: bool = True) -> list[Cell]:
             continue
         numbers = all(isinstance(x, (int, float)) and not isinstance(x, bool) for x in (value, first))
         # A relative difference from zero has no meaning.
-        change = _change(first, value) if numbers and merit and abs(first) > ROUNDING else ""
-        cells.append(Cell(f"{table_text(value)}{change}", "changed"))
+        change = relative_change(first, value) if numbers and merit and abs(first) > ROUNDING else None
+        text = table_text(value)
+        if change is not None:
+            # From ten times on a multiple says more than per cent.
+            text += f" (× {value / first:.3g})" if value / first >= MULTIPLE else f" ({percent_text(change, '+.3g')})"
+        cells.append(Cell(text, "changed"))
     return cells
-
-
-def _change(first: float, value: float) -> str:
-    """Return a relative difference in per cent; as a multiple from ten times on; "" where it has no meaning."""
-    change = relative_change(first, value)
-    if change is None:
-        return ""
-    ratio = value / first
-    return f" (× {ratio:.3g})" if ratio >= MULTIPLE else f" ({percent_text(change, '+.3g')})"
 
 
 def differing(every: Sequence[Results]) -> list[str]:

@@ -27,13 +27,25 @@ def origin(every: Sequence[Results]) -> PageSection:
     typed: list[list[str | Cell]] = [[name, Cell(_made(it).get("command", UNRECORDED), "code")] for name, it in records]
     commands = Table("Commands, as typed", ("result", "command"), typed)
     tables = [commands, _settings(records), _computers(records)]
-    if errors := _errors(records):
-        tables.append(errors)
+    balances = [(name, record["numerical_balance"]) for name, record in records if "numerical_balance" in record]
+    if balances:
+        conserved = list(balances[0][1])
+        errors = [
+            [result, *("–" if balance.get(name) is None else f"{balance[name]:.1e}" for name in conserved)]
+            for result, balance in balances
+        ]
+        tables.append(Table("Numerical errors of what is conserved", ("result", *map(words, conserved)), errors))
     missing = [name for name, record in records if not record.get(MADE)]
     warnings = differing(records)
     if missing:
         warnings.append(f"Nothing is recorded of how these came about: {', '.join(missing)}.")
-    return PageSection(TITLE, tables=tables, warnings=warnings, listings=_studies(records))
+    # The text of each study stands there once, with the results it belongs to.
+    studies: dict[str, list[str]] = {}
+    for name, record in records:
+        if text := _made(record).get("study"):
+            studies.setdefault(text, []).append(name)
+    listings = {f"The study of {', '.join(names)}": text for text, names in studies.items()}
+    return PageSection(TITLE, tables=tables, warnings=warnings, listings=listings)
 
 
 def verification() -> PageSection:
@@ -92,27 +104,6 @@ def _computers(records: Sequence[tuple[str, Record]]) -> Table:
     rows = [[", ".join(names), *computer] for computer, names in computers.items()]
     headings = ("results", "jaxbuffer", "Python", "JAX", "processor", "cores", "system")
     return Table("Versions and machines", headings, rows)
-
-
-def _errors(records: Sequence[tuple[str, Record]]) -> Table | None:
-    balances = [(name, record["numerical_balance"]) for name, record in records if "numerical_balance" in record]
-    if not balances:
-        return None
-    names = list(balances[0][1])
-    rows = [
-        [result, *("–" if balance.get(name) is None else f"{balance[name]:.1e}" for name in names)]
-        for result, balance in balances
-    ]
-    return Table("Numerical errors of what is conserved", ("result", *map(words, names)), rows)
-
-
-def _studies(records: Sequence[tuple[str, Record]]) -> dict[str, str]:
-    """Return the text of each study once, by the results it belongs to."""
-    studies: dict[str, list[str]] = {}
-    for name, record in records:
-        if text := _made(record).get("study"):
-            studies.setdefault(text, []).append(name)
-    return {f"The study of {', '.join(names)}": text for text, names in studies.items()}
 
 
 def _made(record: Record) -> Mapping:

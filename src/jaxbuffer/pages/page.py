@@ -118,7 +118,11 @@ class Page:
             loader=jinja2.PackageLoader("jaxbuffer.pages"), autoescape=True, trim_blocks=True, lstrip_blocks=True
         )
         return environment.get_template("page.html.jinja").render(
-            page=self, cell=_cell, with_breaks=_with_breaks, number=table_text
+            page=self,
+            cell=_cell,
+            # A text may go on in the next line within a long name too, between its words: after "." and "_".
+            with_breaks=lambda text: Markup(NAME_PART.sub(r"\1<wbr>", str(escape(text)))),
+            number=table_text,
         )
 
 
@@ -133,11 +137,6 @@ def write_page(page: Page, file: Path, other: str) -> bool:
         raise InputError(f"{file} exists and is no page of jaxbuffer's; choose another {other}")
     write(file, page.html())
     return replaced
-
-
-def _with_breaks(text: str) -> Markup:
-    """Return a text that may go on in the next line within a long name too, between its words: after "." and "_"."""
-    return Markup(NAME_PART.sub(r"\1<wbr>", str(escape(text))))
 
 
 def _cell(value: str | Cell) -> Cell:

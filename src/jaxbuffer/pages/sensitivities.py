@@ -51,23 +51,17 @@ def _text(results: Results, first: Results, record: Record) -> list[str]:
         f"Certificate: {certificate['verdict']}; {certificate['reason']}. Errors are relative to the elasticity, those"
         f" below {FLOOR:g} counting as {FLOOR:g}."
     )
-    return text + _runner_up(certificate.get("runner_up"))
-
-
-def _runner_up(other: Record | None) -> list[str]:
-    """Return which impact would be the peak if the largest were not, and what would make it so."""
+    other = certificate.get("runner_up")
     if other is None:
-        return []
-    text = f"The second largest impact is number {other['impact']} with {other['force']:.4g} N,"
-    text += f" {percent_text(other['margin'], '.3g')} below the peak"
+        return text
+    second = f"The second largest impact is number {other['impact']} with {other['force']:.4g} N,"
+    second += f" {percent_text(other['margin'], '.3g')} below the peak"
     path, change = other["swapped_by"], other["swapped_by_change"]
-    if path is None or change is None:
-        return [f"{text}."]
-    beyond = "; so far that only the direction counts" if abs(change) > FAR else ""
-    return [
-        f"{text}; to first order {path} {percent_text(change, '+.3g')} would make it the peak, whose elasticities are"
-        f" others{beyond}."
-    ]
+    if path is not None and change is not None:
+        second += f"; to first order {path} {percent_text(change, '+.3g')} would make it the peak, whose elasticities"
+        second += " are others"
+        second += "; so far that only the direction counts" if abs(change) > FAR else ""
+    return [*text, f"{second}."]
 
 
 def _elasticities(results: Results, of_quantity: Rows) -> Table:

@@ -106,7 +106,10 @@ def data(record: Record, results: Results) -> dict[str, Any]:
     models = [[None if it is None else Model.of(dict(it.items())) for it in case["models"]] for case in record["cases"]]
     shares, nominal = np.array(record["shares"]), np.array(record["nominal"])
     at = [[None if it is None else it.at(nominal, shares) for it in case] for case in models]
-    ended_well = [_endings_of(case).well(nominal, shares, np.array(case["succeeded"])) for case in record["cases"]]
+    ended_well = [
+        Endings(case["neighbours"], case["confirmed"]).well(nominal, shares, np.array(case["succeeded"]))
+        for case in record["cases"]
+    ]
     return {
         "good": record["good"],
         "success": record["success"] or SOLVED,
@@ -144,22 +147,18 @@ def _text(record: Record, results: Results) -> list[str]:
         own = (results.tuned or Record()).get("quantities", {})
         names = " and ".join(display(results.mechanism, it, own).title for it in record["omitted"])
         lines.append(f"No number is shown of {names}: a {name}'s end jumps where it waits for one swing more.")
-    return [*lines, *_endings(record, name)]
-
-
-def _endings(record: Record, name: str) -> list[str]:
-    """Return where numbers are shown although some runs did not end well, and how far to trust that."""
+    # Numbers are shown although some runs did not end well: how far to trust that.
     doubtful = [case for case in record["cases"] if not all(case["succeeded"]) or case["confirmed"] < record["apart"]]
-    if not doubtful:
-        return []
-    ended = record["success"] or SOLVED
-    counts = "; ".join(f"{case['succeeded'].count(False)} in {case['in_sentence']}" for case in doubtful)
-    most, least = max(case["neighbours"] for case in doubtful), min(case["confirmed"] for case in doubtful)
-    return [
-        f"Of those {len(record['shares'])}, some were not {ended}: {counts}. A number is shown only where all {name}s"
-        f" around, up to {most}, were {ended}; of the {record['apart']} kept apart at least {least} lie there, all"
-        f" {ended}."
-    ]
+    if doubtful:
+        ended = record["success"] or SOLVED
+        counts = "; ".join(f"{case['succeeded'].count(False)} in {case['in_sentence']}" for case in doubtful)
+        most, least = max(case["neighbours"] for case in doubtful), min(case["confirmed"] for case in doubtful)
+        lines.append(
+            f"Of those {len(record['shares'])}, some were not {ended}: {counts}. A number is shown only where all"
+            f" {name}s around, up to {most}, were {ended}; of the {record['apart']} kept apart at least {least} lie"
+            f" there, all {ended}."
+        )
+    return lines
 
 
 def _sampled(results: Results) -> str:
@@ -246,10 +245,6 @@ def number(value: float, error: float) -> str:
     digits = 4 if error <= SURE else 3
     # Without an exponent, as the page's script writes numbers.
     return np.format_float_positional(float(f"{value:.{digits}g}"), trim="-")
-
-
-def _endings_of(case: Record) -> Endings:
-    return Endings(case["neighbours"], case["confirmed"])
 
 
 def _case(

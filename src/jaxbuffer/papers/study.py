@@ -61,12 +61,28 @@ class ClaimVerdict(NamedTuple):
     verdict: str
 
 
+Judge = Callable[[Rows], ClaimVerdict]
+
+
 class Claim(NamedTuple):
     """A statement of a paper's text, where it stands, and how the rows answer it."""
 
     claim: str
     where: str
-    judge: Callable[[Rows], ClaimVerdict]
+    judge: Judge
+
+
+class Claims(list[Claim]):
+    """The claims of a paper's text in its order, each entered where the function is defined that judges it."""
+
+    def judge(self, claim: str, where: str) -> Callable[[Judge], Judge]:
+        """Return a decorator of the function that answers a claim; ``where``: section and figures of the paper."""
+
+        def entered(judge: Judge) -> Judge:
+            self.append(Claim(claim, where, judge))
+            return judge
+
+        return entered
 
 
 def simulated(case: StudyCase) -> Run:
@@ -87,7 +103,7 @@ class PaperPart(NamedTuple):
     columns: Mapping[str, str]
     shown: tuple[str, ...]
     row: Callable[[StudyCase, Any], Row]
-    claims: tuple[Claim, ...]
+    claims: Sequence[Claim]
     figure: Callable[[Studied], "Figure"]
     table: Callable[[Studied], list[Row]] | None = None
     solve: Callable[[StudyCase], Any] = simulated

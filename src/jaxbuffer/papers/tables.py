@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from .study import Paper, Row, Studied
+from .study import Paper, Studied
 
 NAMED = {"study": "", "case": "", "value": ""}  # what every row begins with, without units
 
@@ -30,19 +30,14 @@ def markdown(paper: Paper, studied: Sequence[Studied], verdicts: Sequence[dict[s
 def _table(paper: Paper, results: Studied) -> str:
     part = paper.part_of(results.study)
     if part.table is not None:
-        return _own_table(part.table(results))
-    units = {"case": "", **part.columns}
-    shown = ("case", *part.shown)
-    heads = [f"{name.replace('_', ' ')} [{unit}]" if (unit := units[name]) else name for name in shown]
+        own = part.table(results)
+        heads, rows, digits = list(own[0]), [list(row.values()) for row in own], ".4g"
+    else:
+        units = {"case": "", **part.columns}
+        shown = ("case", *part.shown)
+        heads = [f"{name.replace('_', ' ')} [{unit}]" if (unit := units[name]) else name for name in shown]
+        rows, digits = [[row[name] for name in shown] for row in results.rows], ".5g"
     lines = [f"| {' | '.join(heads)} |", "|" + "---|" * len(heads)]
-    for row in results.rows:
-        # What a run does not have is a word, `NONE`.
-        cells = [v if isinstance(v := row[name], str) else f"{v:.5g}" for name in shown]
-        lines.append(f"| {' | '.join(cells)} |")
-    return "\n".join(lines)
-
-
-def _own_table(rows: Sequence[Row]) -> str:
-    lines = [f"| {' | '.join(rows[0])} |", "|" + "---|" * len(rows[0])]
-    lines += [f"| {' | '.join(v if isinstance(v, str) else f'{v:.4g}' for v in row.values())} |" for row in rows]
+    # What a run does not have is a word, `NONE`.
+    lines += [f"| {' | '.join(v if isinstance(v, str) else f'{v:{digits}}' for v in row)} |" for row in rows]
     return "\n".join(lines)

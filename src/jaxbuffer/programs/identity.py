@@ -140,16 +140,11 @@ class Description:
             try:
                 pickled = hashlib.sha256(pickle.dumps(thing, protocol=4)).hexdigest()
             except Exception:  # it holds what cannot be pickled, such as an optimizer's functions
-                # Of a lock or a stream, which holds nothing by name, its type says what can be said.
-                inside = self._attributes(thing)
+                if id(thing) not in self._visited:  # it may be held by what it holds
+                    self._visited[id(thing)] = (len(self._visited), thing)
+                    # Of a lock or a stream, which holds nothing by name, its type says what can be said.
+                    inside = dict(getattr(thing, "__dict__", {}))
         return (self._of(kind), self._of(inside), pickled)
-
-    def _attributes(self, thing: Any) -> dict[str, Any]:
-        """Return what an object of a package holds by name, the first time that it is met; then nothing."""
-        if id(thing) in self._visited:  # it may be held by what it holds
-            return {}
-        self._visited[id(thing)] = (len(self._visited), thing)
-        return dict(getattr(thing, "__dict__", {}))
 
     def _class(self, cls: type) -> Hashable:
         """Describe a class of the user's: bases, fields, attributes and methods, but not what dataclasses add to it."""

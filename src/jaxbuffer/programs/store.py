@@ -71,7 +71,10 @@ def made_private(folder: Path) -> str:
         folder.mkdir(parents=True, exist_ok=True)
         return ""
     try:
-        _make(folder)
+        missing = [place for place in (folder, *folder.parents) if not place.is_symlink() and not place.exists()]
+        # One by one, for the owner only: `mkdir` with parents gives those the process's own mode.
+        for above in reversed(missing):
+            above.mkdir(mode=0o700, exist_ok=True)
         if stat.S_ISLNK(os.lstat(folder).st_mode):
             return f"{folder} is a link; set JAXBUFFER_CACHE to where it leads"
         place = folder.resolve(strict=True)
@@ -79,14 +82,6 @@ def made_private(folder: Path) -> str:
         return wrong or next(filter(None, (_replaceable(parent, os.lstat(parent)) for parent in place.parents)), "")
     except OSError as error:
         return f"{error.filename or folder}: {error.strerror}; set JAXBUFFER_CACHE to a folder of your own"
-
-
-def _make(folder: Path) -> None:
-    """Make the folder and those above it, for the owner only whatever the process's mask is."""
-    missing = [place for place in (folder, *folder.parents) if not place.is_symlink() and not place.exists()]
-    # One by one: `mkdir` with parents gives those the process's own mode.
-    for place in reversed(missing):
-        place.mkdir(mode=0o700, exist_ok=True)
 
 
 def _wrong(folder: Path, status: os.stat_result) -> str:

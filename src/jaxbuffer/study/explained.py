@@ -171,11 +171,17 @@ def _step(study: Config, path: str, step: float) -> str:
 
 def _differences(study: Config) -> list[str]:
     """Return a line for each field that is not at its default: "buffer.k_A 0.8 kN/m = 800 N/m (default 500 N/m)"."""
-    return [
-        f"{address} {_as_read(study, address, path, part)} ({_beside_default(part, default, path)})"
-        for address, path, part, default in _compared(study)
-        if get(part, path) != get(default, path)
-    ]
+    lines = []
+    for address, path, part, default in _compared(study):
+        value, usual, beside = get(part, path), get(default, path), f"default {_value(default, path)}"
+        if isinstance(value, float) and isinstance(usual, float) and value and usual:
+            ratio = abs(value / usual)
+            # So far from the default a unit may be mistyped, which a factor shows.
+            if max(ratio, 1.0 / ratio) > FAR:
+                beside = f"{f'{ratio:.4g} times' if ratio > 1.0 else f'1/{1.0 / ratio:.4g} of'} the {beside}"
+        if value != usual:
+            lines.append(f"{address} {_as_read(study, address, path, part)} ({beside})")
+    return lines
 
 
 def _defaults_given(study: Config) -> list[str]:
@@ -203,18 +209,6 @@ def _sample(study: Config) -> list[str]:
         return []
     spread = ranges(study.sample.ranges, study.design, study.scenario)
     return [*(f"{it.path} {it}" for it in spread), f"{study.sample.count} points, seed {study.sample.seed}"]
-
-
-def _beside_default(part: Part, default: Part, path: str) -> str:
-    """Say the default, and by which factor a number is away from it, where that is large."""
-    value, usual = get(part, path), get(default, path)
-    if isinstance(value, float) and isinstance(usual, float) and value and usual:
-        ratio = abs(value / usual)
-        # So far from the default a unit may be mistyped, which a factor shows.
-        if max(ratio, 1.0 / ratio) > FAR:
-            times = f"{ratio:.4g} times" if ratio > 1.0 else f"1/{1.0 / ratio:.4g} of"
-            return f"{times} the default {_value(default, path)}"
-    return f"default {_value(default, path)}"
 
 
 def _cautions(study: Config, problem: Problem | None) -> list[str]:

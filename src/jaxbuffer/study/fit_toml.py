@@ -61,10 +61,6 @@ class TestTable:
         )
 
 
-def _read_tests(where: str, given: Any, names: StudyNames) -> tuple[TestTable, ...]:
-    return tuple(_read_test(name, it, names) for name, it in as_tables(where, given))
-
-
 def _read_test(where: str, given: Mapping[str, Any], names: StudyNames) -> TestTable:
     check_known(given, TEST, where)
     for key in ("file", "columns"):
@@ -125,7 +121,12 @@ class FitTable:
         PARAMETERS, "what is fitted: [low, high] or [low, high, scale]; the search starts at the design's numbers"
     )
     tests: tuple[TestTable, ...] = subtable(
-        ValueKind(_read_tests, _tests_schema), "the measured tests, each under its own [[fit.tests]]", tuple
+        ValueKind(
+            lambda where, given, names: tuple(_read_test(name, it, names) for name, it in as_tables(where, given)),
+            _tests_schema,
+        ),
+        "the measured tests, each under its own [[fit.tests]]",
+        tuple,
     )
 
     def recordings(self, design: Part, scenario: Part, folder: Path) -> list[Recording]:

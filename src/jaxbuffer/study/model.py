@@ -194,11 +194,6 @@ def _read_sweep(where: str, given: Any, names: StudyNames) -> dict[str, Any]:
     return read
 
 
-def _read_scenarios(where: str, given: Any, names: StudyNames) -> tuple[Part, ...]:
-    """Read [[scenarios]], each of which begins with the fields of [scenario]."""
-    return tuple(SCENARIO_TABLE.read(name, it, names) for name, it in as_tables(where, given))
-
-
 def _problem_schema(names: StudyNames) -> Schema:
     """Return the schema of [problem], in which only a study with quantities of its own has other names than ours."""
     whole = keys_schema(declared(ProblemTable), names)
@@ -223,6 +218,8 @@ TOLERANCES = ValueKind(
     TOLERANCE_PATHS.schema,
 )
 SCENARIO_TABLE = PartTable(lambda names: names.scenario)
+# Each of [[scenarios]] begins with the fields of [scenario].
 SCENARIOS = ValueKind(
-    _read_scenarios, lambda names: {"type": "array", "items": SCENARIO_TABLE.schema(names), "minItems": 1}
+    lambda where, given, names: tuple(SCENARIO_TABLE.read(name, it, names) for name, it in as_tables(where, given)),
+    lambda names: {"type": "array", "items": SCENARIO_TABLE.schema(names), "minItems": 1},
 )

@@ -52,12 +52,13 @@ def _read_quantities(where: str, given: Any, names: StudyNames) -> dict[str, Nam
     return {name: _named(where, name, entry, names.mechanism) for name, entry in given.items()}
 
 
-def _quantities_schema(names: StudyNames) -> Schema:
-    keys = {name: key_schema(name, known) for name, known in KEYS.items()}
-    return {"type": "object", "additionalProperties": object_schema(keys, required=list(REQUIRED))}
-
-
-OWN = ValueKind(_read_quantities, _quantities_schema)
+OWN_SCHEMA: Schema = {
+    "type": "object",
+    "additionalProperties": object_schema(
+        {name: key_schema(name, known) for name, known in KEYS.items()}, required=list(REQUIRED)
+    ),
+}
+OWN = ValueKind(_read_quantities, lambda names: OWN_SCHEMA)
 
 
 def _named(table: str, name: str, entry: Any, mechanism: Mechanism) -> NamedQuantity:

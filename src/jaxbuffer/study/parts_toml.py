@@ -11,7 +11,6 @@ from ..errors import InputError
 from ..fields import Part, check_path, flag, whole
 from ..tuning.objective import Objective, SecondObjective
 from ..tuning.problem import Problem
-from .tables import StudyNames
 from .values import TEXT, Schema, ValueKind, as_table
 
 
@@ -39,13 +38,6 @@ class Selection(NamedTuple):
     at_most: Mapping[str, float]
 
 
-def _parts_schema(names: StudyNames) -> Schema:
-    part: Schema = {"type": "object", "minProperties": 1}
-    file = {"type": "string", "description": "a CSV file of parts, beside the study"}
-    catalogue: Schema = {"type": "object", "properties": {FILE: file}, "additionalProperties": part}
-    return {"type": "object", "additionalProperties": catalogue}
-
-
 def _read_rounding(where: str, path: str, given: Any, design: Part) -> Any:
     check_path(design, path)
     return check_rule(where, path, given, design)
@@ -56,9 +48,17 @@ def _rounding_schema(known: Mapping[str, Any]) -> Schema:
     return {"anyOf": [{"enum": list(SERIES)}, {"type": "number", "exclusiveMinimum": 0}, TEXT], "description": words}
 
 
+PARTS_SCHEMA: Schema = {
+    "type": "object",
+    "additionalProperties": {
+        "type": "object",
+        "properties": {FILE: {"type": "string", "description": "a CSV file of parts, beside the study"}},
+        "additionalProperties": {"type": "object", "minProperties": 1},
+    },
+}
 PARTS = ValueKind(
     lambda where, given, names: read_catalogues(as_table(where, given), names.design, names.folder, where),
-    _parts_schema,
+    lambda names: PARTS_SCHEMA,
 )
 ROUNDING = ValueKind(_read_rounding, _rounding_schema)
 

@@ -67,8 +67,13 @@ def broken_limits(goal: Goal, point: Evaluation, bound: PeakForceBound | None = 
     if goal.ceiling is not None and (above := goal.above_ceiling(point)) is not None:
         scale = goal.ceiling.scale
         limits.append(BrokenLimit(goal.first_value(point) / scale - goal.ceiling.value / scale, above))
-    # Excess is relative, so that limits in different units can be compared.
-    return sorted(limits, key=lambda limit: -limit.excess) or _otherwise(goal, point)
+    if limits or not goal.require_success or np.all(point.succeeded):
+        # Excess is relative, so that limits in different units can be compared.
+        return sorted(limits, key=lambda limit: -limit.excess)
+    # Load cases end otherwise than they must, and no limit and no margin says it.
+    reasons = sorted({goal.problem.mechanism.outcomes(int(code)).reason for code in point.code[~point.succeeded]})
+    count = f"broken in {int(np.sum(~point.succeeded))} of {len(point.code)} scenarios"
+    return [BrokenLimit(1.0, f"{goal.problem.success}: {count} ({'; '.join(reasons)})")]
 
 
 def _described(goal: Goal, point: Evaluation, breach: Breach, bound: PeakForceBound | None) -> BrokenLimit:
@@ -76,28 +81,14 @@ def _described(goal: Goal, point: Evaluation, breach: Breach, bound: PeakForceBo
     limit = breach.limit
     if limit is None:
         return _of_margin(goal, point, breach)
-    if limit.name != IMPACTS:
-        return _of_quantity(goal, point, breach, limit)._replace(beneath=_beneath(goal, limit, bound))
-    heading = _heading(goal, f"{limit.name} {limit.bound_text()}", breach, f"{breach.value:.0f}")
-    return BrokenLimit(breach.largest, heading)
-
-
-def _otherwise(goal: Goal, point: Evaluation) -> list[BrokenLimit]:
-    """Return that load cases end otherwise than they must, where no limit and no margin says it."""
-    if not goal.require_success or np.all(point.succeeded):
-        return []
-    reasons = sorted({goal.problem.mechanism.outcomes(int(code)).reason for code in point.code[~point.succeeded]})
-    count = f"broken in {int(np.sum(~point.succeeded))} of {len(point.code)} scenarios"
-    return [BrokenLimit(1.0, f"{goal.problem.success}: {count} ({'; '.join(reasons)})")]
-
-
-def _of_quantity(goal: Goal, point: Evaluation, breach: Breach, limit: Limit) -> BrokenLimit:
-    """Describe a broken limit on a quantity."""
-    value, bound, quantity = breach.value, limit.bound, goal.problem.catalogue[limit.name]
+    if limit.name == IMPACTS:
+        heading = _heading(goal, f"{limit.name} {limit.bound_text()}", breach, f"{breach.value:.0f}")
+        return BrokenLimit(breach.largest, heading)
+    value, quantity = breach.value, goal.problem.catalogue[limit.name]
     heading = _heading(goal, limit.line(quantity), breach, limit.told_apart(value, *quantity.in_figures))
     slope = point.quantities_slope[breach.case, goal.problem.names.index(limit.name)]
-    worst = WorstCase(value, bound, bound, slope, not limit.lowest, quantity.in_figures)
-    return _broken(goal, point, breach, heading, worst)
+    worst = WorstCase(value, limit.bound, limit.bound, slope, not limit.lowest, quantity.in_figures)
+    return _broken(goal, point, breach, heading, worst)._replace(beneath=_beneath(goal, limit, bound))
 
 
 def _beneath(goal: Goal, limit: Limit, bound: PeakForceBound | None) -> str:

@@ -83,22 +83,26 @@ class CornerSearch:
 
     def _climb(self, k: int) -> Place:
         """Return the worst corner in which a target is no better than in its neighbours, from the worst ones known."""
-        starts = sorted(self.values, key=lambda place: (self.values[place][k], place))[-CLIMBS:]
-        # The place decides between equals, so that the same corner is found each time.
-        return max((self._climb_from(k, place) for place in starts), key=lambda place: (self.values[place][k], place))
 
-    def _climb_from(self, k: int, worst: Place) -> Place:
-        """Go from corner to corner, each time to the worst neighbour, until none is worse."""
-        for _ in range(STEPS):
-            b, row = worst
-            flips = 1.0 - 2.0 * np.eye(len(row))
-            neighbours = [(b, tuple(map(float, np.array(row) * flip))) for flip in flips]
-            self._run(neighbours)
-            best = max(neighbours, key=lambda place: (self.values[place][k], place))
-            if not self.values[best][k] > self.values[worst][k]:
-                break
-            worst = best
-        return worst
+        def badness(place: Place) -> tuple[float, Place]:
+            # The place decides between equals, so that the same corner is found each time.
+            return self.values[place][k], place
+
+        ends = []
+        for worst_known in sorted(self.values, key=badness)[-CLIMBS:]:
+            # From corner to corner, each time to the worst neighbour, until none is worse.
+            worst = worst_known
+            for _ in range(STEPS):
+                b, row = worst
+                flips = 1.0 - 2.0 * np.eye(len(row))
+                neighbours = [(b, tuple(map(float, np.array(row) * flip))) for flip in flips]
+                self._run(neighbours)
+                best = max(neighbours, key=badness)
+                if not self.values[best][k] > self.values[worst][k]:
+                    break
+                worst = best
+            ends.append(worst)
+        return max(ends, key=badness)
 
     def _run(self, places: list[Place]) -> None:
         """Run places without slopes, those that were not run yet."""

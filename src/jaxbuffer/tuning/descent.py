@@ -98,13 +98,12 @@ def step_of(
     """
     import optax  # a caller who has an optimiser has it imported
 
+    def no_line_search(*_: Any, **__: Any) -> Any:
+        raise InputError(f"the optimizer evaluates the objective by itself, in a line search; {USABLE}")
+
     update = optax.with_extra_args_support(optimizer).update
-    change, state = update(slope, state, at, value=value, grad=slope, value_fn=_no_line_search)
+    change, state = update(slope, state, at, value=value, grad=slope, value_fn=no_line_search)
     return np.asarray(change, float), state
-
-
-def _no_line_search(*_: Any, **__: Any) -> Any:
-    raise InputError(f"the optimizer evaluates the objective by itself, in a line search; {USABLE}")
 
 
 def descend(

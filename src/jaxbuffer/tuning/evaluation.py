@@ -135,7 +135,16 @@ class Evaluator:
         if known:
             columns = [problem.paths.index(address) for address in addresses]
             runs = [run.of_columns(columns) for run in runs]
-        return gather(problem, point, cases, runs, _by_shares(problem, point, cases))
+        # d built number / d share of its tolerance is half the tolerance's width.
+        design = problem.built(point)
+        shares = [
+            [
+                it.half_width(float(dict(case.values).get(address, value_at(design, case.scenario, address))))
+                for address, it in problem.tolerances.items()
+            ]
+            for case in cases
+        ]
+        return gather(problem, point, cases, runs, np.array(shares))
 
     def _measure(
         self,
@@ -172,20 +181,6 @@ def _by_variables(problem: Problem, scaled: np.ndarray, cases: Sequence[Case]) -
     values, factors = problem.values(scaled), [dict(case.factors) for case in cases]
     return np.array(
         [[v.slope(x) * f.get(v.path, 1.0) for v, x in zip(problem.variables, values, strict=True)] for f in factors]
-    )
-
-
-def _by_shares(problem: Problem, scaled: np.ndarray, cases: Sequence[Case]) -> Float[np.ndarray, "cases tolerances"]:
-    """Return d built number / d share of its tolerance: half the width of this."""
-    design = problem.built(scaled)
-    return np.array(
-        [
-            [
-                it.half_width(float(dict(case.values).get(address, value_at(design, case.scenario, address))))
-                for address, it in problem.tolerances.items()
-            ]
-            for case in cases
-        ]
     )
 
 

@@ -35,7 +35,17 @@ class SearchReport(NamedTuple):
         """Return how the search ended with a design, and what to do. ``bound``: as of `broken_limits`."""
         if goal.feasible(after):
             return self.well
-        return _infeasible(goal, after, self.effort, self.more, bound)
+        limits = broken_limits(goal, after, bound)
+        broken = "; ".join(f"{limit.heading}; {limit.beneath}" if limit.beneath else limit.heading for limit in limits)
+        others = [limit for limit in limits if not limit.beneath]
+        advice = ["lower that bound, or relax the limit under it" for limit in limits[:1] if len(others) < len(limits)]
+        if others:
+            paths = dict.fromkeys(path for limit in others for path in limit.at_bounds)
+            widen = f"widen the bounds of {', '.join(paths)}, which hold them back" if paths else "free other numbers"
+            advice.append(f"{widen}, or relax the {'other ' if advice else ''}limits")
+        # To search on is of no use where all lie under their lower bounds.
+        more = self.more if others else ""
+        return f"{INFEASIBLE}after {self.effort}, {broken}. To keep the limits, {'; '.join(advice)}{more}"
 
 
 def search_report(branch: Branch, progress: Progress, settings: Settings) -> SearchReport:
@@ -50,20 +60,6 @@ def search_report(branch: Branch, progress: Progress, settings: Settings) -> Sea
     well = f"{_ending(branch, settings)}{further}. {agreement_in_words(progress, more)}"
     search_on = f". To search on within the bounds, {f'{steps}, or ' if limited else ''}{more}"
     return SearchReport(well, _count(progress.searches), search_on)
-
-
-def _infeasible(goal: Goal, after: Evaluation, effort: str, more: str, bound: PeakForceBound | None) -> str:
-    """Say that no design is within the limits, and which limits are broken; ``effort``: by how much searching;
-    ``more``: how to search on, which is said unless all lie under their lower bounds."""
-    limits = broken_limits(goal, after, bound)
-    broken = "; ".join(f"{limit.heading}; {limit.beneath}" if limit.beneath else limit.heading for limit in limits)
-    others = [limit for limit in limits if not limit.beneath]
-    advice = ["lower that bound, or relax the limit under it" for limit in limits[:1] if len(others) < len(limits)]
-    if others:
-        paths = dict.fromkeys(path for limit in others for path in limit.at_bounds)
-        widen = f"widen the bounds of {', '.join(paths)}, which hold them back" if paths else "free other numbers"
-        advice.append(f"{widen}, or relax the {'other ' if advice else ''}limits")
-    return f"{INFEASIBLE}after {effort}, {broken}. To keep the limits, {'; '.join(advice)}{more if others else ''}"
 
 
 def headline(message: str, feasible: bool, ended: EndCount | None = None) -> str:

@@ -68,9 +68,8 @@ class Programme:
         """
         rows, columns, values = zip(*self.entries, strict=True)
         matrix = scipy.sparse.csc_matrix((values, (rows, columns)), shape=(len(self.right), len(self.cost)))
-        return self._quadratic(matrix, curvature) if np.any(curvature) else self._linear(matrix)
-
-    def _linear(self, matrix: np.ndarray) -> Minimum | None:
+        if np.any(curvature):
+            return self._quadratic(matrix, curvature)
         result = scipy.optimize.linprog(self.cost, A_ub=matrix, b_ub=self.right, bounds=self.bounds, method="highs")
         # SciPy's marginals are what the cost gains for more on the right: the duals with the other sign.
         return Minimum(result.x, -result.ineqlin.marginals) if result.success else None

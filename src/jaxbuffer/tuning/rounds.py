@@ -55,7 +55,11 @@ class Rounds:
             if self._needs_round(search, progress):
                 progress = self._next_round(search, progress, best)
             elif self.problem.then is not None and progress.stage == 0 and search.goal.feasible(best.best):
-                progress = self._second_stage(progress, search, best)
+                # The second stage begins from the first one's best design.
+                ceiling = self.problem.then.ceiling(search.goal.value(best.best))
+                scale = abs(Goal(self.problem, self.problem.then.objective).value(best.best)) or 1.0
+                progress = progress._replace(stage=1, scale=scale, ceiling=ceiling, branches=())
+                progress = progress._replace(branches=(self._search(progress).begin(best.best),))
             else:
                 return progress
             # Each round is stored before its steps, so that an interrupted run goes on with the same searches.
@@ -131,14 +135,6 @@ class Rounds:
             branches.append(search.begin(point, round_, family))
             self._log(progress.stage, k, search, point, branches[-1])
         return tuple(branches)
-
-    def _second_stage(self, progress: Progress, search: Search, best: Branch) -> Progress:
-        """Begin the second stage, from the first one's best design."""
-        assert self.problem.then is not None
-        ceiling = self.problem.then.ceiling(search.goal.value(best.best))
-        scale = abs(Goal(self.problem, self.problem.then.objective).value(best.best)) or 1.0
-        progress = progress._replace(stage=1, scale=scale, ceiling=ceiling, branches=())
-        return progress._replace(branches=(self._search(progress).begin(best.best),))
 
     def _search(self, progress: Progress) -> Search:
         return stage_search(self.problem, self.settings, progress)

@@ -187,7 +187,12 @@ def spread_rows(problem: Problem, spreads: Sequence[Spread]) -> list[list[str]]:
     ]
     rows.append(["as drawn", "", *(f"{factor * it.drawn:.4g}" for it, factor in each)])
     rows.append(["in the corners", "", *(range_text(factor * it.low, factor * it.high, "", 4) for it, factor in each)])
-    rows.append(["error of the changes there", "", *(_error_text(it) for it in spreads)])
+    # Of the first order.
+    errors = [
+        "not known" if np.isnan(it.error) else f"{percent_text(it.error, '.0f')}{'' if it.trusted else ', no guide'}"
+        for it in spreads
+    ]
+    rows.append(["error of the changes there", "", *errors])
     return rows
 
 
@@ -196,13 +201,6 @@ def _effect_text(spread: Spread, k: int, factor: float) -> str:
     effect = float(spread.effects[k])
     effect = 0.0 if abs(effect) < NOTHING * float(np.max(np.abs(spread.effects))) else effect
     return f"{factor * effect:+.3g} ({percent_text(spread.shares[k], '.0f')})" if effect else "0 (0 %)"
-
-
-def _error_text(spread: Spread) -> str:
-    """Return the error of the first order in words."""
-    if np.isnan(spread.error):
-        return "not known"
-    return f"{percent_text(spread.error, '.0f')}{'' if spread.trusted else ', no guide'}"
 
 
 def spread_table(problem: Problem, spreads: Sequence[Spread]) -> Table | None:

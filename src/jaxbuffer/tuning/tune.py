@@ -159,7 +159,14 @@ def _search(problem: Problem, optimizer: Any, settings: Settings, evaluator: Eva
     at its start, and again at each result until none is worse."""
     progress, begin = None if optimizer is not None else Progress.read(store.state), None
     if problem.needs_search:
-        problem, begin = _with_first_corners(problem, evaluator, store)
+        # The corners that an interrupted run had got to, or else those of the start.
+        state = store.state or {}
+        if SIGNS in state:
+            problem, begin = with_corners(problem, state[SIGNS]), state[BEGIN]
+        else:
+            begin = problem.start()
+            problem = with_corners(problem, worse_corners(problem, evaluator, begin))
+        store.beside = {SIGNS: np.array(problem.signs), BEGIN: begin}
     while True:
         # Corners may have joined the problem's cases, which the evaluator runs by default.
         evaluator.problem = problem
@@ -175,19 +182,6 @@ def _search(problem: Problem, optimizer: Any, settings: Settings, evaluator: Eva
             return rounds.result(progress)
         problem, begin, progress = with_corners(problem, more), best, None
         store.beside = {SIGNS: np.array(problem.signs), BEGIN: begin}
-
-
-def _with_first_corners(problem: Problem, evaluator: Evaluator, store: TuningStore) -> tuple[Problem, np.ndarray]:
-    """Return the problem with the corners that a run had got to, or else with those of its start, and the design that
-    its rounds begin with."""
-    state = store.state or {}
-    if SIGNS in state:
-        problem, begin = with_corners(problem, state[SIGNS]), state[BEGIN]
-    else:
-        begin = problem.start()
-        problem = with_corners(problem, worse_corners(problem, evaluator, begin))
-    store.beside = {SIGNS: np.array(problem.signs), BEGIN: begin}
-    return problem, begin
 
 
 class Unfinished(NamedTuple):

@@ -221,7 +221,13 @@ def _tuned_objective(tuned: Tuned) -> Table:
         unit, factor = problem.then.objective.in_figures(problem.catalogue)
         then = [factor * tuned.goal.value(point) for point in (tuned.before, tuned.after)]
         summary.add_row(f"then {problem.format(problem.then.objective)} [{unit}]", *(f"{value:.6g}" for value in then))
-    _add_corners(summary, tuned)
+    if (corners := tuned.corners) is not None:
+        # The design in the corners and as drawn, or in the middle of the ranges.
+        unit, factor = problem.objective.in_figures(problem.catalogue)
+        cases = len(corners.cases)
+        summary.add_row(f"largest in {cases} corners [{unit}]", "", f"{factor * corners.largest:.6g}")
+        summary.add_row(f"{corners.middle_title} [{unit}]", "", f"{factor * corners.middle:.6g}")
+        summary.add_row("corners in which the design holds", "", f"{corners.holding} of {cases}")
     points = (tuned.before, tuned.after)
     succeeded = f"cases {problem.success or 'solved'}"
     summary.add_row(succeeded, *(f"{int(np.sum(p.succeeded))} of {len(p.code)}" for p in points))
@@ -229,17 +235,6 @@ def _tuned_objective(tuned: Tuned) -> Table:
     if counts and counts[0].name != problem.success:
         summary.add_row(f"cases {counts[0].name}", *(f"{count.reached} of {count.runs}" for count in counts))
     return summary
-
-
-def _add_corners(summary: Table, tuned: Tuned) -> None:
-    """Add rows on the design in the corners and as drawn, or in the middle of the ranges."""
-    corners, (unit, factor) = tuned.corners, tuned.problem.objective.in_figures(tuned.problem.catalogue)
-    if corners is None:
-        return
-    count = len(corners.cases)
-    summary.add_row(f"largest in {count} corners [{unit}]", "", f"{factor * corners.largest:.6g}")
-    summary.add_row(f"{corners.middle_title} [{unit}]", "", f"{factor * corners.middle:.6g}")
-    summary.add_row("corners in which the design holds", "", f"{corners.holding} of {count}")
 
 
 def tuned_warnings(tuned: Tuned) -> list[str]:

@@ -7,8 +7,6 @@ from typing import Any
 from ...choosing.buildable import check_roundings, continuous_design, rounded
 from ...choosing.choice import Choice
 from ...choosing.choose import ranked, selection, with_optimum, with_tuned
-from ...choosing.combinations import Combinations
-from ...choosing.criterion import Criterion
 from ...choosing.means import OPTIMUM, TUNED, Means
 from ...choosing.store import FOLDER
 from ...cluster.extra import executor_at
@@ -68,8 +66,11 @@ def _parts(study: Config) -> Callable[[Means], Choice]:
         told.problem.check_tunable()
 
     def work(means: Means) -> Choice:
-        choice = _counted(
-            criterion, combinations, means, lambda it: ranked(criterion, combinations, it, settings.ranking)
+        choice = sweeping(
+            len(combinations) * len(criterion.problem.cases),
+            lambda progress: ranked(criterion, combinations, _shown(means, progress), settings.ranking),
+            f"choosing among {len(combinations)} combinations:",
+            f"{criterion.problem.mechanism.view.run_name}s",
         )
         steps: list[Callable[[Choice, Means], Choice]] = [with_optimum] if settings.optimum else []
         if settings.tuned:
@@ -99,14 +100,6 @@ def _roundings(study: Config) -> Callable[[Means], Choice]:
         )
 
     return work
-
-
-def _counted(criterion: Criterion, combinations: Combinations, means: Means, work: Callable[[Means], Choice]) -> Choice:
-    """Run the combinations with a bar."""
-    count = len(combinations) * len(criterion.problem.cases)
-    doing = f"choosing among {len(combinations)} combinations:"
-    what = f"{criterion.problem.mechanism.view.run_name}s"
-    return sweeping(count, lambda progress: work(_shown(means, progress)), doing, what)
 
 
 def _shown(means: Means, progress: Callable[[int, int], None]) -> Means:

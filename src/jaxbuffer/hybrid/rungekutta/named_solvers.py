@@ -40,13 +40,9 @@ def name_of(solver: Solver) -> str:
     """
     kinds = [name for name, kind in SOLVERS.items() if type(solver) is kind]
     names = kinds or [name for name in SOLVER_NAMES if name not in SOLVERS]
-    alike = [name for name in names if _equal(solver, solver_named(name))]
-    if not alike:
-        raise InputError(f"solver {solver!r} cannot be sent to another process; name one of {', '.join(SOLVER_NAMES)}")
-    return alike[0]
-
-
-def _equal(one: Solver, other: Solver) -> bool:
-    leaves, others = jax.tree.leaves(one), jax.tree.leaves(other)
-    alike: bool = jax.tree.structure(one) == jax.tree.structure(other)  # type: ignore[operator]
-    return alike and leaves == others
+    for name in names:
+        other = solver_named(name)
+        alike: bool = jax.tree.structure(solver) == jax.tree.structure(other)  # type: ignore[operator]
+        if alike and jax.tree.leaves(solver) == jax.tree.leaves(other):
+            return name
+    raise InputError(f"solver {solver!r} cannot be sent to another process; name one of {', '.join(SOLVER_NAMES)}")

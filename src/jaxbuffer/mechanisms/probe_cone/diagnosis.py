@@ -114,19 +114,15 @@ def diagnosis(capture: Capture) -> dict[str, str]:
             what, first = diagnosed
             energies = {"energy left": _energy(capture, motion, last), "where it went": _lost(capture, motion, last)}
             return {**what, **energies, "what to change first": first}
+    left, begin, speed = (1e3 * float(x) for x in (motion.before[last], motion.before[0], motion.closing[last]))
+    tip = f"the tip {'still closes in' if speed > 0.0 else 'recedes'} at {abs(speed):.3g} mm/s"
     return {
-        "way left": _way(capture, motion, last),
+        "way left": f"{left:.4g} mm to the capture plane, {begin:.4g} mm at first; {tip}",
         "energy left": _energy(capture, motion, last),
         "where it went": _lost(capture, motion, last),
         "turned round": _turn(capture, motion),
         "what to change first": "'jaxbuffer sensitivity … --of capture_share' says it",
     }
-
-
-def _way(capture: Capture, motion: Course, last: int) -> str:
-    left, begin, speed = (1e3 * float(x) for x in (motion.before[last], motion.before[0], motion.closing[last]))
-    ends = "still closes in" if speed > 0.0 else "recedes"
-    return f"{left:.4g} mm to the capture plane, {begin:.4g} mm at first; the tip {ends} at {abs(speed):.3g} mm/s"
 
 
 def _energy(capture: Capture, motion: Course, last: int) -> str:

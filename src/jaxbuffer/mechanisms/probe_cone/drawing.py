@@ -152,7 +152,9 @@ def _vehicle(design: Design, reach: float, square: float, least: float) -> tuple
     beside the mechanism is broken off along zigzag lines."""
     wide, cylinder = mouth(design)[1], ROOMY * float(design.buffer.cylinder_length)
     longest = max(LARGEST * wide, cylinder)
-    whole = max(2.0 * reach, min(cylinder, longest)), max(_half_height(square, reach), least)
+    # Of a uniform box I/m = (l² + h²)/12; half its height is a third of half its length at least.
+    half_height = math.sqrt(max(3.0 * square - reach**2, reach**2 / 9.0))
+    whole = max(2.0 * reach, min(cylinder, longest)), max(half_height, least)
     length, tall = min(whole[0], longest), min(whole[1], LARGEST * wide)
     corners = np.array([[reach, -tall], [reach - length, -tall], [reach - length, tall], [reach, tall]])
     if (length, tall) == whole:
@@ -172,9 +174,3 @@ def _edge(start: np.ndarray, end: np.ndarray, tooth: float) -> np.ndarray:
     number = np.arange(2 * TEETH)
     swing = np.where(number == 0, 0.0, np.where(number % 2, tooth, -tooth))
     return start + np.outer(number / (2 * TEETH), end - start) + np.outer(swing, [-along[1], along[0]])
-
-
-def _half_height(square: float, reach: float) -> float:
-    """Return half the height [m] of a uniform box with the radius of gyration √``square`` and half the length
-    ``reach``, a third of that at least: I/m = (l² + h²)/12."""
-    return math.sqrt(max(3.0 * square - reach**2, reach**2 / 9.0))

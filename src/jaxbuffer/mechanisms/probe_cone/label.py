@@ -32,7 +32,10 @@ def scenario_label(scenario: Scenario, among: Sequence[Scenario] = ()) -> str:
         if differs and not named_below and name not in scenario.without_effect:
             label += field_in_words(scenario, name, shown)
     if scenario.start == "free":
-        label += free_in_words(among) + _free_start(scenario)
+        label += free_in_words(among)
+        for name, shown in OF_FREE_START.items():
+            if float(getattr(scenario, name)) != 0.0:
+                label += field_in_words(scenario, name, shown)
     return label + parts_in_words(scenario)
 
 
@@ -52,12 +55,6 @@ def free_in_words(among: Sequence[Any]) -> str:
 def parts_in_words(scenario: Any) -> str:
     """Return what parts a scenario has: ", thrust 1 N for 0.4 s"."""
     return "".join(part.label(scenario) for part in PARTS if part.present(None, scenario))
-
-
-def _free_start(scenario: Scenario) -> str:
-    """Return what is not zero of a free start: ", offset -20 mm"."""
-    given = ((name, shown) for name, shown in OF_FREE_START.items() if float(getattr(scenario, name)) != 0.0)
-    return "".join(field_in_words(scenario, name, shown) for name, shown in given)
 
 
 def field_in_words(scenario: Any, name: str, shown: str) -> str:

@@ -8,7 +8,6 @@ from ...hybrid import Log
 from ..assembled import Assembled
 from .docking import PlaneCrossing
 from .reading import CaptureReading, holder_in
-from .throat import ThroatState
 
 
 def throat(
@@ -26,15 +25,11 @@ def throat(
     there, time = end, log.time[jnp.maximum(log.count - 1, 0)]
     if holder_in(mechanism) is not None:
         there, time = cross.at.throat, cross.time
-    return jnp.asarray(end.before), _through(mechanism, end, -(there.before + there.receding * (duration - time)))
-
-
-def _through(mechanism: Assembled, end: ThroatState, beyond: Array) -> Array:
-    """Return how far the tip is beyond the capture plane; where a free start leads it past the cone, minus how far it
-    is off the rim [m]."""
-    if mechanism.parts.scenario.start != "free":
-        return beyond
-    return jnp.where(end.off_rim > 0.0, jnp.minimum(beyond, -end.off_rim), beyond)
+    before, beyond = jnp.asarray(end.before), -(there.before + there.receding * (duration - time))
+    # A free start may lead the tip past the cone: then minus how far it is off the rim.
+    if mechanism.parts.scenario.start == "free":
+        beyond = jnp.where(end.off_rim > 0.0, jnp.minimum(beyond, -end.off_rim), beyond)
+    return before, beyond
 
 
 def stroke_margin(

@@ -27,27 +27,25 @@ def summary(capture: Capture) -> str:
     if outcome.failed:
         where = view.label(capture.scenario)
         return f"{view.title}: {outcome.reason} (after {int(capture.attempts)} steps; {where})"
-    e, b = jax.tree.map(np.asarray, (capture.energy, capture.balance))  # so that sums compile nothing
+    b = jax.tree.map(np.asarray, capture.balance)
     at = capture.maximum_times
+    of_parts = "".join(part.buffer_text(capture) for part in parts_of(capture.design, capture.scenario))
     lines = [
         f"{view.title}: {outcome.reason}",
         f"  scenario             {view.label(capture.scenario)}",
         f"  end time             {float(capture.end_time):.6g} s, in contact {float(capture.contact_time):.4g} s",
         f"  peak contact force   {_peak(capture)}",
-        *_larger(capture),
+        *(f"                       {text}" for text in (larger_than_contact(capture),) if text),
         *_first_impact(capture),
         f"  peak hinge force     {_force(capture, 'hinge_force', at)}",
-        f"  peak buffer force    {_force(capture, 'buffer_force', at)}{_of_parts(capture)}",
+        f"  peak buffer force    {_force(capture, 'buffer_force', at)}{of_parts}",
         f"  stroke               {_stroke(capture, at)}",
         *(f"  extension            {text}" for text in (extension_text(capture),) if text),
         f"  hinge angle          {np.degrees(float(capture.hinge_angle)):.6g} deg{when(at['hinge_angle'])}",
         *(line for element in capture.elements for line in _of_part(capture, element)),
         f"  penetration          at most {1e6 * float(capture.penetration):.3g} µm into a {view.contact}",
         f"  capture margin       {_margin(capture)}",
-        f"  energy left          {_energy_left(capture)}",
-        f"  energy               {_energy_before(capture)}, dissipated {float(e.dissipated):.6g} J"
-        f" (axial damper {float(e.axial_damper):.3g}, torsional {float(e.torsional_damper):.3g},"
-        f" contact {float(e.hysteresis):.3g}, friction {float(e.friction):.3g}{_other_losses(capture)})",
+        *_energies(capture),
         f"  numerical balance    energy {float(b.energy):.1e}, momentum {float(b.linear_momentum):.1e} linear,"
         f" {float(b.angular_momentum):.1e} angular, constraint drift {float(b.drift):.1e} m",
         f"  steps                {int(capture.accepted)} accepted of {int(capture.attempts)}",
@@ -62,28 +60,27 @@ def _force(capture: Capture, name: str, at: dict[str, float]) -> str:
 
 
 def _stroke(capture: Capture, at: dict[str, float]) -> str:
-    stroke, limits = float(capture.stroke), _stroke_limits(capture)
-    if stroke < NEGLIGIBLE["m"]:
-        return f"0 mm{limits}"
-    return f"{1e3 * stroke:.6g} mm{limits}{when(at['stroke'])}"
+    stroke, longest = float(capture.stroke), float(capture.design.buffer.longest_stroke)
+    limits = (f", {what} from {1e3 * float(place):.6g} mm on" for what, place in stroke_limits(capture.design))
+    of = f" of {1e3 * longest:.6g} mm{''.join(limits)}"
+    return f"0 mm{of}" if stroke < NEGLIGIBLE["m"] else f"{1e3 * stroke:.6g} mm{of}{when(at['stroke'])}"
 
 
 def _peak(capture: Capture) -> str:
     if not int(capture.impact_count):
         return f"none: the tip touched no {capture.mechanism.view.contact}"
+    count, listed, which = int(capture.impact_count), int(capture.impacts.count), int(capture.peak_impact) + 1
+    impact = f"impact {which} of {count}"
+    if count > listed:
+        impact = f"impact {which or f'after the {listed}th'} of {count}, the first {listed} of which are listed"
     when = f"{float(capture.peak_force):.6g} N at {float(capture.peak_time):.6g} s"
-    return f"{when}, {_contact(capture, capture.peak_contact)}, {_which_impact(capture)}"
+    return f"{when}, {_contact(capture, capture.peak_contact)}, {impact}"
 
 
 def _contact(capture: Capture, number: Any) -> str:
     """Return a contact in words: "upper flank"; "cone" of the only one."""
     view = capture.mechanism.view
     return view.contact_in_words(view.names(capture.design).contact(int(number)))
-
-
-def _larger(capture: Capture) -> list[str]:
-    text = larger_than_contact(capture)
-    return [f"                       {text}"] if text else []
 
 
 def _first_impact(capture: Capture) -> list[str]:
@@ -108,61 +105,37 @@ def _of_part(capture: Capture, element: Element) -> list[str]:
     return [f"  {heading:20} {text}" for heading, text in lines]
 
 
-def _energy_before(capture: Capture) -> str:
-    """Return the energy of relative motion at the start, and what parts put in."""
-    begin = float(capture.docking.energy_left) / float(capture.docking.relative_energy)
-    stored = capture.energy.stored
-    put_in = {it.words: -float(np.asarray(stored[it.name])) for it in SUPPLIES if it.name in stored}
-    more = "".join(f", {energy:.6g} J put in by {name}" for name, energy in put_in.items() if energy)
-    return f"{begin:.6g} J of relative motion at the start{more}"
-
-
-def _energy_left(capture: Capture) -> str:
-    """Return the energy of relative motion left, and the stroke that it may still take."""
+def _energies(capture: Capture) -> list[str]:
+    """Return a line on the energy of relative motion left and the stroke that it may still take, and one on the energy
+    at the start, what parts put in and where it went."""
     docking, longest = capture.docking, float(capture.design.buffer.longest_stroke)
-    share = percent_text(float(docking.relative_energy), ".3g")
-    left = f"{energy_text(docking.energy_left)} of relative motion, {share} of that"
-    needed = float(docking.arrest_stroke)
+    begin = float(docking.energy_left) / float(docking.relative_energy)
+    share, needed = percent_text(float(docking.relative_energy), ".3g"), float(docking.arrest_stroke)
+    left = f"{energy_text(docking.energy_left)} of relative motion, {share} of that at the start"
+    if capture.outcome == Outcome.captured:
+        left = f"at capture, where the run ends, {left}"
     beyond = ", more than the buffer has" if needed > longest else ""
-    left = f"at capture, where the run ends, {left}" if capture.outcome == Outcome.captured else left
-    return f"{left} at the start; it may take up to {1e3 * needed:.4g} mm of stroke{beyond}"
-
-
-def _other_losses(capture: Capture) -> str:
-    lost = capture.energy.lost
-    return "".join(f", {it.place} {float(lost[it.names[-1]]):.3g}" for it in energy_shares(capture))
-
-
-def _which_impact(capture: Capture) -> str:
-    count, listed = int(capture.impact_count), int(capture.impacts.count)
-    which = int(capture.peak_impact) + 1
-    if count == listed:
-        return f"impact {which} of {count}"
-    return f"impact {which or f'after the {listed}th'} of {count}, the first {listed} of which are listed"
-
-
-def _of_parts(capture: Capture) -> str:
-    """Return what parts say beside the buffer's force."""
-    return "".join(part.buffer_text(capture) for part in parts_of(capture.design, capture.scenario))
-
-
-def _stroke_limits(capture: Capture) -> str:
-    limits = (f", {what} from {1e3 * float(place):.6g} mm on" for what, place in stroke_limits(capture.design))
-    return f" of {1e3 * float(capture.design.buffer.longest_stroke):.6g} mm{''.join(limits)}"
-
-
-def _bottomed(capture: Capture) -> str:
-    """Return what would keep the buffer from its end. By how much it is too short is not said: after the end come
-    further impacts, of vehicles that are far heavier than the probe, and no number of this run tells of them."""
-    longer = capture.design.buffer.end_field
-    return f"none: raise {longer}, buffer.k_A or buffer.c_A; only a run that does not bottom says what stroke it needs"
+    energy = jax.tree.map(np.asarray, capture.energy)  # so that sums compile nothing
+    put_in = {it.words: -float(energy.stored[it.name]) for it in SUPPLIES if it.name in energy.stored}
+    more = "".join(f", {value:.6g} J put in by {name}" for name, value in put_in.items() if value)
+    others = "".join(f", {it.place} {float(energy.lost[it.names[-1]]):.3g}" for it in energy_shares(capture))
+    return [
+        f"  energy left          {left}; it may take up to {1e3 * needed:.4g} mm of stroke{beyond}",
+        f"  energy               {begin:.6g} J of relative motion at the start{more}, dissipated"
+        f" {float(energy.dissipated):.6g} J (axial damper {float(energy.axial_damper):.3g}, torsional"
+        f" {float(energy.torsional_damper):.3g}, contact {float(energy.hysteresis):.3g}, friction"
+        f" {float(energy.friction):.3g}{others})",
+    ]
 
 
 def _margin(capture: Capture) -> str:
     """Return the capture margin with what it is a distance of."""
     margin = float(capture.capture_margin)
     if capture.outcome == Outcome.bottomed:
-        return _bottomed(capture)
+        # By how much the buffer is too short is not said: after its end come further impacts, of vehicles that are far
+        # heavier than the probe, and no number of this run tells of them.
+        raised = f"none: raise {capture.design.buffer.end_field}, buffer.k_A or buffer.c_A"
+        return f"{raised}; only a run that does not bottom says what stroke it needs"
     if capture.outcome != Outcome.captured and capture.mechanism.succeeded(int(capture.outcome)):
         return f"{1e3 * float(capture.stroke_margin):.6g} mm of stroke left before the buffer's end"
     # The margin is the lesser of two (M75): equality tells that it is the stroke's.

@@ -39,18 +39,15 @@ def _path(run: Run, pin: str) -> Panel:
     """Return a panel of the pin's centre relative to the bush's, and of how far it can go before it touches."""
     part = getattr(run.design, pin)
     along, across = 1e3 * journal_path(run, pin).T
-    edge = 1e3 * float(part.clearance) * _outline(part.by_components)
+    # A circle, or the square that contact by components leaves.
+    angle = np.linspace(0.0, 2.0 * np.pi, 200)
+    outline = np.stack([np.cos(angle), np.sin(angle)])
+    if part.by_components:
+        outline = np.array([[1.0, -1.0, -1.0, 1.0, 1.0], [1.0, 1.0, -1.0, -1.0, 1.0]])
+    edge = 1e3 * float(part.clearance) * outline
     title = f"{pin.replace('_', ' ').capitalize()} in its bush"
     curves = (
         PanelCurve("path", across, along=along),
         PanelCurve("play", edge[1], dashed=True, along=edge[0]),
     )
     return Panel(title, "across [mm]", curves, path="along the slider's line [mm]")
-
-
-def _outline(square: bool) -> np.ndarray:
-    """Return a circle or a square of half-width 1, shape (2, points)."""
-    if square:
-        return np.array([[1.0, -1.0, -1.0, 1.0, 1.0], [1.0, 1.0, -1.0, -1.0, 1.0]])
-    angle = np.linspace(0.0, 2.0 * np.pi, 200)
-    return np.stack([np.cos(angle), np.sin(angle)])

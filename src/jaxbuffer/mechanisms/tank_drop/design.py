@@ -346,7 +346,13 @@ def check_fit(design: TankDrop, scenario: TankDropScenario) -> None:
         except InputError as error:
             raise error.between(after=", less than tank.corner_radius") from None
     _check_ribs(design)
-    _check_angle(design, scenario)
+    angle = concrete(scenario.angle)
+    if design.mesh.extent != "whole" and angle is not None and (turned := np.asarray(angle) != 0.0).any():
+        given = float(np.asarray(angle)[turned][0])
+        raise InputError(
+            f"scenario.angle = {given:g} rad ({np.degrees(given):.3g}°): an angle other than 0 needs"
+            ' mesh.extent = "whole"; half of the section is symmetric'
+        )
     if design.plates.kind != "none":
         try:
             check_entries("plates.position", design.plates.position, "m", *_between(design))
@@ -376,17 +382,6 @@ def _check_ribs(design: TankDrop) -> None:
             check_entries("ribs.height", design.ribs.height, "m", 0.0, _room(design, zone))
         except InputError as error:
             raise error.between(after=f", less than tank.corner_radius - wall.{zone}") from None
-
-
-def _check_angle(design: TankDrop, scenario: TankDropScenario) -> None:
-    angle = concrete(scenario.angle)
-    if design.mesh.extent == "whole" or angle is None or not (bad := np.asarray(angle) != 0.0).any():
-        return
-    given = float(np.asarray(angle)[bad][0])
-    raise InputError(
-        f"scenario.angle = {given:g} rad ({np.degrees(given):.3g}°): an angle other than 0 needs"
-        ' mesh.extent = "whole"; half of the section is symmetric'
-    )
 
 
 def _room(design: TankDrop, zone: str) -> Scalar:

@@ -9,7 +9,7 @@ from ..._types import Figure
 from ...fields import replace
 from ...mechanisms.bar_drop import BarDrop, BarDropScenario
 from ...output.style import BLUE, COLOURS, ORANGE, drawing, label, panels
-from ..study import Claim, ClaimVerdict, Row, Rows, Studied, Study, StudyCase, near, verdict
+from ..study import Claims, ClaimVerdict, Row, Rows, Studied, Study, StudyCase, near, verdict
 from .bar_figures import OFFSETS
 from .fixed_steps import components, peaks
 
@@ -128,6 +128,10 @@ def _over_time(axes: Any, run: Any, which: int, title: str) -> None:
     axes.legend(loc="upper left")
 
 
+CLAIMS = Claims()
+
+
+@CLAIMS.judge("Algorithm 1 gives 250 and 3000 N for c = 1, 450 and 5e4 N for c = 6", "2.1, fig. 7-10")
 def _seen(rows: Rows) -> ClaimVerdict:
     names = ("spring_seen", "spring", "damper_seen", "damper")
     pairs = [[float(row[name]) for name in names] for row in rows["algorithm"]]
@@ -140,6 +144,7 @@ def _seen(rows: Rows) -> ClaimVerdict:
     return ClaimVerdict(finding, verdict([near(a, b) for a, b in zip(forces, (250, 3e3, 450, 5e4), strict=True)]))
 
 
+@CLAIMS.judge("STEP rises from 0 at the touch to c (with a = c, eq. 24)", "2.1, fig. 3, 5")
 def _printed_step(rows: Rows) -> ClaimVerdict:
     printed, right = (float(rows["algorithm"][0][name]) for name in ("damper_as_printed", "damper"))
     finding = (
@@ -149,6 +154,7 @@ def _printed_step(rows: Rows) -> ClaimVerdict:
     return ClaimVerdict(finding, verdict([near(printed, right)]))
 
 
+@CLAIMS.judge("Steps of 1e-3 s (c = 1) and 1e-4 s (c = 6) show the force", "2.2, fig. 12, 17")
 def _fixed(rows: Rows) -> ClaimVerdict:
     parts, fine, within = [], [], []
     # The paper steps by 1e-3 s for c = 1 and by 1e-4 s for c = 6.
@@ -163,10 +169,3 @@ def _fixed(rows: Rows) -> ClaimVerdict:
     finding = f"c = 1: {parts[0]}; c = 6: {parts[1]}, by where the steps begin. Of the printed forces "
     finding += f"{' and '.join(within)} in the band of 1e-4 s"
     return ClaimVerdict(finding, verdict(fine))
-
-
-CLAIMS = (
-    Claim("Algorithm 1 gives 250 and 3000 N for c = 1, 450 and 5e4 N for c = 6", "2.1, fig. 7-10", _seen),
-    Claim("STEP rises from 0 at the touch to c (with a = c, eq. 24)", "2.1, fig. 3, 5", _printed_step),
-    Claim("Steps of 1e-3 s (c = 1) and 1e-4 s (c = 6) show the force", "2.2, fig. 12, 17", _fixed),
-)

@@ -33,9 +33,15 @@ def figure(studied: Studied) -> Figure:
             (grid[2, 1], "Deflection of the rod's middle", TIME, "deflection [µm]")
             if bends
             else (grid[2, 1], "Speed of the crank", TIME, "speed [rad/s]"),
-            *(_end_panels(grid) if bends else ()),
         ):
             label(axes, title, x, y, legend=axes is grid[0, 0])
+        if bends:
+            # What the paper shows of the end of a rod that bends, and of its crank.
+            label(grid[3, 0], "Speed of the crank (fig. 36)", TIME, "speed [rad/s]", legend=False)
+            across = "across the rod [µm]"
+            label(grid[3, 1], "Rod's end off the line of its mean rotation (fig. 37)", TIME, across, legend=False)
+            label(grid[4, 0], "Rod's end across the slider's line (fig. 38)", TIME, "displacement [mm]", legend=False)
+            label(grid[4, 1], "Its speed (fig. 38)", TIME, "speed [m/s]", legend=False)
         if "k = " in studied.study.cases[0].label:
             grid[0, 0].legend(title="k in N/mm^e, M₀ in N mm", title_fontsize=8)
         clearance = 1e3 * float(studied.captures[0].design.piston_pin.clearance)
@@ -44,16 +50,6 @@ def figure(studied: Studied) -> Figure:
         grid[2, 0].set_aspect("equal")
         drawn.suptitle(f"{studied.study.title} (the paper's fig. {studied.study.figures})")
         return drawn
-
-
-def _end_panels(grid: Any) -> tuple[tuple[Any, str, str, str], ...]:
-    """Return the axes, title and labels of what the paper shows of the end of a rod that bends, and of its crank."""
-    return (
-        (grid[3, 0], "Speed of the crank (fig. 36)", TIME, "speed [rad/s]"),
-        (grid[3, 1], "Rod's end off the line of its mean rotation (fig. 37)", TIME, "across the rod [µm]"),
-        (grid[4, 0], "Rod's end across the slider's line (fig. 38)", TIME, "displacement [mm]"),
-        (grid[4, 1], "Its speed (fig. 38)", TIME, "speed [m/s]"),
-    )
 
 
 def _one(grid: Any, name: str, colour: str, run: Any, bends: bool) -> None:

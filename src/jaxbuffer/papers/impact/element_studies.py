@@ -12,7 +12,7 @@ from ...fields import replace
 from ...mechanisms.bar_drop import BarDrop
 from ...mechanisms.bar_drop.run import BarDropRun
 from ...output.style import drawing, label, line, panels
-from ..study import NONE, Claim, ClaimVerdict, Row, Rows, Studied, Study, StudyCase, near, simulated, verdict
+from ..study import NONE, Claims, ClaimVerdict, Row, Rows, Studied, Study, StudyCase, near, simulated, verdict
 from .bar_studies import ACCURATE, BENT, BODIES, DROP
 from .elements import DURATION, MeshedDrop, MeshedRun, follow
 
@@ -165,6 +165,10 @@ def _list(rows: Rows, name: str, *cases: int, factor: float = 1.0) -> tuple[list
     return numbers, ", ".join(f"{number:.3g}" for number in numbers)
 
 
+CLAIMS = Claims()
+
+
+@CLAIMS.judge("433 N without friction, 915 N rough (by our own elements)", "2.3, fig. 22-27")
 def _forces(rows: Rows) -> ClaimVerdict:
     (free, _, rough), finding = _list(rows, "peak_force", FREE, COULOMB, STUCK)
     finding = f"elements, μ = 0, 0.3, rough: {finding} N (finer mesh, μ = 0: {_list(rows, 'peak_force', FINER)[1]} N); "
@@ -172,6 +176,7 @@ def _forces(rows: Rows) -> ClaimVerdict:
     return ClaimVerdict(finding, verdict([near(free, 433.0), near(rough, 915.0), near(rough / free, 915.0 / 433.0)]))
 
 
+@CLAIMS.judge("Force has the same course by analysis, modes and elements", "4")
 def _same(rows: Rows) -> ClaimVerdict:
     (elements, modal, rigid), finding = _list(rows, "first_peak", FREE, MODAL, RIGID)
     rough = _list(rows, "first_peak", STUCK, MODAL_ROUGH)[1]
@@ -179,11 +184,13 @@ def _same(rows: Rows) -> ClaimVerdict:
     return ClaimVerdict(f"{finding} by elements, modes", verdict([near(modal, elements), near(rigid, elements)]))
 
 
+@CLAIMS.judge("The impact lasts 2 ms (by our own elements)", "2.3, fig. 23")
 def _lasts(rows: Rows) -> ClaimVerdict:
     times, finding = _list(rows, "impact_lasts", FREE, MODAL, RIGID, factor=1e3)
     return ClaimVerdict(f"{finding} ms by elements, 8 modes, rigid", verdict([near(times[0], 2.0)]))
 
 
+@CLAIMS.judge("On the rough plate the bar rises higher, to 230 mm (by our own elements)", "2.3, fig. 25")
 def _bounce(rows: Rows) -> ClaimVerdict:
     (free, _, rough), finding = _list(rows, "rises_to", FREE, COULOMB, STUCK, factor=1e3)
     finding = f"elements, μ = 0, 0.3, rough: {finding} mm; modes, μ = 0, rough: "
@@ -191,18 +198,10 @@ def _bounce(rows: Rows) -> ClaimVerdict:
     return ClaimVerdict(finding, verdict([rough > free, near(rough, 230.16)]))
 
 
+@CLAIMS.judge("Plate and contact are elastic (read: no yielding is mentioned)", "2.3")
 def _stressed(rows: Rows) -> ClaimVerdict:
     squeezed, finding = _list(rows, "contact_pressure", FREE, STUCK, factor=1e-9)
     finding = f"Hertz's pressure under the ball {finding} GPa, where hard steel yields from {1e-9 * YIELDS:g} GPa on; "
     stress = _list(rows, "plate_stress", FREE, STUCK, factor=1e-6)[1]
     finding += f"von Mises in the plate's elements {stress} MPa: μ = 0, rough"
     return ClaimVerdict(finding, verdict([max(squeezed) < 1e-9 * YIELDS]))
-
-
-CLAIMS = (
-    Claim("433 N without friction, 915 N rough (by our own elements)", "2.3, fig. 22-27", _forces),
-    Claim("Force has the same course by analysis, modes and elements", "4", _same),
-    Claim("The impact lasts 2 ms (by our own elements)", "2.3, fig. 23", _lasts),
-    Claim("On the rough plate the bar rises higher, to 230 mm (by our own elements)", "2.3, fig. 25", _bounce),
-    Claim("Plate and contact are elastic (read: no yielding is mentioned)", "2.3", _stressed),
-)

@@ -5,11 +5,15 @@ import numpy as np
 
 from ...shock.pressure import hertz_shear
 from ...shock.pulses import largest_response
-from ..study import OPEN, Claim, ClaimVerdict, Rows, number, verdict
+from ..study import OPEN, Claims, ClaimVerdict, Rows, number, verdict
 
 PULSES = ("half-sine", "triangle", "versed sine", "rectangle")
 
 
+CLAIMS = Claims()
+
+
+@CLAIMS.judge("The safety of the full tank is evaluated: 348 kg from 2.04 m", "4, 5")
 def _survives(rows: Rows) -> ClaimVerdict:
     finding = "; ".join(
         f"{row['case']}: {row['outcome']}, {1e-3 * number(row, 'peak_force'):.3g} kN, top down by "
@@ -19,21 +23,25 @@ def _survives(rows: Rows) -> ClaimVerdict:
     return ClaimVerdict(f"{finding}; the paper prints no result to compare with", OPEN)
 
 
+@CLAIMS.judge("The major deformation is along the impact", "4, fig. 3")
 def _along(rows: Rows) -> ClaimVerdict:
     row = rows["drop"][0]
     along, across = (1e3 * number(row, name) for name in ("deflection", "sideways"))
     return ClaimVerdict(f"full: {along:.3g} mm along the impact, {across:.3g} mm across", verdict([along > across]))
 
 
+@CLAIMS.judge("Simulation and experiment agree at the test point", "4, fig. 4")
+def _experiment(rows: Rows) -> ClaimVerdict:
+    return ClaimVerdict("the curves of fig. 4 are lost and the text prints no value of either", OPEN)
+
+
+@CLAIMS.judge("Failure forms come in an order of time", "3")
 def _order(rows: Rows) -> ClaimVerdict:
     finding = "; ".join(f"{row['case']}: {row['order']}" for row in rows["drop"])
     return ClaimVerdict(finding, verdict([row["order"] != "none" for row in rows["drop"]]))
 
 
-def _experiment(rows: Rows) -> ClaimVerdict:
-    return ClaimVerdict("the curves of fig. 4 are lost and the text prints no value of either", OPEN)
-
-
+@CLAIMS.judge("The defence node satisfies the constraint exactly", "3.2")
 def _exact(rows: Rows) -> ClaimVerdict:
     node, multiplier, *penalties = (number(row, "penetration") for row in rows["contact"])
     soft = ", ".join(f"{1e3 * p:.3g}" for p in penalties)
@@ -41,6 +49,7 @@ def _exact(rows: Rows) -> ClaimVerdict:
     return ClaimVerdict(finding, verdict([node < 1e-2 * min(penalties), multiplier < 1e-2 * min(penalties)]))
 
 
+@CLAIMS.judge("The defence node computes the contact force accurately", "3.2")
 def _force(rows: Rows) -> ClaimVerdict:
     node, multiplier = ([number(row, name) for name in ("impulse", "peak_force")] for row in rows["contact"][:2])
     # A defence node closes its pair alone; multipliers, which close all pairs together, are the measure of that.
@@ -52,6 +61,7 @@ def _force(rows: Rows) -> ClaimVerdict:
     return ClaimVerdict(finding, verdict([part < 0.02 for part in off]))
 
 
+@CLAIMS.judge("A penalty adds an error and affects stability", "3.2")
 def _penalty(rows: Rows) -> ClaimVerdict:
     penalties = rows["contact"][2:]
     forces = ", ".join(f"{1e-3 * number(row, 'peak_force'):.3g}" for row in penalties)
@@ -61,6 +71,7 @@ def _penalty(rows: Rows) -> ClaimVerdict:
     return ClaimVerdict(finding, verdict([differs, steps[-1] > steps[0]]))
 
 
+@CLAIMS.judge("From a low height a cushion is a mass on a spring", "3.1")
 def _spring(rows: Rows) -> ClaimVerdict:
     shares = {str(row["case"]): number(row, "peak_force") / number(row, "spring_force") for row in rows["height"]}
     finding = ", ".join(f"{case} {share:.0%}" for case, share in shares.items())
@@ -73,6 +84,7 @@ def _spring(rows: Rows) -> ClaimVerdict:
     )
 
 
+@CLAIMS.judge("The surface pressure is largest at half of the contact's time", "2.1")
 def _half(rows: Rows) -> ClaimVerdict:
     shares = [number(row, "peak_time") / number(row, "contact_time") for row in rows["height"]]
     cases = ", ".join(f"{row['case']} {share:.2f}" for row, share in zip(rows["height"], shares, strict=True))
@@ -80,6 +92,7 @@ def _half(rows: Rows) -> ClaimVerdict:
     return ClaimVerdict(finding, verdict([abs(share - 0.5) < 0.05 for share in shares]))
 
 
+@CLAIMS.judge("The shear is largest at the depth 2/((1 + ν)π)", "2.1, eq. 1")
 def _shear(rows: Rows) -> ClaimVerdict:
     depths = np.linspace(0.2, 1.0, 8001)
     depth = {nu: depths[int(np.argmax(np.asarray(hertz_shear(jnp.asarray(depths), nu))))] for nu in (0.2, 0.3, 0.4)}
@@ -88,6 +101,7 @@ def _shear(rows: Rows) -> ClaimVerdict:
     return ClaimVerdict(f"Hertz (eq. 1 as printed grows with depth): {finding}", verdict(near))
 
 
+@CLAIMS.judge("With T_n < τ the response may be twice the pulse's peak", "3.1")
 def _twice(rows: Rows) -> ClaimVerdict:
     ratio = jnp.linspace(1.0, 10.0, 400)
     most = {pulse: float(jnp.max(largest_response(pulse, ratio))) for pulse in PULSES}
@@ -95,6 +109,7 @@ def _twice(rows: Rows) -> ClaimVerdict:
     return ClaimVerdict(finding, verdict([abs(x - 2.0) < 0.01 for x in most.values()]))
 
 
+@CLAIMS.judge("With T_n > τ the response is weakened", "3.1")
 def _weakened(rows: Rows) -> ClaimVerdict:
     ratio = jnp.linspace(0.01, 0.999, 400)
     below = {}
@@ -105,19 +120,3 @@ def _weakened(rows: Rows) -> ClaimVerdict:
     return ClaimVerdict(
         f"below the pulse's peak only from this T_n on: {finding}", verdict([x > 0.95 for x in below.values()])
     )
-
-
-CLAIMS = (
-    Claim("The safety of the full tank is evaluated: 348 kg from 2.04 m", "4, 5", _survives),
-    Claim("The major deformation is along the impact", "4, fig. 3", _along),
-    Claim("Simulation and experiment agree at the test point", "4, fig. 4", _experiment),
-    Claim("Failure forms come in an order of time", "3", _order),
-    Claim("The defence node satisfies the constraint exactly", "3.2", _exact),
-    Claim("The defence node computes the contact force accurately", "3.2", _force),
-    Claim("A penalty adds an error and affects stability", "3.2", _penalty),
-    Claim("From a low height a cushion is a mass on a spring", "3.1", _spring),
-    Claim("The surface pressure is largest at half of the contact's time", "2.1", _half),
-    Claim("The shear is largest at the depth 2/((1 + ν)π)", "2.1, eq. 1", _shear),
-    Claim("With T_n < τ the response may be twice the pulse's peak", "3.1", _twice),
-    Claim("With T_n > τ the response is weakened", "3.1", _weakened),
-)

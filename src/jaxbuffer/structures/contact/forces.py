@@ -75,7 +75,10 @@ def contact_forces(
     free = velocity + step * inverse_mass * residual  # half a step later, without contact
     closing = -(pairs.gap / step + pairs.along(contact.slaves, free, pairs.normal))  # speed by which pairs overlap then
     weights = _distribution(contact, pairs, inverse_mass)
-    yielding = _yielding(contact.slaves, pairs, weights, inverse_mass)
+    # The relative acceleration of node and foot for a force of one [1/kg].
+    own = _along(inverse_mass[contact.slaves], pairs.normal)
+    foot = jnp.sum(pairs.weights * weights * _along(inverse_mass[pairs.nodes], pairs.normal[:, None]), axis=1)
+    yielding = own + foot
     if contact.method == "penalty":
         over_step = normal = jnp.where(pairs.present, contact.stiffness * jnp.maximum(-pairs.gap, 0.0), 0.0)
     else:
@@ -111,13 +114,6 @@ def _distribution(contact: NodeContact, pairs: Pairs, inverse_mass: Array) -> Fl
 def _along(vectors: Array, normal: Array) -> Array:
     """Return the diagonal matrix along a normal, nᵀ M⁻¹ n."""
     return jnp.sum(vectors * normal * normal, axis=-1)
-
-
-def _yielding(slaves: np.ndarray, pairs: Pairs, weights: Array, inverse_mass: Array) -> Float[Array, " pairs"]:
-    """Return the (pairs,) relative acceleration of node and foot for a force of one [1/kg]."""
-    own = _along(inverse_mass[slaves], pairs.normal)
-    foot = jnp.sum(pairs.weights * weights * _along(inverse_mass[pairs.nodes], pairs.normal[:, None]), axis=1)
-    return own + foot
 
 
 def _coupling(slaves: np.ndarray, pairs: Pairs, inverse_mass: Array) -> Float[Array, "pairs pairs"]:

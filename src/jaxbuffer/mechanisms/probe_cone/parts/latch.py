@@ -151,7 +151,13 @@ class LatchPart(ProbePart):
         ]
 
     def contradictions(self, design: Any, scenario: Any) -> list[Caution]:
-        return [*_out_of_reach(design), *closing_cautions(design, scenario)]
+        reach, depth = design.cone.reach(design.probe.tip_radius), float(design.latch.depth)
+        found = closing_cautions(design, scenario)
+        if 0.0 <= reach < depth:
+            seat = f"a seat that is more than {1e3 * reach:.3g} mm behind the capture plane"
+            line = f"latch.depth {1e3 * depth:.4g} mm: the ball cannot reach {seat}"
+            found = [Caution(line, "seat", excess=depth - reach), *found]
+        return found
 
     def validity(self, quantities: Mapping[str, Any]) -> list[ValidityLimit]:
         # Tunings alone know it.
@@ -175,7 +181,19 @@ class LatchPart(ProbePart):
             "a larger latch.strength or latch.closing_time; 'jaxbuffer sensitivity … --of latch_share' says what moves"
             " it"
         )
-        return {"torn": _torn(capture), "tip at the latches": _met(capture)}, first
+        latch, docking, end = capture.design.latch, capture.docking, float(capture.end_time)
+        since, closing = end - float(docking.latch_time), float(latch.closing_time)
+        how = f"still closing, which takes {1e3 * closing:.4g} ms" if since < closing else "closed"
+        torn = (
+            f"at {end:.6g} s, {1e3 * since:.4g} ms after the latches began to close ({how}), by more than"
+            f" {float(latch.strength or 0.0):.6g} N"
+        )
+        tip = (
+            f"{1e3 * float(docking.lateral_miss):.4g} mm off the axis, moving across it at"
+            f" {1e3 * float(docking.lateral_miss_rate):.3g} mm/s;"
+            f" {np.degrees(float(docking.attitude_miss)):.4g} deg against it"
+        )
+        return {"torn": torn, "tip at the latches": tip}, first
 
     def drawn(self, design: Any, first: int) -> DrawnPart:
         travel = _tooth(design)[2]
@@ -183,35 +201,6 @@ class LatchPart(ProbePart):
 
     def end_on(self, design: Any, first: int) -> DrawnPart:
         return DrawnPart(_teeth_end_on(design, first), 2, lambda frames, history: _opened(frames, history, design))
-
-
-def _out_of_reach(design: Any) -> Iterator[Caution]:
-    """Yield that the ball cannot reach its seat."""
-    reach, depth = design.cone.reach(design.probe.tip_radius), float(design.latch.depth)
-    if 0.0 <= reach < depth:
-        seat = f"a seat that is more than {1e3 * reach:.3g} mm behind the capture plane"
-        yield Caution(f"latch.depth {1e3 * depth:.4g} mm: the ball cannot reach {seat}", "seat", excess=depth - reach)
-
-
-def _torn(capture: Any) -> str:
-    """Return when the latches tore, and how far they had closed."""
-    latch, begin = capture.design.latch, float(capture.docking.latch_time)
-    since, closing = float(capture.end_time) - begin, float(latch.closing_time)
-    how = f"still closing, which takes {1e3 * closing:.4g} ms" if since < closing else "closed"
-    return (
-        f"at {float(capture.end_time):.6g} s, {1e3 * since:.4g} ms after the latches began to close ({how}), by more"
-        f" than {float(latch.strength or 0.0):.6g} N"
-    )
-
-
-def _met(capture: Any) -> str:
-    """Return how the tip crossed the capture plane."""
-    docking = capture.docking
-    return (
-        f"{1e3 * float(docking.lateral_miss):.4g} mm off the axis, moving across it at"
-        f" {1e3 * float(docking.lateral_miss_rate):.3g} mm/s;"
-        f" {np.degrees(float(docking.attitude_miss)):.4g} deg against it"
-    )
 
 
 def _with_teeth(frames: np.ndarray, history: Any, travel: float) -> Float[np.ndarray, "steps frames 3"]:
