@@ -26,7 +26,7 @@ def known() -> dict[str, Case]:
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=() if name in ("capture", "bar_drop") else pytest.mark.slow) for name in MOST]
+    "name", [pytest.param(name, marks=() if name == "bar_drop" else pytest.mark.slow) for name in MOST]
 )
 def test_what_a_run_compiles_to_run_once(known, name):
     made = programs(known[name])

@@ -106,6 +106,7 @@ def test_a_full_disk_is_named_and_the_other_files_are_whole(computed, capsys, tm
     assert found == whole
 
 
+@pytest.mark.usefixtures("no_figures")
 def test_a_file_that_appears_meanwhile_is_left_and_the_result_put_beside_it(computed, monkeypatch, capsys, tmp_path):
     compute = computed.simulate
 
@@ -143,7 +144,7 @@ def test_resuming_needs_a_folder(computed, capsys, command):
     assert "--resume needs --output DIR" in capsys.readouterr().err
 
 
-def test_an_interrupted_sweep_says_how_to_go_on(computed, capsys):
+def test_an_interrupted_sweep_says_how_to_go_on(computed, no_figures, capsys):
     computed.interrupt_after = 3
     assert run(["sweep", *SPEEDS, "--output", "out"]) == 130
     assert "3 of 5 captures are kept; the same command with --resume goes on in out" in capsys.readouterr().err
@@ -163,7 +164,7 @@ def results(command):
     folder = tempfile.TemporaryDirectory(prefix="results-")
     with pytest.MonkeyPatch.context() as patched:
         stand_in(patched)
-        assert run([command, "--output", folder.name, "--force"]) == 0
+        assert run([command, "--output", folder.name, "--force", "--format", "none"]) == 0
     return folder
 
 
@@ -181,7 +182,7 @@ def test_a_report_of_a_damaged_folder_is_one_line(computed, capsys, tmp_path, co
     assert code == 2 and shown.err.startswith(f"error: out/{name} is ") and shown.err.count("\n") == 1
 
 
-def test_the_same_sweep_makes_the_same_bytes(computed, tmp_path):
+def test_the_same_sweep_makes_the_same_bytes(computed, no_figures, tmp_path):
     assert run(["sweep", *SPEEDS, "--output", "one"]) == 0 and run(["sweep", *SPEEDS, "--output", "two"]) == 0
     for name in ("sweep.csv", "sweep.txt", "sweep.json"):
         assert computed_part(tmp_path / "one" / name) == computed_part(tmp_path / "two" / name)
@@ -234,7 +235,7 @@ def started(folder, *arguments, code="from jaxbuffer.cli import main; main()", *
 
 
 @pytest.mark.parametrize("encoding", [pytest.param("latin-1", marks=pytest.mark.long), "ascii"])
-def test_another_process_prints_in_its_encoding(computed, tmp_path, encoding):
+def test_another_process_prints_in_its_encoding(computed, no_figures, tmp_path, encoding):
     assert run(["sweep", "--output", "out"]) == 0
     with started(tmp_path, "report", "out", env={"PYTHONIOENCODING": encoding}) as process:
         shown, errors = process.communicate(timeout=60)
@@ -243,14 +244,14 @@ def test_another_process_prints_in_its_encoding(computed, tmp_path, encoding):
 
 
 @pytest.mark.long
-def test_a_full_pipe_is_one_line(computed, tmp_path):
+def test_a_full_pipe_is_one_line(computed, no_figures, tmp_path):
     assert run(["simulate", "--output", "out"]) == 0
     with open("/dev/full", "wb") as full, started(tmp_path, "report", "out", stdout=full) as process:
         errors = process.communicate(timeout=60)[1]
     assert (process.returncode, errors) == (3, b"error: standard output: No space left on device\n")
 
 
-def test_a_reader_that_leaves_is_no_traceback(computed, tmp_path):
+def test_a_reader_that_leaves_is_no_traceback(computed, no_figures, tmp_path):
     assert run(["simulate", "--output", "out"]) == 0
     reading, writing = os.pipe()
     os.close(reading)

@@ -40,7 +40,7 @@ SETTINGS = {"text.usetex": True, "axes.facecolor": "black", "text.color": "white
             "savefig.bbox": "tight", "lines.linewidth": 9.0, "svg.fonttype": "none", "axes.grid": False}  # fmt: skip
 
 
-@pytest.mark.parametrize("command", ["simulate", "tune"])
+@pytest.mark.parametrize("command", ["simulate", pytest.param("tune", marks=pytest.mark.slow)])
 def test_figures_look_alike_whatever_the_user_s_matplotlibrc_says(computed, tmp_path, command):
     """By the bytes of PNG and SVG."""
     assert run([command, "--output", "plain", "--format", "both"]) == 0
@@ -68,7 +68,10 @@ def test_a_figure_that_fails_is_one_line_after_all_data(computed, monkeypatch, c
     assert "captured" in shown.out and "Traceback" not in shown.err
 
 
-@pytest.mark.parametrize(("chosen", "endings"), [("svg", {".svg"}), ("both", {".png", ".svg"}), ("none", set())])
+@pytest.mark.parametrize(
+    ("chosen", "endings"),
+    [("svg", {".svg"}), pytest.param("both", {".png", ".svg"}, marks=pytest.mark.slow), ("none", set())],
+)
 def test_figures_come_in_the_format_that_is_asked_for(computed, tmp_path, chosen, endings):
     """And one of an earlier format does not stay, since a page would show it."""
     assert run(["simulate", "--output", "out"]) == 0

@@ -63,9 +63,8 @@ SOLVERS = {
 }
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=() if name == "KenCarp4" else pytest.mark.slow) for name in SOLVERS]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SOLVERS)
 def test_order_on_a_smooth_phase(name, evidence):
     solver, theory, counts = SOLVERS[name]
     advance = stepper(solver, swinging())

@@ -129,7 +129,12 @@ TWICE = {
 }
 
 
-@pytest.mark.parametrize("twice", TWICE.values(), ids=TWICE)
+OFTEN = ("hessian", "jacrev of jacfwd", "hessian of jit")  # the outermost of the two by each mode, and around a `jit`
+
+
+@pytest.mark.parametrize(
+    "twice", [pytest.param(TWICE[it], id=it, marks=() if it in OFTEN else pytest.mark.slow) for it in TWICE]
+)
 def test_second_derivatives_are_refused_in_words(twice):
     with pytest.raises(InputError, match=r"second derivatives are not offered.*take differences of first derivatives"):
         twice(lambda speed: flown(speed, HERE[1]).log.values[1, 0])(HERE[0])

@@ -25,7 +25,7 @@ SOLVERS = {
     "Automatic": (Automatic(), 8, (8, 16)),
 }
 SWING, CLOSING = 0.02, 1.2e-4  # s; the second ends before the first impact's peak
-QUICK = ("DOP853", "KenCarp4", "Automatic")  # the methods that runs take unless they are told
+QUICK = ("DOP853", "KenCarp4")  # the methods between which the automatic solver, which runs take, switches
 each_solver = pytest.mark.parametrize(
     "name", [pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in SOLVERS]
 )

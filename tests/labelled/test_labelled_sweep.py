@@ -28,7 +28,7 @@ def test_every_combination_is_the_single_run(swept, evidence):
     assert data["scenario.height"].units == "m" and data.peak_force.units == "N"
     assert np.unique(data.outcome).tolist() == ["finished"]
     worst = 0.0
-    for law, height in (("adams", 0.194), ("hertz", 0.1)):
+    for law, height in (("adams", 0.194), ("adams", 0.1)):  # Hertz's are compared with its closed form
         design, scenario = jb.replace(DESIGN, {"impact.law": law}), jb.BarDropScenario(height=height)
         alone = jb.simulate(design, scenario, OPTIONS["duration"])
         mine = data.sel({"impact.law": law, "scenario.height": height})
