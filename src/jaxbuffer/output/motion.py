@@ -223,7 +223,7 @@ def closer(axes: Axes, at: Scene, k: int) -> dict[str, Any]:
     forces(axes, at.arrows[k, 1], *_arrows(at, 0.8 * half), MM, middle)
     if at.path is not None:
         way = at.path[np.asarray(at.run.history.time) <= at.times[k]] - middle  # type: ignore[union-attr]
-        axes.plot(*(way / MM).T, "-", color=RED, linewidth=1.2, zorder=3)
+        axes.plot(*(way / MM).T, "-", color=INK, linewidth=1.3, zorder=3)
     axes.set_xlim(-half / MM, half / MM)
     axes.set_ylim(-half / MM, half / MM)
     axes.set_title(detail.title)

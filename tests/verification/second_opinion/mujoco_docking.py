@@ -18,6 +18,7 @@ from jaxbuffer import Design3D, Scenario3D
 
 SLOWEST = 1e-5  # m/s, the least memory of a touchdown
 SAMPLES = np.array([0.0, 1e-4, 1e-3, 1e-2, 0.1, 0.3, 0.5, 0.7, 0.9, 1.0])  # of each step, where events are looked for
+FIRST_STEP = 1e-6  # s, after each event
 ROD_INERTIA = 1e-12  # kg m², of a slender rod about its axis: MuJoCo takes no zero
 
 
@@ -31,13 +32,14 @@ class Found(NamedTuple):
 
 class Touching(NamedTuple):
     """The tip in the cone: its ``gap`` [m], ``approach`` speed and slip vector ``slip`` [m/s], ``normal`` and ``foot``
-    in inertial axes."""
+    in inertial axes; how far the tip's centre is ``beyond`` the capture plane [m]."""
 
     gap: float
     approach: float
     slip: np.ndarray
     normal: np.ndarray
     foot: np.ndarray
+    beyond: float
 
 
 class Docking:
@@ -115,7 +117,8 @@ class Docking:
         arm = axes @ foot
         slips = velocity + np.cross(spin, -distance * normal) - carried - np.cross(turning, arm)
         approach = -float(slips @ normal)
-        return Touching(distance - self.radius, approach, slips + approach * normal, normal, origin + arm)
+        beyond = float(off[0]) + self.offset + self.radius * self.sin
+        return Touching(distance - self.radius, approach, slips + approach * normal, normal, origin + arm, beyond)
 
     def normal_force(self, at: Touching) -> float:
         if self.memory is None or at.gap >= 0.0:
@@ -123,6 +126,10 @@ class Docking:
         return self.stiffness * (-at.gap) ** 1.5 * max(0.0, 1.0 + self.loss * at.approach / self.memory)
 
     def rate(self, _time: float, y: np.ndarray) -> np.ndarray:
+        return self.evaluated(y)[0]
+
+    def evaluated(self, y: np.ndarray) -> tuple[np.ndarray, float]:
+        """The rate of change of positions and velocities, and the normal force [N]."""
         at = self.touching(y)
         normal, size = self.normal_force(at), float(np.linalg.norm(at.slip))
         along = at.slip / size if size > 0.0 else at.slip
@@ -131,7 +138,7 @@ class Docking:
             arm = at.foot - self.data.xipos[body]
             self.data.xfrc_applied[body] = [*force, *np.cross(arm, force)]
         mujoco.mj_fwdAcceleration(self.model, self.data)
-        return np.concatenate([self._position_rate(y), self.data.qacc_smooth])
+        return np.concatenate([self._position_rate(y), self.data.qacc_smooth]), normal
 
     def _position_rate(self, y: np.ndarray) -> np.ndarray:
         """The rate of the positions: of a quaternion half its product with the spin in the body's axes."""
@@ -148,18 +155,12 @@ class Docking:
             rate[at : at + 4] = 0.5 * np.array([-np.dot(u, spin), *(w * spin + np.cross(u, spin))])
         return rate
 
-    def before_capture(self, y: np.ndarray) -> float:
-        """How far the tip's centre is before the capture plane [m]."""
-        self._set(y)
-        axes = self.data.xmat[self.cone].reshape(3, 3)
-        x = axes[:, 0] @ (self.data.xpos[self.tip] - self.data.xpos[self.cone])
-        return -self.offset - self.radius * self.sin - float(x)
-
     def watched(self, y: np.ndarray) -> dict[str, float]:
         """What largest values are of."""
-        acceleration = self.rate(0.0, y)[self.model.nq : self.model.nq + 3]
+        rate, normal = self.evaluated(y)
+        acceleration = rate[self.model.nq : self.model.nq + 3]
         return {
-            "peak_force": self.normal_force(self.touching(y)),
+            "peak_force": normal,
             "stroke": -y[9],
             "hinge_angle": math.hypot(y[7], y[8]),
             "peak_hinge_force": float(self.design.active.mass) * float(np.linalg.norm(acceleration)),
@@ -184,7 +185,8 @@ def simulate(design: Design3D, scenario: Scenario3D, rtol: float, duration: floa
     if scenario.start == "contact":
         docking.memory, impacts = max(docking.touching(y).approach, SLOWEST), 1
     while True:
-        solver = DOP853(docking.rate, time, y, duration, rtol=rtol, atol=1e-3 * rtol)
+        # SciPy's own first step, found where the force is still zero, would lead far into the cone's metal.
+        solver = DOP853(docking.rate, time, y, duration, first_step=FIRST_STEP, rtol=rtol, atol=1e-3 * rtol)
         event = None
         while event is None and solver.status == "running":
             solver.step()
@@ -205,15 +207,18 @@ def simulate(design: Design3D, scenario: Scenario3D, rtol: float, duration: floa
 def _event(docking: Docking, dense, start: float, end: float, fresh: bool) -> tuple[str, float] | None:
     """The first event within a step, and its time. One that has just happened lies at the start of a ``fresh`` step,
     and counts no more."""
-    released = docking.memory is not None
-    gap = lambda time: (1.0 if released else -1.0) * docking.touching(dense(time)).gap  # noqa: E731
-    plane = lambda time: -docking.before_capture(dense(time))  # noqa: E731
-    times, found = start + (end - start) * SAMPLES, []
-    for name, of in (("release" if released else "touchdown", gap), ("captured", plane)):
-        values = [of(time) for time in times]
+    side, kind = (-1.0, "touchdown") if docking.memory is None else (1.0, "release")
+    of = {
+        kind: lambda time: side * docking.touching(dense(time)).gap,
+        "captured": lambda time: docking.touching(dense(time)).beyond,
+    }
+    times = start + (end - start) * SAMPLES
+    seen = [docking.touching(dense(time)) for time in times]
+    values, found = {kind: [side * at.gap for at in seen], "captured": [at.beyond for at in seen]}, []
+    for name, each in values.items():
         for k in range(2 if fresh else 1, len(times)):
-            if values[k - 1] < 0.0 <= values[k]:
-                found.append((brentq(of, times[k - 1], times[k], xtol=1e-15), name))
+            if each[k - 1] < 0.0 <= each[k]:
+                found.append((brentq(of[name], times[k - 1], times[k], xtol=1e-15), name))
                 break
     return min(found)[::-1] if found else None
 

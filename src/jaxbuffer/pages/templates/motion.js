@@ -47,7 +47,7 @@ class View {
       return element;
     });
     this.path = path;
-    if (path !== null) this.way = this.line("#d55e00");
+    if (path !== null) this.way = this.line("#222222"); // as no part is drawn
   }
 
   line(colour) {

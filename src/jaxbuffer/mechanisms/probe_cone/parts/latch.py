@@ -216,10 +216,11 @@ def _with_teeth(frames: np.ndarray, history: Any, travel: float) -> Float[np.nda
 
 
 def _teeth_end_on(design: Any, first: int) -> tuple[Outline, Outline]:
-    """Return the teeth as they are seen along the cone's axis, as wide as the ball."""
+    """Return the outlines of the teeth as they are seen along the cone's axis, as wide as the ball, which they would
+    hide if they were filled."""
     half, (_, y, travel) = float(design.probe.tip_radius), _tooth(design)
-    tooth = np.array([[-half, y], [half, y], [half, y + travel], [-half, y + travel]])
-    return Outline(first, tooth, part="latch"), Outline(first + 1, tooth * [1.0, -1.0])
+    tooth = np.array([[-half, y], [half, y], [half, y + travel], [-half, y + travel], [-half, y]])
+    return Outline(first, tooth, filled=False, part="latch"), Outline(first + 1, tooth * [1.0, -1.0], filled=False)
 
 
 def _opened(frames: np.ndarray, history: Any, design: Any) -> Float[np.ndarray, "steps frames 3"]:
