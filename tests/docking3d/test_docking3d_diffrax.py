@@ -1,4 +1,4 @@
-"""A docking in space through diffrax: the smooth law's terms, event and observables, against the independent program."""
+"""A docking in space through diffrax: the smooth law's terms, event and observables, beside the independent program."""
 
 import diffrax
 import jax
