@@ -32,7 +32,7 @@ def study(tmp_path, monkeypatch):
 def test_check_says_what_a_tuning_in_space_would_do(study, capsys):
     assert command(["check", "study.toml"]) == 0
     shown = capsys.readouterr().out
-    assert "4: 0.1 m/s, active pitch 2 deg, offset y 10 mm" in shown
+    assert "4: 0.1 m/s, offset y 10 mm, active pitch 2 deg" in shown
     assert "active.roll_inertia in [0.1, 0.8] kg m², linear, from 0.2 kg m²" in shown
     assert "every load case must end held" in shown and "tune study.toml         2 variables over 4 scenarios" in shown
 

@@ -14,6 +14,7 @@ from jaxbuffer.mechanisms.docking3d.mechanism import DOCKING3D
 from jaxbuffer.mechanisms.docking3d.start import start_motion
 from jaxbuffer.mechanisms.probe_cone.approach import Approach, rotation_matrix, turned
 from jaxbuffer.mechanisms.probe_cone.bodies import P, T, probe_masses
+from jaxbuffer.mechanisms.probe_cone.closed_form import first_impact_elasticities
 from jaxbuffer.mechanisms.probe_cone.start import before_mouth
 
 LATCH = {"latch.stiffness": 2e3, "latch.turn_stiffness": 50.0, "buffer.rebound_stiffness": 1e4}
@@ -78,6 +79,13 @@ def test_the_first_impact_in_closed_form_is_the_plane_s_at_any_azimuth():
         first = jb.first_impact(jb.docking3d(), jb.Scenario3D(approach_speed=0.2, azimuth=azimuth))
         for name in ("effective_mass", "effective_energy", "elastic_peak", "predicted_peak", "duration"):
             assert float(getattr(first, name)) == pytest.approx(float(getattr(flat, name)), rel=1e-9), name
+
+
+@pytest.mark.slow
+def test_the_first_impact_s_elasticities_are_the_plane_s():
+    flat = first_impact_elasticities(jb.table2(), jb.Scenario())
+    assert first_impact_elasticities(jb.docking3d(), jb.Scenario3D(azimuth=0.7)) == pytest.approx(flat, rel=1e-9)
+    assert len(flat) > 10
 
 
 def test_a_design_in_space_takes_a_scenario_in_space():

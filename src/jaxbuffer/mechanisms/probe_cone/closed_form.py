@@ -26,6 +26,7 @@ from .capture import FirstImpact
 from .design import DockingDesign, Meeting
 from .reading import flank_direction
 
+NO_EFFECT = 1e-12  # an elasticity that is rounding: in space a roll inertia's is not quite zero
 HERTZ_DURATION = 2.943275  # of a lossless impact, times its largest penetration over its approach speed [-]
 
 
@@ -68,7 +69,7 @@ def first_impact_elasticities(design: AnyDesign, scenario: Meeting) -> dict[str,
         if value is None or isinstance(value, (str, bool, int, Curve)):
             continue
         elasticity = float(value) * float(get(slopes, path))
-        if np.isfinite(elasticity) and elasticity != 0.0:
+        if abs(elasticity) > NO_EFFECT:  # NaN compares as not above
             elasticities[path] = elasticity
     return elasticities
 
