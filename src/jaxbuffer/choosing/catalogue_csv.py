@@ -47,7 +47,15 @@ def read_csv(path: Path) -> list[tuple[str, dict[str, CatalogueCell]]]:
     parts: dict[str, tuple[int, dict[str, CatalogueCell]]] = {}
     for line, row in zip(table.lines, table.rows, strict=True):
         plain = [it if known in NAMES else table.with_point(it) for (known, _), it in zip(names, row, strict=True)]
-        name, cells = _row(f"{path}, line {line}", names, plain)
+        where, name, cells = f"{path}, line {line}", "", dict[str, CatalogueCell]()
+        for (heading, symbol), text in zip(names, plain, strict=True):
+            if heading in NAMES and not name:
+                name = text
+            # An empty cell is left out, so that a curve may stand in another column.
+            elif text:
+                cells[heading] = CatalogueCell(f"{where}, {heading}", _typed(f"{where}, {heading}", text, symbol))
+        if not name:
+            raise InputError(f"{where}: the part has no name")
         if name in parts:
             raise InputError(f"{path}, line {line}: {name} stands in line {parts[name][0]} already; keep one")
         parts[name] = line, cells
@@ -67,19 +75,6 @@ def _headings(table: CsvTable) -> list[tuple[str, str]]:
         hint = table.in_comment(NAMES) or f"; found {', '.join(table.headings)}"
         raise InputError(f"{where}: no column is called name{hint}")
     return split
-
-
-def _row(where: str, headings: list[tuple[str, str]], row: list[str]) -> tuple[str, dict[str, CatalogueCell]]:
-    """Return a part's name and its cells; an empty cell is left out, so that a curve may stand in another column."""
-    cells, name = dict[str, CatalogueCell](), ""
-    for (heading, symbol), text in zip(headings, row, strict=True):
-        if heading in NAMES and not name:
-            name = text
-        elif text:
-            cells[heading] = CatalogueCell(f"{where}, {heading}", _typed(f"{where}, {heading}", text, symbol))
-    if not name:
-        raise InputError(f"{where}: the part has no name")
-    return name, cells
 
 
 def _typed(where: str, text: str, symbol: str) -> Any:

@@ -56,10 +56,12 @@ class Criterion:
         given = problem.objective if objective is None else objective.of(main)
         second = problem.then if then is None else dataclasses.replace(then, objective=then.objective.of(main))
         named = {"objective": given.weights, "then": second.objective.weights if second else {}}
-        catalogue = {
-            **problem.catalogue,
-            **{name: _quantity(name, units[name], combinations.units.get(name, "")) for name in units},
-        }
+        catalogue = dict(problem.catalogue)
+        for name, unit in units.items():
+            factor, typed = as_typed(1.0, unit, combinations.units.get(name, ""))
+            # Of runs it has no number: a choice adds the parts' own.
+            none = lambda run: jnp.asarray(jnp.nan)  # noqa: E731
+            catalogue[name] = Quantity(unit, none, DESCRIPTIONS[name], name, shown=(typed, factor))
         for where, names in (*named.items(), ("at_most", at_most or {})):
             for name in names:
                 if name in TOTALS and name not in units:
@@ -156,9 +158,3 @@ def total_units(combinations: Combinations) -> dict[str, str]:
     """Return the units of price and mass, of those that the parts have."""
     price = next((it.price_unit for it in combinations.catalogues if PRICE in it.totals), "")
     return {name: {PRICE: price, MASS: "kg"}[name] for name in combinations.summed}
-
-
-def _quantity(name: str, unit: str, typed: str) -> Quantity:
-    factor, symbol = as_typed(1.0, unit, typed)
-    # Of runs it has no number: a choice adds the parts' own.
-    return Quantity(unit, lambda run: jnp.asarray(jnp.nan), DESCRIPTIONS[name], name, shown=(symbol, factor))

@@ -102,7 +102,13 @@ def _allowed(problem: Problem, path: str, value: float, rule: str | float, count
     limits = limits_of(problem.design, path)
     # A series has positive values only, and zero is the one other number that is a multiple of every step.
     usable = value > 0.0 or (value == 0.0 and not isinstance(rule, str))
-    values = [it for it in beside(value, rule, count) if _inside(it, limits)] if usable else []
+
+    def inside(it: float) -> bool:
+        low, high = limits.get("low", -math.inf), limits.get("high", math.inf)
+        above = it > low if limits.get("low_open") else it >= low
+        return above and (it < high if limits.get("high_open") else it <= high)
+
+    values = [it for it in beside(value, rule, count) if inside(it)] if usable else []
     if values:
         return values
     symbol = unit(problem.design, path)
@@ -115,9 +121,3 @@ def _allowed(problem: Problem, path: str, value: float, rule: str | float, count
         f"roundings.{path}: no value of {text} lies beside {path} = {with_unit(*problem.shown(path, value))}; allowed:"
         f" {interval_text(low, high, symbol)}; {hint}, or leave {path} out of the roundings"
     )
-
-
-def _inside(value: float, limits: Mapping[str, Any]) -> bool:
-    low, high = limits.get("low", -math.inf), limits.get("high", math.inf)
-    above = value > low if limits.get("low_open") else value >= low
-    return above and (value < high if limits.get("high_open") else value <= high)

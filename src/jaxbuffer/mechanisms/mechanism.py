@@ -263,8 +263,8 @@ class Mechanism:
         return self.defaults_for(design).success or self.success
 
     def possible_successes(self, design: Part) -> tuple[str, ...]:
-        """Return the successes that a run of a design can end in: a part without which some ends do not come about, as
-        a latch, takes the place of the ends that need none."""
+        """Return the successes that a run of a design can end in: a part without which some ends do not come about
+        takes the place of the ends that need none."""
         having = [end.outcomes for end in self.tuning.ends if get(design, end.part) is not None]
         needing = {name for end in self.tuning.ends for name in end.outcomes}
         possible = {name for outcomes in having for name in outcomes} or set(self.successes) - needing

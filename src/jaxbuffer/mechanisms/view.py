@@ -118,7 +118,7 @@ class View:
     - ``sanity_checks``: of a design, a line for each number that is easily left at a value that does not fit it;
     - ``largest``: of a design, by the history's name, the largest size that a quantity of its runs can have;
     - ``larger_force``: of a run, a force that exceeds its peak contact force, for headlines: "the largest force on a
-      vehicle is the latch's, 636 N", or "";
+      vehicle is the hinge's, 636 N", or "";
     - ``contradictions``: of a design in a scenario, both with plain numbers, a `Caution` for each thing that their
       geometry rules out, such as a tip that misses the cone, or that they let expect;
     - ``limitations``: what the model leaves out, a line each, and where it is told; ``limitations_without``: what it

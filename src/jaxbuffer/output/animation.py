@@ -175,22 +175,20 @@ class Stage:
             self.detail = self.figure.add_axes((6.55 / width, low, row / width, top))
         self.force = self.figure.add_axes((0.7 / width, 0.45 / tall, 1.0 - 0.85 / width, 1.05 / tall))
         if self.meshes:
-            self._explain_colours(self.figure.add_axes((1.0 - 0.9 * BAR / width, low, 0.12 / width, top)))
+            from matplotlib.cm import ScalarMappable
+            from matplotlib.colors import Normalize
+
+            # The colours of the first of the cells' values mean the same in all frames.
+            self.colour = next(iter(self.meshes[0].values))
+            values = np.stack([mesh.values[self.colour] for mesh in self.meshes])
+            self.ends = float(np.nanmin(values)), float(np.nanmax(values))
+            bar = self.figure.add_axes((1.0 - 0.9 * BAR / width, low, 0.12 / width, top))
+            self.figure.colorbar(ScalarMappable(Normalize(*self.ends)), cax=bar, label=self.colour)
         run = at.run
         self.figure.suptitle(
             f"{run.mechanism.view.title}, {run.mechanism.view.approach(run.scenario)}", y=1.0 - 0.1 / tall
         )
         self.cursor = _curves(self.force, run)
-
-    def _explain_colours(self, axes: Axes) -> None:
-        """Draw the colour bar of the first of the cells' values, whose colours mean the same in all frames."""
-        from matplotlib.cm import ScalarMappable
-        from matplotlib.colors import Normalize
-
-        self.colour = next(iter(self.meshes[0].values))
-        values = np.stack([mesh.values[self.colour] for mesh in self.meshes])
-        self.ends = float(np.nanmin(values)), float(np.nanmax(values))
-        self.figure.colorbar(ScalarMappable(Normalize(*self.ends)), cax=axes, label=self.colour)
 
     def show(self, k: int, slower: float) -> None:
         """Draw the k-th frame, shown so many times ``slower`` than in truth."""

@@ -85,15 +85,14 @@ def _is_of(kind: str, path: Path) -> bool:
     # The names of all other files say which kind they are of.
     if kind not in ("run", "tuned") or path.name not in ("force.json", "history.csv"):
         return True
-    return (kind == "tuned") == _is_of_tuning(path)
-
-
-def _is_of_tuning(path: Path) -> bool:
     try:
         text = path.read_text(encoding="utf-8")
         if path.suffix == ".csv":
-            return text.startswith(BEFORE)
-        curves = [curve["name"] for curve in json.loads(text)["curves"]]
-        return "after" in curves or not curves  # none where a tuning's worst scenario could not be run again
+            tuned = text.startswith(BEFORE)
+        else:
+            curves = [curve["name"] for curve in json.loads(text)["curves"]]
+            # There are none where a tuning's worst scenario could not be run again.
+            tuned = "after" in curves or not curves
     except (OSError, ValueError, KeyError, TypeError):
-        return False
+        tuned = False
+    return (kind == "tuned") == tuned

@@ -22,8 +22,13 @@ def fit(figure: Figure) -> None:
     for _ in range(ROUNDS):
         # Only a figure that is laid out knows where its texts end; the engine measures them without drawing anything.
         engine.execute(figure)
+        wrapped = False
+        for text, room in _rooms(figure):
+            broken = with_line_breaks(text.get_text(), room, float(text.get_fontsize()))
+            wrapped |= broken != text.get_text()
+            text.set_text(broken)
         # Not `or`: each round does both.
-        if not _wrap_all(figure) | _thin_out(figure):
+        if not wrapped | _thin_out(figure):
             break
     # Without an engine, saving the figure neither moves its axes again nor fits it a second time.
     figure.set_layout_engine(None)
@@ -75,16 +80,6 @@ def _lines(line: str, room: float, size: float, separators: tuple[str, ...]) -> 
             parts[-1] += mark
             parts.append(part)
     return [narrow for part in parts for narrow in _lines(part, room, size, separators[1:])]
-
-
-def _wrap_all(figure: Figure) -> bool:
-    """Wrap the texts that are too long for where they stand, and return whether there were any."""
-    changed = False
-    for text, room in _rooms(figure):
-        broken = with_line_breaks(text.get_text(), room, float(text.get_fontsize()))
-        changed |= broken != text.get_text()
-        text.set_text(broken)
-    return changed
 
 
 def _rooms(figure: Figure) -> Iterator[tuple["Text", float]]:

@@ -290,7 +290,11 @@ def front_figure(front: Front) -> Figure:
         if front.dominated.any():
             left = front.dominated
             axes.plot(scale * values[left, k], factor * values[left, 0], "x", color=GREY, label="dominated")
-        _widen(axes)
+        # Each axis spans a hundredth of its values at least, so that rounding does not look like a front.
+        for limits, set_limits in ((axes.get_xlim, axes.set_xlim), (axes.get_ylim, axes.set_ylim)):
+            low, high = limits()
+            half = max(0.5 * (high - low), 0.005 * abs(0.5 * (low + high)))
+            set_limits(0.5 * (low + high) - half, 0.5 * (low + high) + half)
         _number(axes, order, scale * values[order, k], factor * values[order, 0])
         which = "largest of the samples" if front.problem.samples else "worst scenario"
         label(axes, "", f"{name}, {which} [{other}]", f"{first}, {which} [{unit}]")
@@ -317,12 +321,3 @@ def _number(axes: Axes, points: Sequence[int], x: np.ndarray, y: np.ndarray) -> 
     for group in groups:
         text, at = ", ".join(str(points[k] + 1) for k in group), (x[group[0]], y[group[0]])
         axes.annotate(text, at, (4, 5), textcoords="offset points", fontsize=8)
-
-
-def _widen(axes: Axes) -> None:
-    """Let each axis span a hundredth of its values at least, so that rounding does not look like a front."""
-    for limits, set_limits in ((axes.get_xlim, axes.set_xlim), (axes.get_ylim, axes.set_ylim)):
-        low, high = limits()
-        middle = 0.5 * (low + high)
-        half = max(0.5 * (high - low), 0.005 * abs(middle))
-        set_limits(middle - half, middle + half)

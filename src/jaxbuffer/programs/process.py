@@ -129,7 +129,13 @@ def check_ready() -> None:
             "JAX_ENABLE_X64=1 (slower: see jb.configure)"
         )
     _check_switches()
-    backend = _backend()
+    try:
+        backend = jax.default_backend()
+    except (RuntimeError, AssertionError) as error:
+        platforms, name = getattr(jax.config, "jax_platforms", None), os.environ.get("JAX_PLATFORM_NAME")
+        chosen = f"JAX_PLATFORMS={platforms}" if platforms else f"JAX_PLATFORM_NAME={name}"
+        why = str(error).partition(" (set ")[0] or "it has no such device, or the device's plugin is not installed"
+        raise InputError(f"{chosen}: JAX cannot start there: {why}") from None
     if warned_of_slow_loops():
         return
     if backend == "cpu" and not one_kernel():
@@ -153,17 +159,6 @@ def _check_switches() -> None:
                 f"{name.upper()}={value}: jaxbuffer cannot work with this switch of JAX, because {why};"
                 f" take it out of the environment, or call jax.config.update({name!r}, {remedy})"
             )
-
-
-def _backend() -> str:
-    """Return the name of the backend that JAX computes with. **Raises:** `InputError` where it cannot start."""
-    try:
-        return jax.default_backend()
-    except (RuntimeError, AssertionError) as error:
-        platforms, name = getattr(jax.config, "jax_platforms", None), os.environ.get("JAX_PLATFORM_NAME")
-        chosen = f"JAX_PLATFORMS={platforms}" if platforms else f"JAX_PLATFORM_NAME={name}"
-        why = str(error).partition(" (set ")[0] or "it has no such device, or the device's plugin is not installed"
-        raise InputError(f"{chosen}: JAX cannot start there: {why}") from None
 
 
 def one_kernel() -> bool:

@@ -49,14 +49,18 @@ def maxima(system: ContactSystem, log: Log, places: Places, read: Readings) -> M
     others = dict(zip(system.observed[contacts:], largest, strict=True))
     if not contacts:  # there is no force
         return Maxima(jnp.zeros(()), jnp.zeros(()), jnp.asarray(-1), others)
-    force, slot, contact = values[0], places.slots[0], places.columns[0]
+    return Maxima(values[0], _peak_time(system, log, places), places.columns[0], others)
+
+
+def _peak_time(system: ContactSystem, log: Log, places: Places) -> Float[Array, ""]:
+    """Return when a contact force is largest, with the derivative -(∂slope/∂p)/(dslope/dt)."""
+    slot, contact = places.slots[0], places.columns[0]
     its_own = (log.kind[slot] == Kind.PEAK) & (log.which[slot] == contact)
-    # The time's derivative is -(∂slope/∂p)/(dslope/dt). Where the force is largest without being stationary its time
-    # moves with that event alone: an infinite rate adds nothing.
+    # Where the force is largest without being stationary its time moves with that event alone: an infinite rate adds
+    # nothing.
     rate = jnp.where(its_own, log.guard_rate[slot], jnp.inf)
     point = (log.rows[slot, 0], log.rates[slot, 0])
-    peak_time = _with_slope(log.time[slot], system, point, log.active[slot], contact, rate)
-    return Maxima(force, peak_time, places.columns[0], others)
+    return _with_slope(log.time[slot], system, point, log.active[slot], contact, rate)
 
 
 @eqx.filter_custom_jvp

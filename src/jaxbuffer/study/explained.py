@@ -173,13 +173,14 @@ def _differences(study: Config) -> list[str]:
     """Return a line for each field that is not at its default: "buffer.k_A 0.8 kN/m = 800 N/m (default 500 N/m)"."""
     lines = []
     for address, path, part, default in _compared(study):
-        value, usual, beside = get(part, path), get(default, path), f"default {_value(default, path)}"
-        if isinstance(value, float) and isinstance(usual, float) and value and usual:
-            ratio = abs(value / usual)
-            # So far from the default a unit may be mistyped, which a factor shows.
-            if max(ratio, 1.0 / ratio) > FAR:
-                beside = f"{f'{ratio:.4g} times' if ratio > 1.0 else f'1/{1.0 / ratio:.4g} of'} the {beside}"
+        value, usual = get(part, path), get(default, path)
         if value != usual:
+            beside = f"default {_value(default, path)}"
+            if isinstance(value, float) and isinstance(usual, float) and value and usual:
+                ratio = abs(value / usual)
+                # So far from the default a unit may be mistyped, which a factor shows.
+                if max(ratio, 1.0 / ratio) > FAR:
+                    beside = f"{f'{ratio:.4g} times' if ratio > 1.0 else f'1/{1.0 / ratio:.4g} of'} the {beside}"
             lines.append(f"{address} {_as_read(study, address, path, part)} ({beside})")
     return lines
 

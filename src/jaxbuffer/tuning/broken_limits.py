@@ -141,8 +141,15 @@ def _of_margin(goal: Goal, point: Evaluation, breach: Breach) -> BrokenLimit:
 def _broken(goal: Goal, point: Evaluation, breach: Breach, heading: str, worst: WorstCase) -> BrokenLimit:
     influences = helpful_variables(goal, point.scaled, worst)
     at_bound = [it for it in influences if it.at_bound]
-    short = _short_of_limit(worst, at_bound)
-    reason = "; ".join(filter(None, (_reason(goal, worst, influences), short)))
+    short, way = _short_of_limit(worst, at_bound), "fall" if worst.falls else "rise"
+    # Which variables at a bound stand against the quantity, and which would help within their bounds.
+    outside, inside = ([_words(goal, worst, it) for it in influences if it.at_bound is at] for at in (True, False))
+    lines = [] if influences else ["no variable changes it: the limit can't be kept by these variables"]
+    if outside:
+        lines.append(f"it would {way} with {' or '.join(outside)}")
+    if inside:
+        lines.append(f"within the bounds it would {way} with {' or '.join(inside)}, as far as other limits let it")
+    reason = "; ".join([*lines, *([short] if short else [])])
     at_bounds = () if short else tuple(it.variable.path for it in at_bound)
     return BrokenLimit(breach.largest, heading, reason, at_bounds)
 
@@ -186,18 +193,6 @@ def helpful_variables(goal: Goal, scaled: Float[np.ndarray, " variables"], worst
     least = {True: WEAK_AT_BOUND * strongest, False: WEAK * strongest}
     strong = [it for it in influences if abs(it.change) > max(least[it.at_bound], LEAST * worst.size)]
     return sorted(strong, key=lambda it: -abs(it.change))
-
-
-def _reason(goal: Goal, worst: WorstCase, influences: list[Influence]) -> str:
-    """Say which variables at a bound stand against a limited quantity, and which would help within their bounds."""
-    way = "fall" if worst.falls else "rise"
-    if not influences:
-        return "no variable changes it: the limit can't be kept by these variables"
-    outside, inside = ([_words(goal, worst, it) for it in influences if it.at_bound is at] for at in (True, False))
-    lines = [f"it would {way} with {' or '.join(outside)}"] if outside else []
-    if inside:
-        lines.append(f"within the bounds it would {way} with {' or '.join(inside)}, as far as other limits let it")
-    return "; ".join(lines)
 
 
 def _short_of_limit(worst: WorstCase, at_bound: list[Influence]) -> str:

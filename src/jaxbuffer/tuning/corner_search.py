@@ -48,7 +48,15 @@ class CornerSearch:
             return {}
         here = self.evaluator.by_tolerances(self.scaled, self.problem.drawn, self.rtol)
         start = [(b, np.ones(len(self.problem.tolerances))) for b in range(len(self.problem.drawn))]
-        self._follow(set(self._named(here, start)))
+        places = set(self._named(here, start))
+        # Corners are run with slopes, and those that these name, until no new one is named.
+        for _ in range(STEPS):
+            new = sorted(place for place in places if place not in self.values)
+            if not new:
+                break
+            evaluation = self.evaluator.by_tolerances(self.scaled, [self._case(it) for it in new], self.rtol)
+            self._keep(new, evaluation)
+            places = set(self._named(evaluation, [(b, np.array(row)) for b, row in new]))
         # Corners spread over all of them, so that what no slope tells of is met too.
         spread = corner_signs(len(self.problem.tolerances))
         self._run([(b, tuple(map(float, row))) for b in range(len(self.problem.drawn)) for row in spread])
@@ -70,16 +78,6 @@ class CornerSearch:
                 signs = np.where(slope > 0.0, 1.0, np.where(slope < 0.0, -1.0, row))
                 named.append((b, tuple(map(float, signs))))
         return named
-
-    def _follow(self, places: set[Place]) -> None:
-        """Run corners with slopes, and those that these name, until no new one is named."""
-        for _ in range(STEPS):
-            new = sorted(place for place in places if place not in self.values)
-            if not new:
-                return
-            evaluation = self.evaluator.by_tolerances(self.scaled, [self._case(it) for it in new], self.rtol)
-            self._keep(new, evaluation)
-            places = set(self._named(evaluation, [(b, np.array(row)) for b, row in new]))
 
     def _climb(self, k: int) -> Place:
         """Return the worst corner in which a target is no better than in its neighbours, from the worst ones known."""

@@ -176,14 +176,6 @@ class Evaluator:
         return [Measurement.lost(problem, len(paths)) if design is None else next(results) for design, _ in jobs]
 
 
-def _by_variables(problem: Problem, scaled: np.ndarray, cases: Sequence[Case]) -> Float[np.ndarray, "cases variables"]:
-    """Return d built number / d scaled variable: the load case's factor times the variable's scale."""
-    values, factors = problem.values(scaled), [dict(case.factors) for case in cases]
-    return np.array(
-        [[v.slope(x) * f.get(v.path, 1.0) for v, x in zip(problem.variables, values, strict=True)] for f in factors]
-    )
-
-
 def built_design(problem: Problem, scaled: Float[np.ndarray, " variables"], case: Case) -> Part | None:
     """Return the design as a load case has it built, or None where its parts or its scenario do not fit."""
     try:
@@ -207,7 +199,12 @@ def gather(
     by the scaled variables. A load case where an own quantity is not finite counts as failed, and is an error at the
     problem's start.
     """
-    stretch = _by_variables(problem, scaled, cases) if stretch is None else stretch
+    if stretch is None:
+        # d built number / d scaled variable: the load case's factor times the variable's scale.
+        values = problem.values(scaled)
+        slopes = {v.path: v.slope(x) for v, x in zip(problem.variables, values, strict=True)}
+        factors = [dict(case.factors) for case in cases]
+        stretch = np.array([[slope * it.get(path, 1.0) for path, slope in slopes.items()] for it in factors])
     stacked = {name: np.stack([getattr(m, name) for m in runs]) for name in Measurement._fields}
     for name in ("peaks_slope", "rest_slope"):
         stacked[name] = stacked[name] * stretch[:, None, :]

@@ -40,22 +40,16 @@ def limits_in_the_way(
         end = ShownRow.of_end(problem.success, labels, after.succeeded.tolist())
         # An end that is missed comes first, as broken limits do.
         shown.insert(0 if end.state == "broken" else len(shown), end)
-    shown += _on_bounds(problem, after, inactive)
-    shown += [] if lower_bound is None else _lower_bounds(problem, after, lower_bound, labels)
-    return limit_table(shown, several=len(labels) > 1) if shown else None
-
-
-def _on_bounds(problem: Problem, after: Evaluation, inactive: Collection[str]) -> list[ShownRow]:
-    """Return a row for each variable on a bound that has an effect."""
-    rows = []
     for variable, value in zip(problem.variables, problem.values(after.scaled), strict=True):
+        # Of the variables those on a bound that have an effect.
         if not (side := variable.at_bound(float(value))) or variable.path in inactive:
             continue
         low = side == "at low bound"
         bound = with_unit(*problem.shown(variable.path, variable.low if low else variable.high))
         text = with_unit(*problem.shown(variable.path, float(value)), 5)
-        rows.append(ShownRow(variable.path, text, f"{'≥' if low else '≤'} {bound}", "0 %", state=side))
-    return rows
+        shown.append(ShownRow(variable.path, text, f"{'≥' if low else '≤'} {bound}", "0 %", state=side))
+    shown += [] if lower_bound is None else _lower_bounds(problem, after, lower_bound, labels)
+    return limit_table(shown, several=len(labels) > 1) if shown else None
 
 
 def _lower_bounds(

@@ -49,10 +49,12 @@ class Rounds:
             search = self._search(progress)
             progress = self._finish_searches(search, progress)
             best = best_branch(search, progress.branches)
+            agreement = Agreement.of(search, progress.branches)
             if progress.stage == 0:
-                agreement = Agreement.of(search, progress.branches)
                 progress = progress._replace(searches=len(progress.branches), apart=agreement.difference)
-            if self._needs_round(search, progress):
+            latest = max(branch.round for branch in progress.branches)
+            another = self.settings.starts > 1 and latest + 1 < self.settings.rounds
+            if another and not agreement.suffices(progress.stage):
                 progress = self._next_round(search, progress, best)
             elif self.problem.then is not None and progress.stage == 0 and search.goal.feasible(best.best):
                 # The second stage begins from the first one's best design.
@@ -95,13 +97,6 @@ class Rounds:
         progress = progress._replace(branches=branches, captures=self.evaluator.captures)
         self.store.keep(progress.arrays())
         return progress
-
-    def _needs_round(self, search: Search, progress: Progress) -> bool:
-        """Return whether another round is needed and allowed."""
-        latest = max(branch.round for branch in progress.branches)
-        if self.settings.starts == 1 or latest + 1 >= self.settings.rounds:
-            return False
-        return not Agreement.of(search, progress.branches).suffices(progress.stage)
 
     def _next_round(self, search: Search, progress: Progress, best: Branch) -> Progress:
         """Begin another round, of designs around the best one and, in the first stage, anywhere."""

@@ -168,16 +168,11 @@ class Search:
             return branch._replace(status=CONVERGED)
         if branch.steps >= limit or left <= 0.0:
             return branch._replace(status=STALLED)
-        if merit > merits[0] - tolerance or branch.radius < SMALLEST_RADIUS:
-            return self._restart(branch, merit)
-        return branch
-
-    def _restart(self, branch: Branch, merit: float) -> Branch:
-        """Let a search that gains no more go on with the linear model, if it has gained since it last did so.
-
-        A curvature estimated across kinks slows it down.
-        """
-        if not np.any(branch.curvature) or merit > branch.restarted - self.settings.tolerance:
+        if not (merit > merits[0] - tolerance or branch.radius < SMALLEST_RADIUS):
+            return branch
+        # A search that gains no more goes on with the linear model, if it has gained since it last did so: a curvature
+        # estimated across kinks slows it down.
+        if not np.any(branch.curvature) or merit > branch.restarted - tolerance:
             return branch._replace(status=STALLED)
         return branch._replace(
             # A trust region that has shrunk to its least would stop the search again at once.

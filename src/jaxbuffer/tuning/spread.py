@@ -177,14 +177,16 @@ def spread_rows(problem: Problem, spreads: Sequence[Spread]) -> list[list[str]]:
     if not spreads:
         return []
     each = [(it, problem.catalogue[it.name].in_figures[1]) for it in spreads]
-    rows = [
-        [
-            address,
-            problem.tolerance_text(address),
-            *(_effect_text(it, k, factor) for it, factor in each),
-        ]
-        for k, address in enumerate(problem.tolerances)
-    ]
+    rows = []
+    for k, address in enumerate(problem.tolerances):
+        changes = []
+        for it, factor in each:
+            effect = float(it.effects[k])
+            # What is far below the largest is shown as 0.
+            nothing = abs(effect) < NOTHING * float(np.max(np.abs(it.effects))) or not effect
+            share = percent_text(it.shares[k], ".0f")
+            changes.append("0 (0 %)" if nothing else f"{factor * effect:+.3g} ({share})")
+        rows.append([address, problem.tolerance_text(address), *changes])
     rows.append(["as drawn", "", *(f"{factor * it.drawn:.4g}" for it, factor in each)])
     rows.append(["in the corners", "", *(range_text(factor * it.low, factor * it.high, "", 4) for it, factor in each)])
     # Of the first order.
@@ -194,13 +196,6 @@ def spread_rows(problem: Problem, spreads: Sequence[Spread]) -> list[list[str]]:
     ]
     rows.append(["error of the changes there", "", *errors])
     return rows
-
-
-def _effect_text(spread: Spread, k: int, factor: float) -> str:
-    """Return the change by a tolerance and its share; what is far below the largest is shown as 0."""
-    effect = float(spread.effects[k])
-    effect = 0.0 if abs(effect) < NOTHING * float(np.max(np.abs(spread.effects))) else effect
-    return f"{factor * effect:+.3g} ({percent_text(spread.shares[k], '.0f')})" if effect else "0 (0 %)"
 
 
 def spread_table(problem: Problem, spreads: Sequence[Spread]) -> Table | None:

@@ -1,6 +1,6 @@
 """What a run says of docking beyond the crossing of the capture plane: how it crossed, what is left.
 
-All of it is differentiable; what a run does not have (no crossing, no latch, not yet at rest) is NaN.
+All of it is differentiable; what a run does not have (no crossing, nothing that holds it, not yet at rest) is NaN.
 """
 
 from typing import NamedTuple, TypeVar

@@ -75,10 +75,7 @@ def contact_forces(
     free = velocity + step * inverse_mass * residual  # half a step later, without contact
     closing = -(pairs.gap / step + pairs.along(contact.slaves, free, pairs.normal))  # speed by which pairs overlap then
     weights = _distribution(contact, pairs, inverse_mass)
-    # The relative acceleration of node and foot for a force of one [1/kg].
-    own = _along(inverse_mass[contact.slaves], pairs.normal)
-    foot = jnp.sum(pairs.weights * weights * _along(inverse_mass[pairs.nodes], pairs.normal[:, None]), axis=1)
-    yielding = own + foot
+    yielding = _yielding(contact.slaves, pairs, weights, inverse_mass)
     if contact.method == "penalty":
         over_step = normal = jnp.where(pairs.present, contact.stiffness * jnp.maximum(-pairs.gap, 0.0), 0.0)
     else:
@@ -96,7 +93,12 @@ def contact_forces(
         stop = -pairs.along(contact.slaves, free, along) / (step * yielding)
         most = contact.friction * normal
         force = force + jnp.clip(stop, -most, most)[:, None] * along
-    return NodeContactForces(_on_nodes(contact, pairs, weights, force, len(positions)), normal, over_step)
+    if isinstance(contact.surface, RigidPlane):
+        on_nodes = contact.surface.on_nodes(contact.slaves, force, len(positions))
+    else:
+        on_nodes = added_at(contact.slaves, force, len(positions))
+        on_nodes = on_nodes.at[pairs.nodes].add(-weights[..., None] * force[:, None])
+    return NodeContactForces(on_nodes, normal, over_step)
 
 
 def _distribution(contact: NodeContact, pairs: Pairs, inverse_mass: Array) -> Float[Array, "pairs 2"]:
@@ -109,6 +111,13 @@ def _distribution(contact: NodeContact, pairs: Pairs, inverse_mass: Array) -> Fl
     shared = pairs.weights * mass
     # Where both nodes are held there is no mass to share a force by.
     return shared / jnp.maximum(jnp.sum(shared, axis=1, keepdims=True), 1e-300)
+
+
+def _yielding(slaves: np.ndarray, pairs: Pairs, weights: Array, inverse_mass: Array) -> Float[Array, " pairs"]:
+    """Return the (pairs,) relative acceleration of node and foot for a force of one [1/kg]."""
+    own = _along(inverse_mass[slaves], pairs.normal)
+    foot = jnp.sum(pairs.weights * weights * _along(inverse_mass[pairs.nodes], pairs.normal[:, None]), axis=1)
+    return own + foot
 
 
 def _along(vectors: Array, normal: Array) -> Array:
@@ -163,10 +172,3 @@ def _closed(matrix: Array, target: Array, present: Array) -> Bool[Array, " pairs
     first = (target > 0.0) & present
     # Where no pair is about to overlap, forces of zero meet all conditions, and no system has to be solved.
     return jax.lax.while_loop(going, settle, (first, jnp.any(first), jnp.asarray(0)))[0]
-
-
-def _on_nodes(contact: NodeContact, pairs: Pairs, weights: Array, force: Array, nodes: int) -> Float[Array, "nodes 2"]:
-    if isinstance(contact.surface, RigidPlane):
-        return contact.surface.on_nodes(contact.slaves, force, nodes)
-    total = added_at(contact.slaves, force, nodes)
-    return total.at[pairs.nodes].add(-weights[..., None] * force[:, None])

@@ -197,22 +197,22 @@ class LatchPart(ProbePart):
 
     def drawn(self, design: Any, first: int) -> DrawnPart:
         travel = _tooth(design)[2]
-        return DrawnPart(_teeth(design, first), 2, lambda frames, history: _with_teeth(frames, history, travel))
+
+        def with_teeth(frames: np.ndarray, history: Any) -> Float[np.ndarray, "steps frames 3"]:
+            # Behind the frames come those of the upper and the lower latch: the passive vehicle's, as far beside it as
+            # they are open.
+            x, y, angle = np.moveaxis(frames[:, T], -1, 0)
+            away = travel * (1.0 - np.asarray(history.others.get("latch_closed", 0.0 * x)))
+            teeth = [
+                np.stack([x - side * away * np.sin(angle), y + side * away * np.cos(angle), angle], axis=-1)
+                for side in (1.0, -1.0)
+            ]
+            return np.concatenate([frames, np.stack(teeth, axis=1)], axis=1)
+
+        return DrawnPart(_teeth(design, first), 2, with_teeth)
 
     def end_on(self, design: Any, first: int) -> DrawnPart:
         return DrawnPart(_teeth_end_on(design, first), 2, lambda frames, history: _opened(frames, history, design))
-
-
-def _with_teeth(frames: np.ndarray, history: Any, travel: float) -> Float[np.ndarray, "steps frames 3"]:
-    """Return frames, and behind them those of the upper and the lower latch: the passive vehicle's, as far beside it as
-    they are open, ``travel`` [m] at most."""
-    x, y, angle = np.moveaxis(frames[:, T], -1, 0)
-    away = travel * (1.0 - np.asarray(history.others.get("latch_closed", 0.0 * x)))
-    teeth = [
-        np.stack([x - side * away * np.sin(angle), y + side * away * np.cos(angle), angle], axis=-1)
-        for side in (1.0, -1.0)
-    ]
-    return np.concatenate([frames, np.stack(teeth, axis=1)], axis=1)
 
 
 def _teeth_end_on(design: Any, first: int) -> tuple[Outline, Outline]:
