@@ -1,0 +1,13 @@
+"""Which values of a parameter `make test` takes."""
+
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import pytest
+
+
+def quick(values: Iterable[Any], *chosen: Any, names: Callable[[Any], Any] = lambda value: value) -> list[Any]:
+    """Return the values as parameters of a test, of which all but those that are ``chosen``, by name, are slow."""
+    values = list(values)
+    assert set(chosen) <= set(map(names, values)), "each of those chosen is a value"
+    return [value if names(value) in chosen else pytest.param(value, marks=pytest.mark.slow) for value in values]
