@@ -46,7 +46,7 @@ def test_a_half_sine_in_any_direction_by_closed_form():
 def test_implicit_steps_know_them():
     """Newton's matrix with the oscillators alone, against a dense solve with their Jacobian."""
     built = mechanism({"shock.active_1": 20.0, "shock.passive_3": 150.0, "shock.damping": 0.2})
-    state, active = jax.jit(built.start)()
+    state, active = jax.jit(lambda: built.start())()
     n, oscillators = built.coordinates, built.element("oscillators")
     frames = lambda v: SimpleNamespace(frame=lambda k: SimpleNamespace(velocity=(v[3 * k], v[3 * k + 1])))  # noqa: E731
     swinging = built.layout.places[f"element {built.elements.index(oscillators)}"]
@@ -56,7 +56,7 @@ def test_implicit_steps_know_them():
     jacobian[swinging] = np.asarray(jax.jacfwd(rates)(state))
     jacobian[:n, n : 2 * n] = np.eye(n)
     shift, right = 0.013, np.random.default_rng(3).standard_normal((len(state), 2))
-    followers = jax.jit(built.linearisation)(0.0, state, active).followers
+    followers = jax.jit(lambda y: built.linearisation(0.0, y, active).followers)(state)
     alone = dataclasses.replace(Linearisation.none(n, n), followers=followers)
     found = NewtonMatrix.of(alone, jnp.asarray(shift)).solve(jnp.asarray(right))
     np.testing.assert_allclose(found, np.linalg.solve(np.eye(len(state)) - shift * jacobian, right), rtol=1e-10)
