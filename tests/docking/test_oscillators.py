@@ -46,7 +46,7 @@ def test_a_half_sine_in_any_direction_by_closed_form():
 def test_implicit_steps_know_them():
     """Newton's matrix with the oscillators alone, against a dense solve with their Jacobian."""
     built = mechanism({"shock.active_1": 20.0, "shock.passive_3": 150.0, "shock.damping": 0.2})
-    state, active = jax.jit(lambda: built.start())()
+    state, active = built.start()
     n, oscillators = built.coordinates, built.element("oscillators")
     frames = lambda v: SimpleNamespace(frame=lambda k: SimpleNamespace(velocity=(v[3 * k], v[3 * k + 1])))  # noqa: E731
     swinging = built.layout.places[f"element {built.elements.index(oscillators)}"]
