@@ -26,6 +26,7 @@ jaxbuffer.programs.process.configure()
 import jax  # noqa: E402
 
 from evidence import Evidence  # noqa: E402
+from jaxbuffer.programs.cache import drop_programs  # noqa: E402
 from jaxbuffer.programs.store import store_in  # noqa: E402
 
 jax.config.update("jax_numpy_rank_promotion", "raise")
@@ -85,9 +86,23 @@ def no_figures(monkeypatch):
 def pytest_runtest_teardown(item, nextitem):
     """Fixtures of the test, and of the file where it is the last, have ended."""
     last = nextitem is None or nextitem.path != item.path
-    resident = int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()
-    if resident > (MOST_AFTER_A_FILE if last else MOST_AFTER_A_TEST):
-        jb.clear_caches()
+    most = MOST_AFTER_A_FILE if last else MOST_AFTER_A_TEST
+    # Large programs are read from disk again; the many single operations would be compiled again, so they go last.
+    for drop in (_drop_programs, jb.clear_caches):
+        if _resident() > most:
+            drop()
+
+
+def _resident():
+    """Size of this process [bytes]."""
+    return int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()
+
+
+def _drop_programs():
+    """Drop our programs from memory; JAX's caches stay."""
+    drop_programs()
+    gc.collect()
+    jaxbuffer.programs.process.trim()
 
 
 def pytest_addoption(parser):

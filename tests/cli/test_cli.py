@@ -60,7 +60,7 @@ def test_simulate_prints_a_summary_and_writes_nothing(computed, capsys, tmp_path
     assert list(tmp_path.iterdir()) == []
 
 
-def test_without_a_tenth_of_the_tolerance_trust_is_unknown(computed, capsys, tmp_path):
+def test_without_a_tenth_of_the_tolerance_trust_is_unknown(computed, no_figures, capsys, tmp_path):
     assert run(["simulate", "--rtol", "9e-13", "--output", "out"]) == 0
     assert [arguments["rtol"] for name, arguments in computed.calls if name == "simulate"] == [9e-13]
     reason = "how far these numbers can be trusted is not known: a tenth of rtol is below 1e-13, the least allowed"
@@ -117,7 +117,7 @@ def test_simulate_writes_numbers_history_and_figure(computed, capsys, tmp_path):
     assert (folder / "capture.png").read_bytes().startswith(PNG)
 
 
-def test_sensitivity_prints_tables_and_writes_files(computed, capsys, tmp_path):
+def test_sensitivity_prints_tables_and_writes_files(computed, no_figures, capsys, tmp_path):
     assert run(["sensitivity", "--output", "out", "--wrt", "buffer.k_A", "--wrt", "scenario.approach_speed"]) == 0
     shown = capsys.readouterr().out
     for part in ("peak_force", "buffer.k_A", "1 N/m", "+1 N/(N/m)", "1.0e-05", "+0.0100"):

@@ -16,7 +16,7 @@ from jaxbuffer.cli.entry import run
         ("sweep", "runs", None),
     ],
 )
-def test_stdout_is_the_record(computed, capsys, tmp_path, command, key, value):
+def test_stdout_is_the_record(computed, no_figures, capsys, tmp_path, command, key, value):
     assert run([command, "--json", "--output", "out"]) == 0
     shown = capsys.readouterr()
     record = json.loads(shown.out)

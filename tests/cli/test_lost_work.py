@@ -18,6 +18,7 @@ from determinism import computed_part
 import jaxbuffer
 import jaxbuffer as jb
 from computed import stand_in
+from in_short import quick
 from jaxbuffer.cli import streams
 from jaxbuffer.cli.entry import run
 from jaxbuffer.cli.signals import Ending
@@ -50,7 +51,11 @@ SPEEDS = ["--over", "scenario.approach_speed=0.1:0.3:5"]
 
 @pytest.mark.parametrize("command", FILES)
 @pytest.mark.parametrize(
-    "error", [OSError(28, "No space left on device"), UnicodeEncodeError("ascii", "×", 0, 1, "no")]
+    "error",
+    [
+        OSError(28, "No space left on device"),
+        pytest.param(UnicodeEncodeError("ascii", "×", 0, 1, "no"), marks=pytest.mark.slow),
+    ],
 )
 def test_results_are_there_when_printing_fails(computed, no_figures, monkeypatch, tmp_path, capsys, command, error):
     class Full(io.StringIO):
@@ -168,7 +173,7 @@ def results(command):
     return folder
 
 
-@pytest.mark.parametrize("damage", DAMAGES)
+@pytest.mark.parametrize("damage", quick(DAMAGES, "empty", "garbled"))
 @pytest.mark.parametrize(
     ("command", "name"), [("sweep", "sweep.nc"), ("simulate", "capture.json"), ("tune", "tuned.json")]
 )

@@ -37,6 +37,7 @@ def test_files_of_a_sample(computed, capsys, tmp_path):
     assert "in a sample of 2 numbers" in again and "Response surface of" not in again
 
 
+@pytest.mark.usefixtures("no_figures")
 def test_runs_that_are_not_trusted_are_counted_and_marked(computed, capsys, monkeypatch, tmp_path):
     def doubtful(designs, scenarios, outcomes):
         found = made_up_sweep(designs, scenarios, outcomes)
@@ -70,7 +71,7 @@ def test_a_sample_of_a_study(computed, tmp_path):
     assert asked["design"].buffer.k_A.shape == (10,) and asked["design"].buffer.c_A.max() <= 4.0
 
 
-def test_ctrl_c_keeps_what_was_done(computed, capsys, tmp_path):
+def test_ctrl_c_keeps_what_was_done(computed, no_figures, capsys, tmp_path):
     computed.interrupt_after = 5
     assert run(["sample", *RANGES, "--count", "8", "--output", "out"]) == 130
     assert "interrupted, 5 of them done" in capsys.readouterr().out
@@ -127,7 +128,7 @@ def test_a_sweep_over_two_fields_has_an_envelope(computed, capsys, tmp_path):
     assert "largest rectangle of safe captures, 4 of them (2 × 2)" in words and "0.1 … 0.2 m/s" in words
 
 
-def test_an_envelope_says_what_is_between_the_scenarios_of_a_grid(computed, capsys, tmp_path):
+def test_an_envelope_says_what_is_between_the_scenarios_of_a_grid(computed, no_figures, capsys, tmp_path):
     """Made-up forces are 110 200 210 300 310 400 N; those at 0.1 and 0.2 m/s lie within the grid's speeds."""
     grid = "[problem.grid]\napproach_speed = [0.1, 0.2]\nmisalignment = [-0.01, 0.01]\n"
     (tmp_path / "study.toml").write_text(f"[problem.constraints]\npeak_force = 205.0\n{grid}")

@@ -10,12 +10,13 @@ import pytest
 from test_lost_work import FILES
 
 import jaxbuffer as jb
+from in_short import quick
 from jaxbuffer.cli.entry import run
 
 LATIN = os.fsdecode(b"Messger\xe4t")  # as another system wrote it
 
 
-@pytest.mark.parametrize("command", FILES)
+@pytest.mark.parametrize("command", quick(FILES, "simulate", "sweep"))
 def test_a_path_that_is_no_utf_8_loses_nothing(computed, no_figures, tmp_path, command):
     study = tmp_path / f"{LATIN}.toml"
     study.write_text("[scenario]\napproach_speed = 0.1\n")  # m/s
@@ -28,7 +29,7 @@ def test_a_path_that_is_no_utf_8_loses_nothing(computed, no_figures, tmp_path, c
     assert commands and all(LATIN in it for it in commands), "and the record has the very path"
 
 
-@pytest.mark.parametrize("command", ["report", "compare"])
+@pytest.mark.parametrize("command", quick(["report", "compare"], "report"))
 def test_a_page_of_such_a_folder(computed, no_figures, tmp_path, command):
     for number in (1, 2):
         assert run(["simulate", "--output", f"{LATIN}/{number}"]) == 0
@@ -40,7 +41,7 @@ SETTINGS = {"text.usetex": True, "axes.facecolor": "black", "text.color": "white
             "savefig.bbox": "tight", "lines.linewidth": 9.0, "svg.fonttype": "none", "axes.grid": False}  # fmt: skip
 
 
-@pytest.mark.parametrize("command", ["simulate", pytest.param("tune", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("command", quick(["simulate", "tune"], "simulate"))
 def test_figures_look_alike_whatever_the_user_s_matplotlibrc_says(computed, tmp_path, command):
     """By the bytes of PNG and SVG."""
     assert run([command, "--output", "plain", "--format", "both"]) == 0
@@ -54,7 +55,10 @@ def test_figures_look_alike_whatever_the_user_s_matplotlibrc_says(computed, tmp_
         assert (tmp_path / "styled" / name).read_bytes() == (tmp_path / "plain" / name).read_bytes(), name
 
 
-@pytest.mark.parametrize("error", [RuntimeError("latex was not able to process\nthe string"), MemoryError()])
+@pytest.mark.parametrize(
+    "error",
+    [RuntimeError("latex was not able to process\nthe string"), pytest.param(MemoryError(), marks=pytest.mark.slow)],
+)
 def test_a_figure_that_fails_is_one_line_after_all_data(computed, monkeypatch, capsys, tmp_path, error):
     def fails(run):
         raise error

@@ -13,6 +13,7 @@ import pytest
 from jsonschema import Draft7Validator
 
 import jaxbuffer
+from in_short import quick
 from jaxbuffer.cli.entry import run
 from jaxbuffer.fields import get, meaning, metadata, paths, replace
 from jaxbuffer.fitting.quantities import recorded_quantities
@@ -28,6 +29,8 @@ approach_speed = {normal = ["10 cm/s", "1 cm/s"]}
 [problem.sample.factors]
 """
 KINDS = [mechanism.name for mechanism in all_mechanisms()]
+# The longest example by far: `make test` has it once.
+each_kind = pytest.mark.parametrize("kind", quick(KINDS, *(kind for kind in KINDS if kind != "docking3d")))
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -47,7 +50,7 @@ def test_an_example_loads_to_the_defaults_and_has_every_field(kind, computed, ca
     assert run(["check", "mine.toml"]) == 0
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_kind
 def test_the_defaults_in_the_comments_are_the_defaults(kind):
     """Every commented field with a value, made to hold, leaves the study as it is."""
     mechanism = mechanism_named(kind)
@@ -148,7 +151,7 @@ def test_a_study_is_explained(computed, capsys, tmp_path):
         assert line in shown, line
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_kind
 def test_the_example_of_parts_roundings_and_a_fit_can_be_taken(kind):
     mechanism = mechanism_named(kind)
     text = example_toml(mechanism)
@@ -218,7 +221,7 @@ def validator(schema) -> Draft7Validator:
     return Draft7Validator(schema)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_kind
 def test_the_schema_takes_examples_and_refuses_mistakes(kind, capsys):
     assert run(["schema", "--kind", kind]) == 0
     mechanism = mechanism_named(kind)
@@ -251,7 +254,7 @@ def test_the_schema_knows_samples_and_choices_that_are_swept():
         assert described(tomllib.loads(text)) is right, text
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_kind
 def test_the_example_shows_how_designs_scatter(kind, tmp_path):
     """The lines of [problem.sample], made to hold, are a study with so many cases, which its schema takes too."""
     text = example_toml(mechanism_named(kind)).split("[tune]")[1].partition("\n\n")[2]
@@ -276,7 +279,7 @@ def test_a_search_of_the_docs_finds_how_designs_scatter(word):
     assert word in "".join(re.findall(r".*problem\.sample.*", example)) and "# [tolerances]" in example
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_kind
 def test_each_field_has_a_meaning_that_is_listed(kind, capsys):
     """One of its own: more than its name, and where two fields have the same words a section tells them apart."""
     mechanism = mechanism_named(kind)

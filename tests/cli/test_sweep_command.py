@@ -59,6 +59,7 @@ def test_without_a_grid_speeds_and_misalignments_are_swept(computed, capsys, tmp
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.usefixtures("no_figures")
 def test_runs_that_are_not_trusted_are_counted_and_marked(computed, capsys, monkeypatch, tmp_path):
     assert run(["sweep", *TWO, "--output", "out"]) == 0
     assert computed.calls[-1][1]["trust"] is True and "ill-conditioned" not in capsys.readouterr().out
@@ -81,7 +82,7 @@ def test_runs_that_are_not_trusted_are_counted_and_marked(computed, capsys, monk
     assert "trust" in capsys.readouterr().err
 
 
-def test_the_grid_of_the_study_and_the_command_line(computed, tmp_path):
+def test_the_grid_of_the_study_and_the_command_line(computed, no_figures, tmp_path):
     (tmp_path / "study.toml").write_text(
         "[buffer]\nc_A = 7\n[sweep]\nscenario.approach_speed = [0.1, 0.2]\nbuffer.k_A = [300, 400]"
     )
@@ -150,7 +151,7 @@ def test_files(computed, capsys, tmp_path):
     assert len(table((folder / "sweep.csv").read_text())) == 121
 
 
-def test_ctrl_c_keeps_what_was_done(computed, capsys, tmp_path):
+def test_ctrl_c_keeps_what_was_done(computed, no_figures, capsys, tmp_path):
     computed.interrupt_after = 4
     assert run(["sweep", *TWO, "--output", "out"]) == 130
     shown = capsys.readouterr()
@@ -189,7 +190,7 @@ def test_without_a_single_answer_the_solver_failed(computed, capsys, command):
     assert "none of the 4 captures was solved" in capsys.readouterr().err
 
 
-def test_a_tuned_design_keeps_its_limits(computed, capsys, tmp_path):
+def test_a_tuned_design_keeps_its_limits(computed, no_figures, capsys, tmp_path):
     """Tuned, then simulated, swept and tuned again: the study's limits hold throughout, and no others."""
     (tmp_path / "study.toml").write_text(
         "[problem.constraints]\nstroke = '30 mm'\npeak_force = {min = 1, max = 240}\nimpacts = 50\n"
@@ -284,7 +285,7 @@ def test_figure_over_more_fields_is_cut_into_slices():
     check_readable(figure)
 
 
-def test_report_prints_its_abstract_and_no_summary_again(computed, capsys, tmp_path):
+def test_report_prints_its_abstract_and_no_summary_again(computed, no_figures, capsys, tmp_path):
     for words in (["simulate"], ["sensitivity"], ["tune"], ["sweep", *TWO]):
         assert run([*words, "--output", words[0]]) == 0
         printed = {line for line in capsys.readouterr().out.splitlines() if not line.startswith("wrote")}

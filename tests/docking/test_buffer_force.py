@@ -7,6 +7,7 @@ from scipy.integrate import quad
 from scipy.interpolate import PchipInterpolator
 
 from docking.states import CURVES, REAL_BUFFER, mechanism, moving
+from in_short import quick
 from jaxbuffer import InputError, replace, table2
 from jaxbuffer.elements import BufferForce
 
@@ -79,7 +80,7 @@ def test_without_them_it_is_the_papers_spring_and_damper():
     assert mechanism().contact_names == ("lower", "upper")
 
 
-@pytest.mark.parametrize("stroke_rate", [-0.06, 0.06], ids=["out", "in"])
+@pytest.mark.parametrize("stroke_rate", quick([-0.06, 0.06], 0.06), ids=["out", "in"])
 @pytest.mark.parametrize("values", [REAL_BUFFER, CURVES], ids=["numbers", "curves"])
 def test_it_acts_between_cylinder_and_probe_and_its_losses_are_its_powers(values, stroke_rate):
     instant = moving(mechanism(values), stroke=0.004, stroke_rate=stroke_rate)

@@ -56,7 +56,7 @@ def test_implicit_steps_know_them():
     jacobian[swinging] = np.asarray(jax.jacfwd(rates)(state))
     jacobian[:n, n : 2 * n] = np.eye(n)
     shift, right = 0.013, np.random.default_rng(3).standard_normal((len(state), 2))
-    followers = built.linearisation(0.0, state, active).followers
+    followers = jax.jit(lambda y: built.linearisation(0.0, y, active).followers)(state)
     alone = dataclasses.replace(Linearisation.none(n, n), followers=followers)
     found = NewtonMatrix.of(alone, jnp.asarray(shift)).solve(jnp.asarray(right))
     np.testing.assert_allclose(found, np.linalg.solve(np.eye(len(state)) - shift * jacobian, right), rtol=1e-10)

@@ -1,5 +1,7 @@
 """The control of a body's attitude, in the plane and in space, against closed forms."""
 
+import functools
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -81,8 +83,23 @@ def known():
 BOTH = pytest.mark.parametrize("design", [Turned, TurnedInSpace])
 
 
-def simulated(design, control=None, scenario=None):
-    return jb.simulate(design(control or Control()), scenario or Thrown(), rtol=1e-10, atol=1e-10, history=True)
+TOUCHES, LIMIT = 0.4, 0.2  # s, N m
+AT_ITS_LIMIT = Control(limit=LIMIT, stiffness=3e4)
+RUNS = {
+    "small moments": (Control(), Thrown()),
+    "at its limit": (AT_ITS_LIMIT, Thrown()),
+    "touchdown": (AT_ITS_LIMIT, Thrown(gap=TOUCHES * SPEED)),
+    "in contact": (Control(), Thrown(gap=0.0)),
+}
+
+
+@functools.cache
+def runs(design):
+    """All of `RUNS`, one after the other while their program is in memory: it is a test's, so it is not stored."""
+    return {
+        name: jb.simulate(design(control), scenario, rtol=1e-10, atol=1e-10, history=True)
+        for name, (control, scenario) in RUNS.items()
+    }
 
 
 def seen(run):
@@ -97,7 +114,7 @@ def seen(run):
 
 @BOTH
 def test_small_moments_make_a_damped_oscillator(design):
-    run = simulated(design)
+    run = runs(design)["small moments"]
     time, angle, _ = seen(run)
     decay = DAMPING / (2.0 * INERTIA)
     rate = np.sqrt(STIFFNESS / INERTIA - decay**2)
@@ -115,7 +132,7 @@ def test_small_moments_make_a_damped_oscillator(design):
 
 def test_at_its_limit_the_moment_is_constant():
     """In the plane: until the angle is near zero, φ = φ_0 + ω_0 t - M t²/2I."""
-    run = simulated(Turned, Control(limit=0.2, stiffness=3e4))
+    run = runs(Turned)["at its limit"]
     time, angle, _ = seen(run)
     short = time < 0.45
     assert_allclose(angle[short], ANGLE + SPIN * time[short] - 0.1 / INERTIA * time[short] ** 2, atol=1e-8)
@@ -143,7 +160,7 @@ def test_in_space_each_axis_of_the_body_has_its_own_limit():
     # For implicit steps: how the moment answers to the spin.
     free = lambda w: system.motion(system.kinematics(q, w)).acceleration  # noqa: E731
     acting = lambda w: made.derivative(0.0, state.at[7:13].set(w), active)[7:13]  # noqa: E731
-    slopes = np.asarray(jax.jacfwd(acting)(v) - jax.jacfwd(free)(v))
+    slopes = np.asarray(jax.jit(lambda w: jax.jacfwd(acting)(w) - jax.jacfwd(free)(w))(v))
     stiff = made.linearisation(0.0, state, active)
     linear = -np.asarray(stiff.response) @ np.asarray(stiff.damping) @ np.asarray(stiff.directions).T
     assert_allclose(linear, slopes, atol=1e-10)
@@ -152,14 +169,13 @@ def test_in_space_each_axis_of_the_body_has_its_own_limit():
 @BOTH
 def test_it_ends_at_the_first_touchdown(design):
     """With its limit far below what it would need, the spin falls evenly until the ball touches, and stays then."""
-    touches, limit = 0.4, 0.2
-    run = simulated(design, Control(limit=limit, stiffness=3e4), Thrown(gap=touches * SPEED))
+    run = runs(design)["touchdown"]
     time, spin = spun(run)
-    before, after = time <= touches + 1e-9, time >= touches - 1e-9
-    assert float(run.impacts.time[0]) == pytest.approx(touches, rel=1e-6)
-    slope = -limit / INERTIA
+    before, after = time <= TOUCHES + 1e-9, time >= TOUCHES - 1e-9
+    assert float(run.impacts.time[0]) == pytest.approx(TOUCHES, rel=1e-6)
+    slope = -LIMIT / INERTIA
     assert_allclose(spin[before], slope * time[before], atol=1e-7)
-    assert_allclose(spin[after], slope * touches, atol=1e-6)
+    assert_allclose(spin[after], slope * TOUCHES, atol=1e-6)
     assert time[-1] == pytest.approx(DURATION)
     assert abs(float(run.balance.energy)) < 1e-7 and abs(float(run.balance.angular_momentum)) < 1e-8
 
@@ -177,5 +193,5 @@ def spun(run):
 
 @BOTH
 def test_a_start_in_contact_has_none_of_it(design):
-    _, spin = spun(simulated(design, Control(), Thrown(gap=0.0)))
+    _, spin = spun(runs(design)["in contact"])
     assert_allclose(spin, 0.0, atol=1e-9)

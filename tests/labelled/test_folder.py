@@ -6,30 +6,34 @@ import jax
 import pytest
 
 import jaxbuffer as jb
+from computed import stand_in
 from jaxbuffer.cli.entry import run
+from made_up import made_up_capture
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
+    """Of commands whose results are made up."""
     place = tmp_path_factory.mktemp("results")
-    (place / "drop.toml").write_text('kind = "bar_drop"\n[scenario]\nheight = 0.15\n[impact]\ndamping = 2.5\n')
-    study, out = str(place / "drop.toml"), str(place / "out")
-    assert run(["simulate", study, "--duration", "0.2", "--output", out]) == 0
-    words = ["--wrt", "impact.damping", "--duration", "0.2", "--certify", "none"]
-    assert run(["sensitivity", study, *words, "--output", out]) == 0
+    (place / "study.toml").write_text("[scenario]\napproach_speed = 0.15\n[buffer]\nc_A = 7.0\n")
+    study, out = str(place / "study.toml"), ["--output", str(place / "out"), "--format", "none"]
+    with pytest.MonkeyPatch.context() as patched:
+        stand_in(patched)
+        assert run(["simulate", study, *out]) == 0
+        assert run(["sensitivity", study, "--wrt", "buffer.c_A", *out]) == 0
     return place / "out"
 
 
 def test_a_folder_as_one_object(folder):
     found = jb.load(folder)
-    assert found.run.attrs["kind"] == "bar_drop" and found.run.sizes["step"] > 10
+    assert found.run.attrs["kind"] == "probe_cone" and found.run.sizes["step"] > 10
     assert found.sweep is None and found.tuned is None
     assert found.sensitivity == json.loads((folder / "sensitivity.json").read_text())
-    assert found.design == jb.replace(jb.BarDrop(), {"impact.damping": 2.5})
-    again = jb.simulate(found.design, jb.BarDropScenario(height=0.15), 0.2)
-    assert float(again.peak_force) == float(found.run.peak_force)
+    assert found.design == jb.replace(jb.table2(), {"buffer.c_A": 7.0})
+    made = made_up_capture(jb.Scenario(approach_speed=0.15), design=found.design)
+    assert float(found.run.peak_force) == float(made.peak_force) == found.sensitivity["peak_force [N]"]
     shown = repr(found)
-    assert "Bar drop: finished; " in shown and "derivatives" in shown and "tuned" not in shown
+    assert "captured; " in shown and "derivatives" in shown and "tuned" not in shown
     assert "<table>" in found._repr_html_()
 
 
@@ -55,7 +59,7 @@ def test_nothing_there(tmp_path):
     ],
 )
 def test_damaged_files_are_named(folder, tmp_path, name, damage):
-    half = (folder / "drop.nc").read_bytes()
+    half = (folder / "capture.nc").read_bytes()
     (tmp_path / name).write_bytes(half[: len(half) // 2] if damage is None else damage)
     with pytest.raises(jb.InputError, match=rf"{name} is (damaged|not a sweep's result)") as error:
         jb.load(tmp_path)
@@ -64,7 +68,7 @@ def test_damaged_files_are_named(folder, tmp_path, name, damage):
 
 def test_two_runs_in_a_folder(folder, tmp_path):
     for name in ("drop.nc", "capture.nc"):
-        (tmp_path / name).write_bytes((folder / "drop.nc").read_bytes())
+        (tmp_path / name).write_bytes((folder / "capture.nc").read_bytes())
     with pytest.raises(jb.InputError, match=r"holds several runs, capture\.nc, drop\.nc; keep one in a folder"):
         jb.load(tmp_path)
 

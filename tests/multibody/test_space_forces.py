@@ -41,11 +41,13 @@ def held(kind, ends):
 
 def motion_of(system, seed):
     q, v = random_positions(seed, 2), random_velocities(seed, 2)
-    return assemble(system, q, v, iterations=20)
+    return assemble(system, q, v, iterations=10)
 
 
 @each_element
-@pytest.mark.parametrize("ends", [(0, 1), (GROUND, 1)], ids=["both bodies", "ground"])
+@pytest.mark.parametrize(
+    "ends", [(0, 1), pytest.param((GROUND, 1), marks=pytest.mark.slow)], ids=["both bodies", "ground"]
+)
 def test_power_is_what_the_store_loses_and_the_damper_takes(kind, ends):
     system = held(kind, ends)
     q, v = motion_of(system, 1)

@@ -54,6 +54,7 @@ def test_a_time_of_what_did_not_happen_is_none_in_a_row():
     assert studied.rows[0]["yield_time"] == NONE
 
 
+@pytest.mark.slow
 def test_responses_to_pulses():
     """Largest ones, by pyyeti and in closed form: 1.768 of a half-sine, 2 of a rectangle alone."""
     twice = claim("With T_n < τ").judge({})

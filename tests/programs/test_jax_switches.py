@@ -8,6 +8,7 @@ import jax
 import pytest
 
 import jaxbuffer as jb
+from in_short import quick
 
 STUDY = 'kind = "bar_drop"\n[scenario]\nheight = 0.01\n[options]\nduration = 0.06\n'  # m, s
 
@@ -21,22 +22,25 @@ def command(folder, name, value):
     )  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("name", "value", "shown"),
-    [
-        ("JAX_DEBUG_NANS", "1", "JAX_DEBUG_NANS=True: jaxbuffer cannot work with this switch of JAX"),
-        ("JAX_DISABLE_JIT", "true", "JAX_DISABLE_JIT=True: jaxbuffer cannot work with this switch of JAX"),
-        ("JAX_CHECK_TRACER_LEAKS", "1", "JAX_CHECK_TRACER_LEAKS=True: jaxbuffer cannot work with this switch"),
-        ("JAX_NUMPY_DTYPE_PROMOTION", "strict", "JAX_NUMPY_DTYPE_PROMOTION=strict: jaxbuffer cannot work with"),
-        ("JAX_TRANSFER_GUARD", "disallow", "JAX_TRANSFER_GUARD=disallow: jaxbuffer cannot work with this switch"),
-        ("JAX_NO_TRACING", "1", "JAX_NO_TRACING=True: jaxbuffer cannot work with this switch of JAX"),
-        ("JAX_PLATFORMS", "cuda", "JAX_PLATFORMS=cuda: JAX cannot start there: "),
-        ("JAX_PLATFORMS", "nonsense", "JAX_PLATFORMS=nonsense: JAX cannot start there: "),
-        ("JAX_PLATFORM_NAME", "rocm", "JAX_PLATFORM_NAME=rocm: JAX cannot start there: "),
-        ("JAX_ENABLE_X64", "maybe", "invalid truth value 'maybe' for environment 'JAX_ENABLE_X64'"),
-        ("JAX_TRANSFER_GUARD", "no", 'Invalid value "no" for JAX flag jax_transfer_guard'),
-    ],
-)
+IN_THE_WAY = [
+    ("JAX_DEBUG_NANS", "1", "JAX_DEBUG_NANS=True: jaxbuffer cannot work with this switch of JAX"),
+    ("JAX_DISABLE_JIT", "true", "JAX_DISABLE_JIT=True: jaxbuffer cannot work with this switch of JAX"),
+    ("JAX_CHECK_TRACER_LEAKS", "1", "JAX_CHECK_TRACER_LEAKS=True: jaxbuffer cannot work with this switch"),
+    ("JAX_NUMPY_DTYPE_PROMOTION", "strict", "JAX_NUMPY_DTYPE_PROMOTION=strict: jaxbuffer cannot work with"),
+    ("JAX_TRANSFER_GUARD", "disallow", "JAX_TRANSFER_GUARD=disallow: jaxbuffer cannot work with this switch"),
+    ("JAX_NO_TRACING", "1", "JAX_NO_TRACING=True: jaxbuffer cannot work with this switch of JAX"),
+    ("JAX_PLATFORMS", "cuda", "JAX_PLATFORMS=cuda: JAX cannot start there: "),
+    ("JAX_PLATFORMS", "nonsense", "JAX_PLATFORMS=nonsense: JAX cannot start there: "),
+    ("JAX_PLATFORM_NAME", "rocm", "JAX_PLATFORM_NAME=rocm: JAX cannot start there: "),
+    ("JAX_ENABLE_X64", "maybe", "invalid truth value 'maybe' for environment 'JAX_ENABLE_X64'"),
+    ("JAX_TRANSFER_GUARD", "no", 'Invalid value "no" for JAX flag jax_transfer_guard'),
+]
+# Of those that jaxbuffer refuses, of devices that are missing and of words that JAX refuses; the test of `switch` below
+# has all that jaxbuffer refuses, in one process.
+SOME = ("JAX_DEBUG_NANS=1", "JAX_TRANSFER_GUARD=disallow", "JAX_PLATFORMS=nonsense", "JAX_ENABLE_X64=maybe")
+
+
+@pytest.mark.parametrize(("name", "value", "shown"), quick(IN_THE_WAY, *SOME, names=lambda it: f"{it[0]}={it[1]}"))
 def test_a_switch_that_is_in_the_way_is_named_in_one_line(tmp_path, name, value, shown):
     if jax.default_backend() != "cpu" and name.startswith("JAX_PLATFORM"):
         pytest.skip("this machine may have that device")

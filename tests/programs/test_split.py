@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
+from in_short import quick
 from jaxbuffer.hybrid import AUTOMATIC, Options
 from jaxbuffer.mechanisms.mechanism import Request
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
@@ -60,7 +61,7 @@ def test_one_part():
     assert _run(all_ready(codes), (np.asarray(3.0),)) == [6.0]
 
 
-@pytest.mark.parametrize("asked", [_simulate, _gradients, solve_chunk])
+@pytest.mark.parametrize("asked", quick([_simulate, _gradients, solve_chunk], _simulate))
 def test_the_time_loop_is_in_the_first_program_alone(asked):
     design, scenario = (jax.tree.map(lambda x: jnp.asarray(x, float), x) for x in (jb.table2(), jb.Scenario()))
     rtol, duration, gain = jnp.asarray(1e-6), jnp.asarray(8.0), jnp.asarray(20.0)

@@ -58,9 +58,10 @@ def test_an_evaluation_agrees_with_the_independent_reference():
     np.testing.assert_allclose(scattered.peaks_slope, drawn.peaks_slope, rtol=1e-4, atol=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("duration", "outcome"),
-    [(8.0, Outcome.captured), pytest.param(0.6, Outcome.timeout, marks=pytest.mark.slow)],
+    [(8.0, Outcome.captured), (0.6, Outcome.timeout)],
 )
 def test_the_margin_has_the_right_slope_and_no_jump_between_outcomes(duration, outcome):
     """Table 2 is captured after 0.719 s. Against central differences of tight solves, step 1e-5 of each range."""
@@ -98,6 +99,7 @@ def test_the_floor_without_loss_is_the_closed_form():
     assert found.at == {"probe.tip_mass": pytest.approx(0.02)}
 
 
+@pytest.mark.slow
 def test_a_free_start_has_the_first_impacts_elasticities_too():
     """Without friction and loss, flown to where a contact start begins, the first impact is that of the closed form:
     its elasticities by masses and inertias, which do not move the touch, are the closed form's."""
