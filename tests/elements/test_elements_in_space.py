@@ -85,6 +85,7 @@ def test_it_acts_on_two_bodies_and_its_energies_are_its_powers(name):
     assert_allclose([*momenta[0], *momenta[1], energy], 0.0, atol=1e-11 * force + 1e-12)
 
 
+@pytest.mark.slow
 def test_the_stiff_part_is_that_of_the_equations():
     """What buffer, stops and latch make of the accelerations' Jacobian by velocities, and nothing geometric."""
     assembled = mechanism((Buffer(AXIAL), *STOPS, LATCH))

@@ -115,6 +115,7 @@ def test_a_mass_is_held_where_it_crosses(wagon):
     assert abs(float(run.balance.energy)) < 1e-8
 
 
+@pytest.mark.slow
 def test_its_gradients_are_those_of_the_closed_form(wagon):
     paths, names = ("stiffness", "damping", "plane"), ("peak_lockout_force", "lockout_stroke", "lockout_loss")
     found = jb.sensitivity(Wagon(), Start(), wrt=paths, quantities=names, duration=DURATION, certify="none")
