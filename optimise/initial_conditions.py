@@ -21,8 +21,8 @@ from .study import Sweeps, config, figure, write
 RUNS = 2000
 # Whether a run is held has no slope to follow: designs are drawn over the bounds and compared in the same few
 # conditions, the best of them in others.
-DESIGNS, FIRST_CONDITIONS = 48, 16
-FINALISTS, SECOND_CONDITIONS = 6, 64
+DESIGNS, FIRST_CONDITIONS = 23, 12  # and the design as drawn
+FINALISTS, SECOND_CONDITIONS = 4, 32
 BINS = 10  # of a condition, with equally many runs
 CAPTURED = ("captured", "latched", "held", "torn")
 # Components of one vector, of which the standard limits the size.
@@ -181,7 +181,7 @@ def _plain(value: Any) -> Any:
 
 def draw_figure(folder: Path, study: Any, results: Mapping[str, tuple[Values, Sweep]]) -> None:
     """Draw the share of held runs over each condition that decides, and all conditions' shares of the variance."""
-    shown = ("closing rate [mm/s]", "lateral misalignment [mm]")
+    shown = ("lateral rate outwards [mm/s]", "closing rate [mm/s]")
 
     def draw(axes: Any) -> None:
         for axis, condition in zip(axes, shown, strict=False):
@@ -190,7 +190,7 @@ def draw_figure(folder: Path, study: Any, results: Mapping[str, tuple[Values, Sw
                 error = 1.96 * np.sqrt(means * (1.0 - means) / counts)
                 axis.errorbar(at, 100 * means, 100 * error, fmt="o-", capsize=2, label=name)
             axis.set(xlabel=condition, ylabel="held [%]", ylim=(0, 105))
-        axes[0].legend()
+        axes[1].legend()
         for k, (name, (values, sweep)) in enumerate(results.items()):
             conditions, good = sizes(values), held(study, sweep).astype(float)
             places = np.arange(len(conditions)) + 0.4 * k
