@@ -178,12 +178,13 @@ def _measured(given: Request) -> tuple[Any, ...]:
     values = jnp.concatenate([force, values[:, contacts:]], axis=1)
     taken = (slots < steps.count)[:, None]
     highest, lowest = (jnp.max(jnp.where(taken, sign * values, -jnp.inf), axis=0) for sign in (1.0, -1.0))
+    extent = highest + lowest
     reported = jnp.stack([run.peak_force, *(run.maxima[name] for name in system.observed[contacts:])])
     rounding = system.roundoff()
     rounding = jnp.append(jnp.max(rounding[:contacts]), rounding[contacts:])
-    # Of what stays below its rounding error no maximum is located: it counts as zero.
-    highest = jnp.where(highest > rounding, highest, 0.0)
-    return run.code, run.impact_count, run.accepted, reported, highest + lowest, highest, run.balance.energy
+    # Of what stays below its rounding error no maximum is located.
+    highest = jnp.where(highest > rounding, highest, reported)
+    return run.code, run.impact_count, run.accepted, reported, extent, highest, run.balance.energy
 
 
 def measured(design: Part, scenario: Part, duration: float, rtol: float = 1e-6) -> tuple[Any, ...]:

@@ -99,6 +99,13 @@ def test_a_later_maximum_may_be_negative():
     assert (int(log.kind[log.room + 2]), float(log.time[log.room + 2])) == (Kind.PEAK, 12.0)
 
 
+def test_what_never_came_holds_nothing(overflown):
+    """Of a full log the slot of an observable without a later maximum counts for none: zero is no value of it."""
+    room = overflown.room
+    np.testing.assert_array_equal(overflown.used, [True] * 3 + [False, True, True, True, False])
+    assert not np.asarray(filled(IMPACT[:2], 3).used)[2:].any() and room == 3
+
+
 def test_later_contact_time_adds_up(overflown):
     """From 10 to 13 s and from 20 to 22.5 s."""
     assert float(overflown.missed_time) == pytest.approx(5.5, rel=1e-15)

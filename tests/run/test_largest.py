@@ -136,6 +136,14 @@ def test_a_value_at_the_start_counts_and_unused_entries_do_not():
     assert float(largest(Toy(), logged(entries), start((0.0, 0.0, -2.0))).others["height"]) == -2.0
 
 
+def test_empty_slots_of_a_full_log_do_not_count():
+    """What had no maximum after the log was full has an empty slot, which holds zeros: above all that is negative."""
+    entries = [(kind, which, time, (a, b, height - 20.0)) for kind, which, time, (a, b, height) in ENTRIES]
+    log = logged([*entries, (Kind.PEAK, 0, 5.0, (7.0, 0.0, -15.0)), (Kind.END, 0, 6.0, (0.0, 0.0, -14.0))], room=3)
+    assert log.overflown
+    assert float(largest(Toy(), log, start((0.0, 0.0, -30.0))).others["height"]) == -13.0
+
+
 def test_the_entry_of_a_start_in_contact_is_no_value():
     """It holds zeros, which are above everything that is negative; the start's own value is looked at apart."""
     entries = [(Kind.TOUCHDOWN, 0, 0.0, (0.0, 0.0, 0.0)), (Kind.END, 0, 4.0, (1.0, 2.0, -5.0))]

@@ -70,7 +70,7 @@ class _Entry(NamedTuple):
 @eqx.filter_jit
 def _moves(log: Log, rows_move: Array, parameters: Any, parameters_move: Any, build: Build) -> dict[str, Array]:
     """Return the changes of the log's fields, by name, with a change of the parameters."""
-    used = (jnp.arange(log.kind.shape[0]) < log.count) & (log.kind != Kind.NONE)
+    used = log.used
     # unused slots may hold anything: the first entry stands in for them
     rows, rows_move = (jnp.where(used[:, None], x[:, 0], x[0, 0]) for x in (log.rows, rows_move))
 

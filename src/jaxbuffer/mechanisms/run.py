@@ -172,10 +172,10 @@ class Run(Portable, Saved):
         log = self._located
         if not self.maxima or log is None or not int(log.count):
             return dict.fromkeys(self.maxima, float("nan"))
-        count = int(log.count)
         # The entry of a start in contact does not know what depends on the state's rate.
-        time, values = np.asarray(log.time)[:count], np.asarray(log.values)[:count]
-        starts = (np.asarray(log.kind)[:count] == Kind.TOUCHDOWN) & (time == 0.0)
+        used = np.asarray(log.used)
+        time, values = np.asarray(log.time)[used], np.asarray(log.values)[used]
+        starts = (np.asarray(log.kind)[used] == Kind.TOUCHDOWN) & (time == 0.0)
         values = np.where(starts[:, None], -np.inf, values)
 
         def reached(name: str) -> float:

@@ -18,14 +18,13 @@ def balance(system: ContactSystem, read: Readings, log: Log, drift: Float[Array,
     # The exact motion conserves all of this, so its derivative is zero: what is computed are errors.
     constant = jax.lax.stop_gradient
     before, after = constant(read.start.energy.total), constant(read.end.energy.total)
-    used = jnp.arange(log.kind.shape[0]) < log.count
     linear, angular = _momentum_change(system, read)
     return read.end.energy, Balance(
         # The total may be near zero, since the zero of a potential is arbitrary: a scale of the system bounds it.
         energy=(after - before) / jnp.maximum(jnp.abs(before), constant(jnp.asarray(system.energy_scale))),
         linear_momentum=linear,
         angular_momentum=angular,
-        drift=jnp.max(jnp.where(used, constant(drift), 0.0)),
+        drift=jnp.max(jnp.where(log.used, constant(drift), 0.0)),
     )
 
 

@@ -26,7 +26,6 @@ def places_of(system: ContactSystem, log: Log) -> Places:
     contacts = system.impact_contacts
     # Any entry may hold a maximum: of two at one instant only one is logged under its own name, and a quantity may be
     # largest at the end.
-    used = jnp.arange(log.kind.shape[0]) < log.count
     # The entry of a start in contact does not know what depends on the state's rate; the start is looked at apart.
     starts = (log.kind == Kind.TOUCHDOWN) & (log.time == 0.0)
     candidates = jnp.where(starts[:, None], -jnp.inf, log.values[:, contacts:])
@@ -34,7 +33,7 @@ def places_of(system: ContactSystem, log: Log) -> Places:
     if contacts:
         force = jnp.max(log.values[:, :contacts], axis=1, keepdims=True)
         candidates = jnp.concatenate([force, candidates], axis=1)
-    slots = jnp.argmax(jnp.where(used[:, None], candidates, -jnp.inf), axis=0)
+    slots = jnp.argmax(jnp.where(log.used[:, None], candidates, -jnp.inf), axis=0)
     if not contacts:
         return Places(slots, others)
     contact = jnp.argmax(log.values[slots[0], :contacts])

@@ -71,6 +71,12 @@ class Log(eqx.Module):
         """Return whether there were more events than room."""
         return self.count > self.room
 
+    @property
+    def used(self) -> Bool[Array, " slots"]:
+        """Return which slots hold an event: those behind the count may hold anything, and of a full log those of
+        observables that had no later maximum hold none."""
+        return (jnp.arange(self.kind.shape[-1]) < self.count[..., None]) & (self.kind != Kind.NONE)
+
     def with_start_values(self, values: Float[Array, " observables"]) -> "Log":
         """Return the log with the observables of a start in contact."""
         starts = (self.kind == Kind.TOUCHDOWN) & (self.time == 0.0)

@@ -127,11 +127,10 @@ READER = reader(planar_misses)
 
 def crossings(mechanism: Assembled, log: Log) -> Bool[Array, " slots"]:
     """Return which entries of a log are the crossing of the capture plane, where what holds the tip begins to close."""
-    used = jnp.arange(log.kind.shape[0]) < log.count  # slots behind the count may hold anything
     return (
         (log.kind == Kind.TOUCHDOWN)
         & (log.which == mechanism.contact_names.index(mechanism.element("throat").holder))
-        & used
+        & log.used
     )
 
 
