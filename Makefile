@@ -20,7 +20,7 @@ PEERS := $(VENV)/.peers
 # There is a test process for each core: further threads, of linear algebra, would only get in their way.
 # `make test PROGRAMS=folder` keeps what is compiled in a folder, for `make test-slow` with the same one.
 PYTEST := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist worksteal --durations 40 \
-	--durations-min 5 $(if $(PROGRAMS),--programs $(PROGRAMS))
+	--durations-min 5 $(if $(PROGRAMS),--programs=$(PROGRAMS))
 SLOW := slow or whole or long
 # Nearly all of the tests' time is compilation. Without LLVM's optimisations the 447 quick ones of tests/docking, run,
 # sensitivities and elements take 127 instead of 187 s of processor, a capture's gradient 26 instead of 49 s. The
