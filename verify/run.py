@@ -15,7 +15,7 @@ ROOT = Path(__file__).parent.parent
 RESULTS = ROOT / "results" / "verify"
 CLAIMING = (  # folders of tests that carry the claims
     *("tests/properties", "tests/hybrid", "tests/verification", "tests/multibody", "tests/mechanisms"),
-    *("tests/structures", "tests/composites", "tests/shock", "tests/contact"),
+    *("tests/structures", "tests/composites", "tests/shock", "tests/contact", "tests/docking3d"),
 )
 LIMIT = 900  # s for the checks of one breakage
 

@@ -28,7 +28,7 @@ def test_the_hinge_turns_about_y_of_the_active_vehicle_and_then_about_z_of_the_c
     active = Rotation.from_rotvec([0.4, -0.7, 0.5])
     cylinder = active * Rotation.from_euler("YZX", [ALPHA, BETA, roll])
     hinge = active.apply([design.active.hinge_offset, 0.0, 0.0])
-    places = [np.zeros(3), hinge + cylinder.apply([design.buffer.cylinder_length / 2, 0.0, 0.0])]
+    places = [np.zeros(3), hinge - cylinder.apply([design.buffer.cylinder_length / 2, 0.0, 0.0])]
     places += [places[1] + cylinder.apply([0.1, 0.0, 0.0]), np.ones(3)]
     turns = [rotation.as_quat(scalar_first=True) for rotation in (active, cylinder, cylinder, Rotation.identity())]
     q = jnp.asarray(np.concatenate([part for pair in zip(places, turns, strict=True) for part in pair]))
