@@ -19,6 +19,7 @@ def test_an_extension_of_an_atom_s_width_is_reached_at_no_time():
         mechanism=SimpleNamespace(quantities={"stroke": of("stroke"), "extension": of("extension")}),
         _observed=("stroke", "extension", "force"),
         _located=SimpleNamespace(
+            count=3,
             used=np.ones(3, bool),
             time=np.array([0.0, 1.5, 4.0]),
             values=np.array([[0.0, 0.0, 0.0], [0.001, 6e-16, 2e-12], [0.012, 0.0, 0.0]]),
