@@ -5,7 +5,7 @@ of a tenth of a millisecond and only add to it: no buffer lowers the first peak,
 """
 
 import functools
-from typing import Any
+from typing import Any, cast
 
 import jax
 import jax.numpy as jnp
@@ -15,7 +15,7 @@ from jaxtyping import Array, Float
 from ..._types import Scalar
 from ...contact.laws import HystereticLaw
 from ...errors import check_type
-from ...fields import Curve, get, paths
+from ...fields import Curve, Part, get, paths
 from ...programs.cache import stored
 from ..assembled import Assembled
 from ..layout import EvaluatedState
@@ -54,9 +54,9 @@ def first_impact(design: AnyDesign, scenario: Meeting | None = None) -> FirstImp
     """
     check_type("design", design, DockingDesign, "the design first, such as jb.table2(), then the scenario")
     mechanism = mechanism_of(design)
-    scenario = mechanism.scenario() if scenario is None else scenario
-    mechanism.check_fit(design, scenario)
-    return _first_impact(_arrays(design, scenario))
+    meeting = mechanism.scenario() if scenario is None else scenario
+    mechanism.check_fit(design, meeting)
+    return _first_impact(_arrays(design, cast(Meeting, meeting)))
 
 
 def first_impact_elasticities(design: AnyDesign, scenario: Meeting) -> dict[str, float]:
@@ -78,14 +78,14 @@ def _arrays(design: AnyDesign, scenario: Meeting) -> tuple[AnyDesign, Meeting]:
     return jax.tree.map(lambda x: x if isinstance(x, jax.Array) else np.asarray(x, float), (design, scenario))
 
 
-def _assembled(design: AnyDesign, scenario: Meeting) -> Assembled:
+def assembled(design: Part, scenario: Part) -> Assembled:
     """Return a design in a scenario, in the plane or in space as the design is."""
-    return mechanism_of(design).system(design, scenario)
+    return cast(Assembled, mechanism_of(design).system(design, scenario))
 
 
 @functools.partial(stored, what="the first impact's closed form")
 def _first_impact(parameters: tuple[AnyDesign, Meeting]) -> FirstImpact:
-    mechanism = _assembled(*parameters)
+    mechanism = assembled(*parameters)
     return predict(mechanism, *first_flank(mechanism, mechanism.first_evaluation()[0]))
 
 
@@ -94,7 +94,7 @@ def _log_peak_slopes(parameters: tuple[AnyDesign, Meeting]) -> AnyDesign:
     """Return the slopes of the logarithm of the elastic peak by the numbers of the design, in the design's form."""
 
     def log_peak(design: AnyDesign) -> Float[Array, ""]:
-        mechanism = _assembled(design, parameters[1])
+        mechanism = assembled(design, parameters[1])
         return jnp.log(predict(mechanism, *first_flank(mechanism, mechanism.first_evaluation()[0])).elastic_peak)
 
     return jax.grad(log_peak)(parameters[0])

@@ -11,7 +11,7 @@ from ...programs.process import check_ready
 from ...tables import table, text
 from ..registry import mechanism_of
 from .assembly import tip_on_flanks
-from .closed_form import first_flank
+from .closed_form import assembled, first_flank
 from .design import DockingDesign, Meeting
 
 ASKED = (0.1, 0.3, 0.5, 0.7, 0.9)  # restitutions, as in the published comparisons
@@ -45,7 +45,7 @@ class Comparison(NamedTuple):
 
 def first_contact(design: Part, scenario: Part) -> tuple[float, float]:
     """Return effective mass [kg] and approach speed [m/s] of the first impact."""
-    mechanism = mechanism_of(design).system(design, scenario)
+    mechanism = assembled(design, scenario)
     mass, speed = first_flank(mechanism, mechanism.first_evaluation()[0])
     return float(mass), float(speed)
 
