@@ -23,7 +23,7 @@ PYTEST := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 
 	--durations-min 5 $(if $(PROGRAMS),--programs=$(PROGRAMS))
 SLOW := slow or whole or long
 # Nearly all of the tests' time is compilation. Without LLVM's optimisations the 447 quick ones of tests/docking, run,
-# sensitivities and elements take 127 instead of 187 s of processor, a capture's gradient 26 instead of 49 s. The
+# sensitivities and elements take 127 instead of 187 s of processor. The
 # comparisons with references in tests/verification, and the longest tests, run what users run.
 AS_USERS_RUN := tests/verification
 UNOPTIMISED := XLA_FLAGS="$$XLA_FLAGS --xla_backend_optimization_level=0"

@@ -290,5 +290,4 @@ STUDIES = [
     line("simulate study.toml", "study.toml is not valid TOML", "line 3", study="[buffer]\nk_A = 1\nk_A = 2\n"),
     line("simulate missing.toml", "missing.toml: no such file"),
     line("simulate .", ".: a folder, not a study", "did you mean study.toml?", study=""),
-    line("animate /tmp", "/tmp: a folder, not a study"),
 ]

@@ -61,15 +61,16 @@ def event_at_end(task: Task, state: LoopState, trial: Trial, decision: Decision)
     """
     contacts, refinement = task.contacts, decision.refinement
     here = state.locating & refinement.occurred & decision.accepted
+    located = jnp.where(here, state.bracket.guard, -1)
     passed, ending = _passed_unlocated(state, trial, decision)
-    guard = jnp.where(here, state.bracket.guard, -1)
-    guard = jnp.where(passed, task.contacts + ending, guard)
+    guard = jnp.where(passed, contacts + ending, located)
     of_contact = (guard >= 0) & (guard < contacts)
     terminal = (guard >= contacts) & (guard < task.rated)
     chosen = of_contact & (task.each_contact == guard)
     # A contact's guard has one number, whether it closes or opens: its present state says which of the two this is.
     touchdown = of_contact & jnp.any(chosen & (state.active < 0.5))
-    offset = jnp.where(state.locating & ~(passed & (guard != state.bracket.guard)), refinement.offset, 0.0)
+    # The offset is that of the guard that was located; one that jumps is passed somewhere within the step.
+    offset = jnp.where(state.locating & (guard == located), refinement.offset, 0.0)
     at_event = _moved(task.system, trial.step, offset)
 
     def touch() -> tuple[Rows, Float[Array, ""]]:
