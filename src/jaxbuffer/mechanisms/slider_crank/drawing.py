@@ -119,15 +119,16 @@ def _piston_touches(design: SliderCrank, front: Spot) -> tuple[Touch, ...]:
     pin = design.piston_pin
     if pin.joint != "clearance":
         return ()
+    radius = float(pin.radius)
     if pin.by_components:
-        return tuple(Touch(front, _seat(design), flank, -1.0) for flank in flanks(float(pin.bush_radius)))
-    return (Touch(_seat(design), front, Hole(0.0, 0.0, float(pin.bush_radius)), 1.0),)
+        return tuple(Touch(front, _seat(design), flank, -1.0, radius) for flank in flanks(float(pin.bush_radius)))
+    return (Touch(_seat(design), front, Hole(0.0, 0.0, float(pin.bush_radius)), 1.0, radius),)
 
 
 def _crank_touches(design: SliderCrank, at_crank: Spot, rear: Spot) -> tuple[Touch, ...]:
     pin = design.crank_pin
     hole = Hole(0.0, 0.0, float(pin.bush_radius))
-    return (Touch(at_crank, rear, hole, 1.0),) if pin.joint == "clearance" else ()
+    return (Touch(at_crank, rear, hole, 1.0, float(pin.radius)),) if pin.joint == "clearance" else ()
 
 
 def closer(pin: PinInBush, touch: Touch, motion: Motion, magnified: int) -> tuple[Detail, Motion]:
