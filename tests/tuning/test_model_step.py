@@ -48,7 +48,7 @@ def test_the_lagrangian_is_stationary(over, limit):
     found = best_step(goal, tangent, scaled, 1.0, SCALE, 10.0, curvature=CURVATURE)
     assert found.predicted_reduction > 0.0
     assert found.multipliers.slope(tangent) + CURVATURE @ found.step == pytest.approx(0.0, abs=1e-6)
-    objective = goal.weights(goal.objective)[0] * np.sum(found.multipliers.peaks)
+    objective = goal.weights[0] * np.sum(found.multipliers.peaks)
     assert objective == pytest.approx(1.0 / SCALE, abs=1e-8), "the cases' weights sum to one"
     margins = tangent.margin + tangent.margin_slope @ found.step
     assert found.multipliers.margin @ margins == pytest.approx(0.0, abs=1e-6), "only what is met exactly has a weight"

@@ -58,7 +58,7 @@ def _alternative(
         feasible=goal.feasible(evaluation) and not above,
         broken=(*broken, *goal.broken(evaluation)),
         margins=margins(problem, evaluation),
-        deciding=int(np.argmax(evaluation.quantities @ goal.weights(goal.objective))),
+        deciding=int(np.argmax(evaluation.quantities @ goal.weights)),
         second=_second(criterion, problem, evaluation, totals),
     )
 
@@ -75,7 +75,7 @@ def with_variables(criterion: Criterion, alternative: Alternative, tuned: Tuned)
         feasible=tuned.feasible,
         broken=tuple(goal.broken(tuned.after)),
         margins=margins(problem, tuned.after),
-        deciding=int(np.argmax(tuned.after.quantities @ goal.weights(problem.objective))),
+        deciding=int(np.argmax(tuned.after.quantities @ problem.objective.vector(problem.names))),
         second=_second(criterion, problem, tuned.after, alternative.totals),
         tuned=tuned,
     )

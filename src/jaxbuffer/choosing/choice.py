@@ -189,8 +189,8 @@ class Choice(Saved):
 def margins(problem: Problem, evaluation: Evaluation) -> tuple[LimitMargin, ...]:
     """Return how far a design keeps from each limit in its worst load case, the tightest first."""
     known, made = reported(problem, evaluation), []
-    for column, limit in Goal(problem, problem.objective).indexed_limits:
-        values = known[:, column]
+    for it in Goal(problem, problem.objective).on_quantities:
+        limit, values = it.limit, known[:, it.column]
         # A run without the number keeps no limit, so it counts as the worst.
         worst = int(np.argmax(np.nan_to_num(limit.rows(values), nan=np.inf)))
         made.append(LimitMargin(limit, float(values[worst]), limit.margin(float(values[worst])), worst))

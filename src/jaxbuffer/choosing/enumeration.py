@@ -222,9 +222,11 @@ class Enumeration:
             evaluation = gather(problem, problem.start(), cases, self.runs.each(wanted, done=self._report))
             places = tuple(np.array(wanted).T)
             self.judged.excess[places] = self.goal.excess_by_case(evaluation)
-            self.judged.value[places] = evaluation.quantities @ self.goal.weights(self.goal.objective)
+            self.judged.value[places] = evaluation.quantities @ self.goal.weights
             if self.second is not None and self.second.objective is not None:
-                self.judged.second[places] = evaluation.quantities @ self.goal.weights(self.second.objective)
+                self.judged.second[places] = evaluation.quantities @ self.second.objective.vector(
+                    self.goal.problem.names
+                )
             self.judged.failed[places] = ~evaluation.solved
         least = 0.0 if self.objective is None else self._least(self.judged.value)
         self.lower = self.constant + least

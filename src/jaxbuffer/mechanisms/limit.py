@@ -9,12 +9,13 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from ..value_text import digits_apart, with_unit
-from .quantity import Quantity
+from .quantity import Catalogue, Quantity
 
 # Relative. An event that ends a run at a value leaves that value to the rounding of its location: a limit at the same
 # value is kept.
 ROUNDING = 1e-9
 IMPACTS = "impacts"  # what a limit on the number of touchdowns is called
+COUNT = Quantity("-", lambda run: run.impact_count, "number of touchdowns", IMPACTS)
 
 UPPER, LOWER = ("≤", "above"), ("≥", "below")
 
@@ -67,9 +68,16 @@ class Limit:
         return np.where(positive, self.bound / np.where(positive, known, 1.0), np.inf)
 
     def margin(self, value: float | None) -> float | None:
-        """Return how far a value keeps from the limit, relative to it; None where it is not known."""
+        """Return how far a value keeps from the limit, relative to it; None where it is not known, and for a whole
+        number, which has no margin to speak of."""
+        if value is None or math.isnan(value) or self.name == IMPACTS:
+            return None
         # Adding zero makes 0 of -0, which would be shown with its sign.
-        return None if value is None or math.isnan(value) else -float(self.rows(value)) + 0.0
+        return -float(self.rows(value)) + 0.0
+
+    def quantity(self, catalogue: Catalogue) -> Quantity:
+        """Return what is limited: one of a ``catalogue``, or the number of touchdowns."""
+        return COUNT if self.name == IMPACTS else catalogue[self.name]
 
     def worst(self, values: Sequence[float | None]) -> float | None:
         """Return the value nearest to the limit or farthest beyond it; None where one is not known."""

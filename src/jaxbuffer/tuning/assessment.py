@@ -51,7 +51,7 @@ def assess(
     # The start at the tight tolerance too, so that what is gained is none of the search's own error.
     before, after = evaluator([first, scaled], rtol=evaluator.tight)
     # One set of weights for both slopes: which load case is the worst may differ by rounding, which is no error.
-    cases = goal.objective.case_weights(after.quantities @ goal.weights(goal.objective))
+    cases = goal.objective.case_weights(after.quantities @ goal.weights)
     exact = goal.slope(after, cases)
     error, largest = float(np.max(np.abs(goal.slope(best, cases) - exact))), float(np.max(np.abs(exact)))
     return Tuned(

@@ -6,11 +6,12 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from ..mechanisms.limit import IMPACTS, Limit
 from ..value_text import with_unit
 from .checks import PeakForceBound
+from .constraints import Breach, QuantityLimit, Reached
 from .evaluation import Evaluation
-from .goal import Breach, Goal, end_limit
+from .goal import Goal
+from .problem import Problem
 from .variable import Variable
 
 LEAST = 1e-6  # change of a limited quantity, relative to its limit, for a change of 1 % of a variable: less is none
@@ -18,22 +19,6 @@ WEAK = 0.1  # change relative to the strongest variable's: one with less is not 
 WEAK_AT_BOUND = 0.01  # the same of a variable at its bound
 FARTHEST = 10.0  # times a variable's value: beyond it no guess is made
 LEVERS, LEAST_LEVER = 6, 0.05  # levers of the first impact in a line, and the least elasticity of one [-]
-
-
-class WorstCase(NamedTuple):
-    """A broken limit in the load case where it is broken worst.
-
-    ``value``: the quantity's; ``limit``; ``size``, relative to which a change of the quantity counts; ``slope``: the
-    quantity's by the scaled variables; ``falls``: whether it must fall, or else rise; ``shown``: the unit of figures,
-    and how many of those its own unit is.
-    """
-
-    value: float
-    limit: float
-    size: float
-    slope: Float[np.ndarray, " variables"]
-    falls: bool
-    shown: tuple[str, float]
 
 
 class BrokenLimit(NamedTuple):
@@ -64,9 +49,6 @@ def broken_limits(goal: Goal, point: Evaluation, bound: PeakForceBound | None = 
     limits = [_described(goal, point, breach, bound) for breach in goal.breaches(point)]
     if failed := goal.failed(point):
         limits.append(BrokenLimit(np.inf, failed))
-    if goal.ceiling is not None and (above := goal.above_ceiling(point)) is not None:
-        scale = goal.ceiling.scale
-        limits.append(BrokenLimit(goal.first_value(point) / scale - goal.ceiling.value / scale, above))
     if limits or not goal.require_success or np.all(point.succeeded):
         # Excess is relative, so that limits in different units can be compared.
         return sorted(limits, key=lambda limit: -limit.excess)
@@ -78,37 +60,31 @@ def broken_limits(goal: Goal, point: Evaluation, bound: PeakForceBound | None = 
 
 def _described(goal: Goal, point: Evaluation, breach: Breach, bound: PeakForceBound | None) -> BrokenLimit:
     """Return a broken limit with its worst load case and, where it has slopes, what stands against it."""
-    limit = breach.limit
-    if limit is None:
-        return _of_margin(goal, point, breach)
-    if limit.name == IMPACTS:
-        heading = _heading(goal, f"{limit.name} {limit.bound_text()}", breach, f"{breach.value:.0f}")
+    constraint = breach.constraint
+    heading, reached = constraint.heading(point, breach), constraint.reached(point, breach.case)
+    if reached is None:
         return BrokenLimit(breach.largest, heading)
-    value, quantity = breach.value, goal.problem.catalogue[limit.name]
-    heading = _heading(goal, limit.line(quantity), breach, limit.told_apart(value, *quantity.in_figures))
-    slope = point.quantities_slope[breach.case, goal.problem.names.index(limit.name)]
-    worst = WorstCase(value, limit.bound, limit.bound, slope, not limit.lowest, quantity.in_figures)
-    return _broken(goal, point, breach, heading, worst)._replace(beneath=_beneath(goal, limit, bound))
+    broken = _broken(goal, point, breach, heading, reached)
+    return broken._replace(beneath=_beneath(constraint, bound)) if isinstance(constraint, QuantityLimit) else broken
 
 
-def _beneath(goal: Goal, limit: Limit, bound: PeakForceBound | None) -> str:
+def _beneath(constraint: QuantityLimit, bound: PeakForceBound | None) -> str:
     """Return that a limit lies under its quantity's lower bound, and what would lower that; "" where it does not."""
+    problem, limit, shown = constraint.problem, constraint.limit, constraint.quantity.in_figures
     least = None if bound is None else bound.least.get(limit.name)
     if bound is None or least is None or limit.lowest or limit.keeps(least.value):
         return ""
-    problem, quantity = goal.problem, goal.problem.catalogue[limit.name]
-    where = f" at {problem.in_sentence(least.case)}" if len(problem.cases) > 1 else ""
-    value = limit.told_apart(least.value, *quantity.in_figures)
-    worst = WorstCase(least.value, limit.bound, limit.bound, least.slope, True, quantity.in_figures)
+    value = limit.told_apart(least.value, *shown)
+    reached = Reached(least.value, limit.bound, limit.bound, least.slope, True, shown)
     # Within the bounds nothing is left to gain: that is what makes it the lower bound.
-    widened = [_words(goal, worst, it) for it in helpful_variables(goal, least.scaled, worst) if it.at_bound]
+    widened = [_words(problem, reached, it) for it in helpful_variables(problem, least.scaled, reached) if it.at_bound]
     outside = {path: it for path, it in least.elasticities.items() if path not in problem.paths}
     levers = levers_text(outside)
     lowered = [f"with {' or '.join(widened)}"] if widened else []
     lowered += [f"by numbers that are no variables, {levers}"] if levers else []
     return (
-        f"it lies under the lower bound of {limit.name}, {value}{where}: within the bounds of the variables the first"
-        " impact alone, which no buffer softens, has that much"
+        f"it lies under the lower bound of {limit.name}, {value}{problem.at_case(least.case)}: within the bounds of the"
+        " variables the first impact alone, which no buffer softens, has that much"
         + (f"; that would fall {' or '.join(lowered)}" if lowered else "")
     )
 
@@ -120,30 +96,14 @@ def levers_text(elasticities: Mapping[str, float], most: int = LEVERS) -> str:
     return f"in per cent for 1 % more of each: {', '.join(texts)}" if texts else ""
 
 
-def _of_margin(goal: Goal, point: Evaluation, breach: Breach) -> BrokenLimit:
-    """Describe load cases that do not end as they must, by the mechanism's margin."""
-    problem, k = goal.problem, breach.case
-    mechanism, end = problem.mechanism, problem.end
-    assert mechanism.tuning.margin is not None
-    heading = _heading(goal, str(problem.success), breach, goal.lack(point, k))
-    if end is not None and end.quantity and mechanism.succeeded(int(point.code[k])):
-        q, quantity = problem.names.index(end.quantity), mechanism.quantities[end.quantity]
-        bound = end_limit(end, problem.built(point.scaled)).bound
-        slope, value = point.quantities_slope[k, q], float(point.quantities[k, q])
-        return _broken(goal, point, breach, heading, WorstCase(value, bound, bound, slope, True, quantity.in_figures))
-    quantity = mechanism.quantities[mechanism.tuning.margin]
-    if end is None or not end.quantity:
-        heading = f"{heading} ({mechanism.tuning.margin}: {quantity.description})"
-    worst = WorstCase(breach.value, 0.0, 1.0, point.margin_slope[k], False, (quantity.unit, 1.0))
-    return _broken(goal, point, breach, heading, worst)
-
-
-def _broken(goal: Goal, point: Evaluation, breach: Breach, heading: str, worst: WorstCase) -> BrokenLimit:
-    influences = helpful_variables(goal, point.scaled, worst)
+def _broken(goal: Goal, point: Evaluation, breach: Breach, heading: str, reached: Reached) -> BrokenLimit:
+    influences = helpful_variables(goal.problem, point.scaled, reached)
     at_bound = [it for it in influences if it.at_bound]
-    short, way = _short_of_limit(worst, at_bound), "fall" if worst.falls else "rise"
+    short, way = _short_of_limit(reached, at_bound), "fall" if reached.falls else "rise"
     # Which variables at a bound stand against the quantity, and which would help within their bounds.
-    outside, inside = ([_words(goal, worst, it) for it in influences if it.at_bound is at] for at in (True, False))
+    outside, inside = (
+        [_words(goal.problem, reached, it) for it in influences if it.at_bound is at] for at in (True, False)
+    )
     lines = [] if influences else ["no variable changes it: the limit can't be kept by these variables"]
     if outside:
         lines.append(f"it would {way} with {' or '.join(outside)}")
@@ -152,12 +112,6 @@ def _broken(goal: Goal, point: Evaluation, breach: Breach, heading: str, worst: 
     reason = "; ".join([*lines, *([short] if short else [])])
     at_bounds = () if short else tuple(it.variable.path for it in at_bound)
     return BrokenLimit(breach.largest, heading, reason, at_bounds)
-
-
-def _heading(goal: Goal, limit: str, breach: Breach, worst: str) -> str:
-    problem, count = goal.problem, int(np.sum(breach.excess > 0.0))
-    where = problem.in_sentence(breach.case)
-    return f"{limit}: broken in {count} of {len(problem.cases)} scenarios, worst {worst} at {where}"
 
 
 class Influence(NamedTuple):
@@ -174,67 +128,66 @@ class Influence(NamedTuple):
     at_bound: bool
 
 
-def helpful_variables(goal: Goal, scaled: Float[np.ndarray, " variables"], worst: WorstCase) -> list[Influence]:
+def helpful_variables(problem: Problem, scaled: Float[np.ndarray, " variables"], reached: Reached) -> list[Influence]:
     """Return the variables that bring a quantity nearer to its limit to first order, the strongest first; ``scaled``:
     the variables of the design.
 
     Those whose effect is none, or weak beside the strongest one's, are left out.
     """
-    problem, influences = goal.problem, list[Influence]()
-    values = problem.values(scaled)
-    for variable, value, by in zip(problem.variables, values, worst.slope, strict=True):
+    influences, values = list[Influence](), problem.values(scaled)
+    for variable, value, by in zip(problem.variables, values, reached.slope, strict=True):
         # The slope by the variable itself is that by the scaled one over d value / d scaled.
         change = 0.01 * float(by) * abs(float(value)) / variable.slope(float(value))
-        up = (change < 0.0) == worst.falls
+        up = (change < 0.0) == reached.falls
         at_bound = variable.at_bound(float(value)) == f"at {'high' if up else 'low'} bound"
         influences.append(Influence(variable, float(value), change, up, at_bound))
     strongest = max((abs(it.change) for it in influences), default=0.0)
     # A variable at its bound may be named with a weaker effect: its bound is what the user can widen.
     least = {True: WEAK_AT_BOUND * strongest, False: WEAK * strongest}
-    strong = [it for it in influences if abs(it.change) > max(least[it.at_bound], LEAST * worst.size)]
+    strong = [it for it in influences if abs(it.change) > max(least[it.at_bound], LEAST * reached.size)]
     return sorted(strong, key=lambda it: -abs(it.change))
 
 
-def _short_of_limit(worst: WorstCase, at_bound: list[Influence]) -> str:
+def _short_of_limit(reached: Reached, at_bound: list[Influence]) -> str:
     """Return that even much wider bounds would not keep a limit, by the powers of the variables with which its quantity
     goes; "" where they may, or where nothing can be said."""
-    if not at_bound or worst.value * worst.limit <= 0.0:
+    if not at_bound or reached.value * reached.limit <= 0.0:
         return ""
-    powers = sum(abs(it.change / (0.01 * worst.value)) for it in at_bound)
+    powers = sum(abs(it.change / (0.01 * reached.value)) for it in at_bound)
     with np.errstate(over="ignore"):
-        times = float(FARTHEST ** (-powers if worst.falls == (worst.value > 0.0) else powers))
-    best = worst.value * times
-    if best <= worst.limit if worst.falls else best >= worst.limit:
+        times = float(FARTHEST ** (-powers if reached.falls == (reached.value > 0.0) else powers))
+    best = reached.value * times
+    if best <= reached.limit if reached.falls else best >= reached.limit:
         return ""
-    symbol, factor = worst.shown
+    symbol, factor = reached.shown
     return (
         f"bounds {FARTHEST:g} times as far would leave it at about {with_unit(factor * best, symbol, 2)}: numbers that"
         " are no variables decide it"
     )
 
 
-def _words(goal: Goal, worst: WorstCase, it: Influence) -> str:
+def _words(problem: Problem, reached: Reached, it: Influence) -> str:
     """Say what more or less of a variable does, and of one at its bound how far about it would have to go beyond."""
-    path, problem, (symbol, factor) = it.variable.path, goal.problem, worst.shown
-    change = abs(factor * it.change) * (-1.0 if worst.falls else 1.0)
+    path, (symbol, factor) = it.variable.path, reached.shown
+    change = abs(factor * it.change) * (-1.0 if reached.falls else 1.0)
     effect = f"({with_unit(change, symbol, 2, sign=True)} per 1 %)"
     if not it.at_bound:
         return f"{'more' if it.up else 'less'} {path} {effect}"
     bound = with_unit(*problem.shown(path, it.variable.high if it.up else it.variable.low))
     far = ""
-    if (enough := _enough(worst, it)) is not None:
+    if (enough := _enough(reached, it)) is not None:
         far = f", {'to' if it.up else 'down to'} about {with_unit(*problem.shown(path, enough), 2)}"
     return f"{path} {'above' if it.up else 'below'} its bound of {bound}{far} {effect}"
 
 
-def _enough(worst: WorstCase, it: Influence) -> float | None:
+def _enough(reached: Reached, it: Influence) -> float | None:
     """Return the variable's value at which the quantity would reach its limit if it went as a power of the variable.
 
     **Returns:** None for what has no sign of its own, and beyond a factor of `FARTHEST`.
     """
-    if worst.value * worst.limit <= 0.0 or it.value <= 0.0:
+    if reached.value * reached.limit <= 0.0 or it.value <= 0.0:
         return None
     # A weak variable overflows, which the comparison below takes for too far.
     with np.errstate(over="ignore"):
-        times = float(np.exp(0.01 * worst.value * np.log(worst.limit / worst.value) / it.change))
+        times = float(np.exp(0.01 * reached.value * np.log(reached.limit / reached.value) / it.change))
     return it.value * times if 1.0 / FARTHEST <= times <= FARTHEST else None

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from ..mechanisms.limit import ROUNDING
 from .cases import Case, corner_signs
 from .evaluation import Evaluation, Evaluator
 from .problem import Problem
@@ -138,7 +139,7 @@ def worse_corners(
         value, limited = search.values[place][k], search.targets[k].limited
         least = max(known[k], 0.0) if limited else known[k] + WORSE * abs(known[k])
         # A limit that is kept there too is no reason for another tuning.
-        if value > least + (1e-9 if limited else 0.0):
+        if value > least + (ROUNDING if limited else 0.0):
             rows.append(place[1])
     return tuple(dict.fromkeys(rows))
 

@@ -164,7 +164,7 @@ def corners(problem: Problem, runs: CornerRuns) -> Corners:
     goal, evaluation, count = Goal(problem, problem.objective), runs.evaluation, runs.corners
     sampled = 0 if problem.scatter is None else len(problem.scatter.distributions)
     ranges = sampled + len(problem.tolerances)
-    values = np.where(evaluation.solved, evaluation.quantities @ goal.weights(problem.objective), np.nan)
+    values = np.where(evaluation.solved, evaluation.quantities @ problem.objective.vector(problem.names), np.nan)
     broken = [tuple(goal.broken_in(evaluation, k, runs.cases)) for k in range(len(runs.cases))]
     names = [name for name, there in (("tolerances", problem.tolerances), ("sampled ranges", sampled)) if there]
     return Corners(

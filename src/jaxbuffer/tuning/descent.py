@@ -13,6 +13,7 @@ from jaxtyping import Float
 
 from ..errors import InputError
 from .assessment import assess
+from .constraints import ImpactsLimit
 from .evaluation import Evaluation, Evaluator
 from .goal import Goal, Tangent
 from .message import SearchReport, ending, left_to_gain
@@ -174,8 +175,7 @@ def _descent(
         value = goal.value(point) / search.scale + np.sum(estimates**2 - multipliers**2) / (2.0 * STIFFNESS)
         if step % PATIENCE == 0:
             multipliers = estimates
-        weights = goal.weights(goal.objective)
-        cases = goal.objective.case_weights(point.quantities @ weights)
+        cases = goal.objective.case_weights(point.quantities @ goal.weights)
         slope = goal.slope(point, cases) / search.scale + estimates @ slopes
         change, state = step_of(optimizer, slope, state, point.scaled, float(value))
         if not np.all(np.isfinite(change)):
@@ -202,8 +202,6 @@ def _rows(goal: Goal, point: Evaluation) -> tuple[Float[np.ndarray, " rows"], Fl
     """Return the constraints g ≤ 0 at a design, and their slopes."""
     tangent, size = Tangent.of(point), len(point.scaled)
     rows = goal.rows(*tangent.after(np.zeros(size)))
-    slopes = [limit.slopes(point.quantities_slope[:, q]) for q, limit in goal.indexed_limits]
-    if goal.require_success:
-        # A margin must be positive, a row at most zero.
-        slopes.append(-point.margin_slope)
+    # A number of impacts has no slope to follow, and no row.
+    slopes = [it.slopes(point) for it in goal.constraints if not isinstance(it, ImpactsLimit)]
     return rows, np.concatenate([*slopes, np.zeros((0, size))])

@@ -8,11 +8,10 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from ..fields import Part, get
-from ..mechanisms.limit import IMPACTS, Limit, beyond
-from ..mechanisms.mechanism import RequiredEnd
-from ..value_text import digits_apart, percent_text, with_unit
+from ..mechanisms.limit import beyond
+from ..value_text import percent_text
 from .cases import Case
+from .constraints import Breach, Ceiling, Constraint, EndMargin, QuantityLimit, constraints_of
 from .evaluation import Evaluation
 from .objective import Limits, Objective
 from .problem import Problem
@@ -20,20 +19,6 @@ from .problem import Problem
 ROOM = 1e-4  # relative distance from each limit that steps aim at, so that what the model neglects breaks none
 NEARBY = 0.01  # relative room to a limit below which the limit stands in the way
 NO_PEAK = -1e9  # N, of a slot without an impact: below every peak, so that it is never the largest
-
-
-@dataclasses.dataclass(frozen=True)
-class Ceiling:
-    """A ceiling is an objective that must not rise above ``value`` [N] while another one is lowered."""
-
-    objective: Objective
-    value: float
-
-    @property
-    def scale(self) -> float:
-        """Return the size by which its row is made relative [N]."""
-        # A ceiling of zero has no size to be relative to.
-        return abs(self.value) or 1.0
 
 
 class Tangent(NamedTuple):
@@ -72,33 +57,6 @@ class Tangent(NamedTuple):
         return quantities, self.margin + self.margin_slope @ step
 
 
-class Breach(NamedTuple):
-    """A constraint that some load cases break: the ``limit``, or None for the end that they must have.
-
-    ``excess``: of each load case, relative [-], 0 where it holds or there are no numbers; ``values``: what is limited,
-    or the margin of the end.
-    """
-
-    excess: Float[np.ndarray, " cases"]
-    limit: Limit | None
-    values: np.ndarray
-
-    @property
-    def case(self) -> int:
-        """Return the load case that is farthest beyond."""
-        return int(np.argmax(self.excess))
-
-    @property
-    def largest(self) -> float:
-        """Return the excess there [-]."""
-        return float(self.excess[self.case])
-
-    @property
-    def value(self) -> float:
-        """Return the limited value there."""
-        return float(self.values[self.case])
-
-
 @dataclasses.dataclass(frozen=True)
 class Goal:
     """The objective and the constraints of one stage. Rows are relative: 0 on the limit, 0.1 ten per cent above it."""
@@ -113,20 +71,21 @@ class Goal:
 
     def value(self, evaluation: Evaluation) -> float:
         """Return the true objective [N]: largest peaks, no smoothing."""
-        return self._value(self.objective, evaluation.quantities)
+        return self._value(evaluation.quantities)
 
-    def _value(self, objective: Objective, quantities: np.ndarray) -> float:
-        return objective.aggregate(quantities @ self.weights(objective))
+    def _value(self, quantities: np.ndarray) -> float:
+        return self.objective.aggregate(quantities @ self.weights)
 
-    def weights(self, objective: Objective) -> Float[np.ndarray, " quantities"]:
-        """Return an objective's weights of the problem's quantities."""
-        return objective.vector(self.problem.names)
+    @functools.cached_property
+    def weights(self) -> Float[np.ndarray, " quantities"]:
+        """Return the objective's weights of the problem's quantities."""
+        return self.objective.vector(self.problem.names)
 
     def slope(
         self, evaluation: Evaluation, case_weights: Float[np.ndarray, " cases"]
     ) -> Float[np.ndarray, " variables"]:
         """Return the objective's slope by the scaled variables, with given weights of the load cases."""
-        by_case = np.einsum("q,cqn->cn", self.weights(self.objective), evaluation.quantities_slope)
+        by_case = np.einsum("q,cqn->cn", self.weights, evaluation.quantities_slope)
         return np.asarray(case_weights @ by_case)
 
     @functools.cached_property
@@ -135,26 +94,25 @@ class Goal:
         return self.problem.limits.with_always(self.problem.mechanism.always(self.problem.design))
 
     @functools.cached_property
-    def indexed_limits(self) -> list[tuple[int, Limit]]:
-        """Return each limit with the index of its quantity in `Problem.names`."""
-        return [(self.problem.names.index(limit.name), limit) for limit in self.limits.each]
+    def constraints(self) -> tuple[Constraint, ...]:
+        """Return what each load case must keep, and the ceiling."""
+        return constraints_of(self.problem, self.limits, self.ceiling)
+
+    @property
+    def on_quantities(self) -> list[QuantityLimit]:
+        """Return the limits on the problem's quantities."""
+        return [it for it in self.constraints if isinstance(it, QuantityLimit)]
 
     @property
     def require_success(self) -> bool:
         """Return whether each load case must end as the problem asks, and a margin says how near it is to that."""
-        return self.problem.limits.require_success and self.problem.mechanism.tuning.margin is not None
+        return any(isinstance(it, EndMargin) for it in self.constraints)
 
     def rows(
         self, quantities: Float[np.ndarray, "cases quantities"], margin: Float[np.ndarray, " cases"]
     ) -> Float[np.ndarray, " rows"]:
         """Return all constraints that have slopes: limits by quantity, then margins, then the ceiling."""
-        parts = [limit.rows(quantities[:, q]) for q, limit in self.indexed_limits]
-        if self.require_success:
-            parts.append(-margin)
-        if self.ceiling is not None:
-            ceiling = self.ceiling
-            now = self._value(ceiling.objective, quantities)
-            parts.append(np.array([now / ceiling.scale - ceiling.value / ceiling.scale]))
+        parts = [it.rows(quantities, margin) for it in self.constraints]
         return np.concatenate([*parts, np.zeros(0)])  # nothing at all cannot be put together
 
     def excess(self, evaluation: Evaluation) -> Float[np.ndarray, " rows"]:
@@ -175,12 +133,8 @@ class Goal:
     def excess_by_case(self, evaluation: Evaluation) -> Float[np.ndarray, " cases"]:
         """Return by how much each load case is above its limits, all of them together; infinite where a number is not
         known, and 0 where it keeps them and ends as it must."""
-        excess = self.excess(evaluation)
-        if self.ceiling is not None:
-            rows = len(self.rows(evaluation.quantities, evaluation.margin))
-            excess = np.delete(excess, rows - 1)  # the ceiling's, which is no case's
-        # Rows come by constraint, each with an entry for every load case.
-        total = np.sum(np.nan_to_num(excess.reshape(-1, len(evaluation.code)), nan=np.inf), axis=0)
+        each = [beyond(it.numbers(evaluation)) for it in self.constraints if it.of_cases]
+        total = np.sum([*each, (~evaluation.solved).astype(float)], axis=0)
         # A case that breaks no limit but misses its end must not pass for one that keeps all: the least excess says so.
         missed = self.require_success & ~evaluation.succeeded & (total == 0.0)
         return np.asarray(np.where(missed, np.finfo(float).tiny, total))
@@ -195,7 +149,7 @@ class Goal:
         """Return the `merit` after a step to first order."""
         quantities, margin = tangent.after(step)
         above = beyond(self.rows(quantities, margin))
-        return self._value(self.objective, quantities) / scale + penalty * float(np.sum(above))
+        return self._value(quantities) / scale + penalty * float(np.sum(above))
 
     def excess_after(self, tangent: Tangent, step: Float[np.ndarray, " variables"]) -> float:
         """Return by how much all rows together are above their limits after a step, to first order."""
@@ -207,29 +161,12 @@ class Goal:
         for k in self.worst_first(evaluation):
             if here := self.broken_in(evaluation, k):
                 lines += [f"{self.problem.in_sentence(k)}: {text}" for text in here]
-        return lines if (above := self.above_ceiling(evaluation)) is None else [*lines, above]
-
-    def above_ceiling(self, evaluation: Evaluation) -> str | None:
-        """Return how far the objective under the ceiling is above it, in words; None where it is not."""
-        if self.ceiling is None:
-            return None
-        objective, value, scale = self.ceiling.objective, self.ceiling.value, self.ceiling.scale
-        now, catalogue = self.first_value(evaluation), self.problem.catalogue
-        if not np.any(beyond(np.array([now / scale - value / scale]))):
-            return None
-        (now, symbol), (value, _) = (objective.shown(it, catalogue) for it in (now, value))
-        highest = with_unit(value, symbol)
-        return f"{objective}: {with_unit(now, symbol, digits_apart(now, value, 5))} is above {highest}"
+        ceilings = [it.breach(evaluation) for it in self.constraints if not it.of_cases]
+        return lines + [it.constraint.sentence(evaluation, it) for it in ceilings if it.largest > 0.0]
 
     def breaches(self, evaluation: Evaluation) -> list[Breach]:
         """Return the constraints that a design breaks in load cases with numbers, the one farthest beyond first."""
-        quantities, solved, each = evaluation.quantities, evaluation.solved, list[Breach]()
-        for q, limit in self.indexed_limits:
-            each.append(Breach(np.where(solved, limit.excess(quantities[:, q]), 0.0), limit, quantities[:, q]))
-        if self.require_success:
-            each.append(Breach(np.where(solved, beyond(-evaluation.margin), 0.0), None, evaluation.margin))
-        for limit in self.limits.of_impacts:
-            each.append(Breach(np.where(solved, limit.excess(evaluation.impacts), 0.0), limit, evaluation.impacts))
+        each = [it.breach(evaluation) for it in self.constraints]
         return sorted((it for it in each if it.largest > 0.0), key=lambda it: -it.largest)
 
     def obstacle(self, evaluation: Evaluation) -> str:
@@ -237,56 +174,29 @@ class Goal:
         where it keeps all."""
         if failed := self.failed(evaluation):
             return failed
-        breaches = [self._breach_text(evaluation, it) for it in self.breaches(evaluation)[:1]]
-        return next(iter(breaches), self.above_ceiling(evaluation) or "")
+        return next((it.constraint.sentence(evaluation, it) for it in self.breaches(evaluation)), "")
 
     def nearest_limit(self, evaluation: Evaluation) -> str:
         """Return the limit with the least room, and the load case that leaves it, in words; "" where each has more
         than `NEARBY`."""
         least, text = NEARBY, ""
-        for q, limit in self.indexed_limits:
-            rows = limit.rows(evaluation.quantities[:, q])
-            k = int(np.argmax(rows))
-            if evaluation.solved[k] and -rows[k] < least:
-                least, line = -float(rows[k]), limit.line(self.problem.catalogue[limit.name])
-                text = f"{percent_text(max(least, 0.0))} of room to {line}{self._at(k)}"
+        for it in self.on_quantities:
+            numbers = it.numbers(evaluation)
+            k = int(np.argmax(numbers))
+            if evaluation.solved[k] and -numbers[k] < least:
+                least = -float(numbers[k])
+                room = percent_text(max(least, 0.0))
+                text = f"{room} of room to {it.limit.line(it.quantity)}{self.problem.at_case(k)}"
         return text
-
-    def _at(self, k: int) -> str:
-        """Return a load case in words; "" of a single one."""
-        return f" at {self.problem.in_sentence(k)}" if len(self.problem.cases) > 1 else ""
 
     def failed(self, evaluation: Evaluation) -> str:
         """Return in how many load cases the simulation failed, in words; "" for none."""
         solved = evaluation.solved
         return "" if np.all(solved) else f"the simulation failed in {int(np.sum(~solved))} of {len(solved)} scenarios"
 
-    def _breach_text(self, evaluation: Evaluation, breach: Breach) -> str:
-        """Return how a constraint is broken in its worst load case.
-
-        Beside a limit on the peak force stands the first impact, where that alone is above it: no buffer softens it.
-        """
-        problem, limit, value, where = self.problem, breach.limit, breach.value, self._at(breach.case)
-        if limit is None:
-            return f"not {problem.success} ({self.lack(evaluation, breach.case)}){where}"
-        if limit.name == IMPACTS:
-            return f"{value:.0f} impacts are above {limit.bound:.0f}{where}"
-        quantity, first = problem.catalogue[limit.name], float(np.max(evaluation.first, initial=0.0))
-        by = f" by {percent_text(breach.largest, '.3g')}" if np.isfinite(breach.largest) else ""
-        text = f"{limit.sentence(value, quantity)}{by}{where}"
-        softened = limit.lowest or limit.name != problem.peak_quantity or problem.mechanism.tuning.lower_bound is None
-        if softened or limit.keeps(first):
-            return text
-        return f"{text}, and the first impact, which no buffer softens, has {quantity.in_words(first, 4)}"
-
     def worst_first(self, evaluation: Evaluation) -> list[int]:
         """Return the load cases by how far they are above their limits, those without numbers first."""
         return [int(k) for k in np.argsort(-self.excess_by_case(evaluation), kind="stable")]
-
-    def first_value(self, evaluation: Evaluation) -> float:
-        """Return the value of the objective under the ceiling [N]."""
-        assert self.ceiling is not None
-        return self._value(self.ceiling.objective, evaluation.quantities)
 
     def broken_in(self, evaluation: Evaluation, k: int, cases: Sequence[Case] | None = None) -> list[str]:
         """Return what fails in one load case. ``cases``: those of the evaluation, by default the problem's."""
@@ -296,27 +206,10 @@ class Goal:
             return [f"the simulation failed{own}"]
         lines, stricter = [], problem.end is not None and not evaluation.succeeded[k]
         if self.require_success and (beyond(-evaluation.margin[k]) > 0.0 or stricter):
-            lines.append(f"not {problem.success} ({self.lack(evaluation, k, cases)})")
+            lines.append(f"not {problem.success} ({EndMargin(problem).lack(evaluation, k, cases)})")
         elif not evaluation.succeeded[k] and (self.require_success or problem.limits.require_success):
             lines.append(outcome.reason)
         # A search takes the duration for a time that a run waited for in vain; here that is unknown and keeps no limit.
         known = np.where(problem.known(evaluation.code[k : k + 1])[0], evaluation.quantities[k], np.nan)
         values = dict(zip(problem.names, known.tolist(), strict=True))
         return lines + self.limits.broken(values, int(evaluation.impacts[k]), problem.catalogue)
-
-    def lack(self, evaluation: Evaluation, k: int, cases: Sequence[Case] | None = None) -> str:
-        """Return how far a load case is from the end that it must have, in words."""
-        problem, mechanism = self.problem, self.problem.mechanism
-        outcome, end = mechanism.outcomes(int(evaluation.code[k])), problem.end
-        if end is None or not end.quantity:
-            return f"{mechanism.tuning.margin} {evaluation.margin[k]:.3g}"
-        if not mechanism.succeeded(int(outcome)):
-            return str(outcome.reason)
-        value = float(evaluation.quantities[k, problem.names.index(end.quantity)])
-        design = (problem.cases if cases is None else cases)[k].of(problem.built(evaluation.scaled))
-        return end_limit(end, design).sentence(value, problem.catalogue[end.quantity])
-
-
-def end_limit(end: RequiredEnd, design: Part) -> Limit:
-    """Return the limit on the quantity of an end, below which a run ends so: a number of the design."""
-    return Limit(end.quantity, float(get(design, end.threshold)))

@@ -6,7 +6,7 @@ from typing import Any, Literal, NamedTuple
 from rich.table import Table
 
 from ..mechanisms.limit import IMPACTS, Limit
-from ..mechanisms.quantity import Catalogue, Quantity
+from ..mechanisms.quantity import Catalogue
 from ..mechanisms.run import Run
 from ..tables import table
 from ..value_text import UNKNOWN, percent_text, table_text, unit_text, with_unit
@@ -17,7 +17,6 @@ CLOSE = 1e-3  # relative margin below which a value is at its limit
 State = Literal["broken", "not known", "at the limit", "kept"]
 """How a value stands to its limit."""
 ORDER: tuple[State, ...] = ("broken", "not known", "at the limit", "kept")  # what stands in the way first
-COUNT = Quantity("-", lambda run: run.impact_count, "number of touchdowns", "impacts")
 
 
 class LimitRow(NamedTuple):
@@ -43,7 +42,7 @@ class LimitRow(NamedTuple):
             return LimitRow(limit, None, "", None, "not known")
         each = [limit.worst([case[limit.name]]) for case in values]
         value = limit.worst(each)
-        room = None if limit.name == IMPACTS else limit.margin(value)  # a whole number has no margin to speak of
+        room = limit.margin(value)
         # A value that is not known is worse than any, so that it is found here too.
         return LimitRow(limit, value, labels[each.index(value)], room, state_of(limit, value, room))
 
@@ -94,7 +93,7 @@ class ShownRow(NamedTuple):
     def of(row: LimitRow, catalogue: Catalogue, always: Mapping[str, float]) -> "ShownRow":
         """Return the row of a limit; ``always``: those that a problem need not set, by quantity."""
         limit = row.limit
-        quantity = COUNT if limit.name == IMPACTS else catalogue[limit.name]
+        quantity = limit.quantity(catalogue)
         usual = " (always)" if not limit.lowest and always.get(limit.name) == limit.bound else ""
         value, bound = row.value_text(*quantity.in_figures), limit.bound_text(*quantity.in_figures)
         name = quantity.title or limit.name.replace("_", " ")

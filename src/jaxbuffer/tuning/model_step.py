@@ -11,81 +11,18 @@ where weights on the active peaks, load cases, limits and bounds balance the slo
 Optimization, section 14.2). A step that a schedule shortens does not lower it.
 """
 
-import warnings
 from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
-import scipy
 from jaxtyping import Float
 
 from .goal import ROOM, Goal, Tangent
 from .objective import Objective
+from .programme import Entries, Programme, Row, Source, Step
 
 RESIDUAL_RADIUS = 0.1  # of each variable's range
 DAMPING = 0.2  # Powell's: keeps the estimate positive definite
-
-Entries = list[tuple[int, float]]  # column and coefficient
-Step = Float[np.ndarray, " variables"]
-Source = tuple[str, int | tuple[int, int], np.ndarray | float]  # of a row: field of the tangent, where, coefficient
-Row = tuple[Entries, float, tuple[Source, ...]]
-
-
-class Minimum(NamedTuple):
-    """The point where a programme is least, and the duals of its rows, none of them negative."""
-
-    x: Float[np.ndarray, " columns"]
-    duals: Float[np.ndarray, " rows"]
-
-
-class Programme:
-    """A linear or convex quadratic programme: minimise Σ cost x within bounds and rows Σ a x ≤ b.
-
-    It is built one variable and one row at a time; HiGHS and Clarabel solve it.
-    """
-
-    def __init__(self) -> None:
-        self.cost: list[float] = []
-        self.bounds: list[tuple[float, float]] = []
-        self.entries: list[tuple[int, int, float]] = []
-        self.right: list[float] = []
-
-    def add(self, cost: float, low: float, high: float = np.inf) -> int:
-        """Add a variable and return its column."""
-        self.cost.append(cost)
-        self.bounds.append((low, high))
-        return len(self.cost) - 1
-
-    def row(self, entries: Iterable[tuple[int, float]], right: float) -> None:
-        """Add a row."""
-        self.entries += [(len(self.right), column, value) for column, value in entries if value != 0.0]
-        self.right.append(right)
-
-    def solve(self, curvature: Float[np.ndarray, "n n"]) -> Minimum | None:
-        """Solve it with ½ dᵀ B d added, d the first variables and B a positive semidefinite ``curvature``.
-
-        **Returns:** None where the solver gives up.
-        """
-        rows, columns, values = zip(*self.entries, strict=True)
-        matrix = scipy.sparse.csc_matrix((values, (rows, columns)), shape=(len(self.right), len(self.cost)))
-        if np.any(curvature):
-            return self._quadratic(matrix, curvature)
-        result = scipy.optimize.linprog(self.cost, A_ub=matrix, b_ub=self.right, bounds=self.bounds, method="highs")
-        # SciPy's marginals are what the cost gains for more on the right: the duals with the other sign.
-        return Minimum(result.x, -result.ineqlin.marginals) if result.success else None
-
-    def _quadratic(self, matrix: np.ndarray, curvature: np.ndarray) -> Minimum | None:
-        import qpsolvers  # takes a second with its solvers, which few commands need
-
-        along, across = np.indices(curvature.shape).reshape(2, -1)
-        square = scipy.sparse.csc_matrix((curvature.ravel(), (along, across)), shape=(len(self.cost),) * 2)
-        low, high = np.array(self.bounds).T
-        problem = qpsolvers.Problem(square, np.array(self.cost), matrix, np.array(self.right), lb=low, ub=high)
-        with warnings.catch_warnings(action="ignore"):  # the solution says the same
-            solution = qpsolvers.solve_problem(problem, solver="clarabel")
-        if not solution.found or solution.x is None or solution.z is None:
-            return None
-        return Minimum(solution.x, solution.z)
 
 
 class Multipliers(NamedTuple):
@@ -142,9 +79,8 @@ class _Model(Programme):
         self.goal, self.tangent, self.cases = goal, tangent, range(len(tangent.margin))
         self.sources = list[tuple[Source, ...]]()
         self.steps = [self.add(0.0, float(a), float(b)) for a, b in zip(*box, strict=True)]
-        ceiling = () if goal.ceiling is None else goal.ceiling.objective.weights
-        used = goal.problem.peak_quantity in (*goal.objective.weights, *goal.problem.limits.at_most, *ceiling)
-        used = used or bool(np.any(tangent.by_peak))
+        lowered = (name for it in goal.constraints for name in it.lowered)
+        used = goal.problem.peak_quantity in (*goal.objective.weights, *lowered) or bool(np.any(tangent.by_peak))
         # A slot without an impact is far below zero, and so would the scale be if there were none at all.
         self.peak_scale = float(np.max(tangent.peaks, initial=1.0))
         self.peaks = self._peaks(np.maximum(-box[0], box[1])) if used else []
@@ -199,7 +135,7 @@ class _Model(Programme):
 
     def aggregate(self, objective: Objective, scale: float, cost: float) -> Entries:
         """Add min t + cap Σ max(0, f - t), the dual of `Objective.case_weights`, over ``scale``; return its entries."""
-        cap, weights = objective.cap(len(self.cases)), self.goal.weights(objective) / scale
+        cap, weights = objective.cap(len(self.cases)), objective.vector(self.goal.problem.names) / scale
         # No lower bound, because an objective may be negative.
         base = self.add(cost, -np.inf)
         above = [self.add(cost * cap, 0.0) for _ in self.cases]
@@ -210,21 +146,12 @@ class _Model(Programme):
 
     def constraints(self) -> list[Row]:
         """Return the rows of `Goal.rows` in their order."""
-        goal, tangent, rows = self.goal, self.tangent, list[Row]()
-        for quantity, limit in goal.indexed_limits:
-            one = np.zeros(len(goal.problem.names))
-            # Relative to the limit, and with the sign that makes a lower limit an upper one.
-            one[quantity] = limit.slopes(1.0)
-            for k in self.cases:
-                entries, constant, sources = self.weighted(k, one)
-                rows.append((entries, limit.sign - constant, sources))
-        if goal.require_success:
-            for k in self.cases:
-                rows.append((self.along(-tangent.margin_slope[k]), float(tangent.margin[k]), (("margin", k, -1.0),)))
-        if goal.ceiling is not None:
-            scale = goal.ceiling.scale
-            rows.append((self.aggregate(goal.ceiling.objective, scale, 0.0), goal.ceiling.value / scale, ()))
-        return rows
+        return [row for it in self.goal.constraints for row in it.tangent_rows(self)]
+
+    def margin_row(self, k: int) -> Row:
+        """Return the row that keeps one load case's margin above zero."""
+        tangent = self.tangent
+        return self.along(-tangent.margin_slope[k]), float(tangent.margin[k]), (("margin", k, -1.0),)
 
     def multipliers(self, duals: np.ndarray) -> Multipliers:
         """Gather the rows' duals by what is on their left."""

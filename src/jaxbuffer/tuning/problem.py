@@ -200,6 +200,10 @@ class Problem:
         """Return a load case as a sentence names it, with its number among several: "scenario 2 (0.2 m/s)"."""
         return in_sentence(self.cases[k].label(self.cases), self._number_among_several(k))
 
+    def at_case(self, k: int) -> str:
+        """Return where a load case is met: " at scenario 2 (0.2 m/s)", "" of a single one."""
+        return f" at {self.in_sentence(k)}" if len(self.cases) > 1 else ""
+
     def _number_among_several(self, k: int) -> str:
         """Return the number of a load case; "" of a single one, which needs none."""
         return self.number_text(k) if len(self.cases) > 1 else ""

@@ -14,8 +14,9 @@ from jaxtyping import Float
 
 from ..errors import InputError
 from .assessment import assess
+from .constraints import Ceiling
 from .evaluation import Evaluation, Evaluator
-from .goal import Ceiling, Goal
+from .goal import Goal
 from .message import ending, search_report
 from .problem import Problem
 from .search import AGREE, BEHIND, RUNNING, Branch, Search, advance, without_hopeless
@@ -165,7 +166,7 @@ def stage_search(problem: Problem, settings: Settings, progress: Progress) -> Se
     if progress.stage == 0 or then is None:
         goal = Goal(problem, problem.objective)
     else:
-        goal = Goal(problem, then.objective, Ceiling(problem.objective, progress.ceiling))
+        goal = Goal(problem, then.objective, Ceiling(problem, problem.objective, progress.ceiling))
     return Search(goal, progress.scale, settings)
 
 
