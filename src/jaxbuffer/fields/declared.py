@@ -2,6 +2,7 @@
 
 import dataclasses
 import functools
+import inspect
 import math
 import operator
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -83,6 +84,31 @@ def declared(owner: Any) -> dict[str, dict[str, Any]]:
     }
 
 
+def fields_in_words(names: Iterable[str], known: Mapping[str, dataclasses.Field[Any]]) -> list[str]:
+    """Return a line of a docstring for each field that says what it means, with its unit and range."""
+    lines = []
+    for name in names:
+        it = known[name].metadata
+        if not it.get("doc"):
+            continue
+        notes = [*([f"[{it['unit']}]"] if "unit" in it else []), *range_in_words(it)]
+        lines.append(f"- ``{name}``: {' '.join([it['doc'], *notes])}.")
+    return lines
+
+
+def range_in_words(known: Mapping[str, Any]) -> list[str]:
+    """Return what a field takes, as notes after its meaning: "(above 0)"; none for what takes anything."""
+    if "choices" in known:
+        # A meaning that explains each word needs no list of them.
+        named = all(word in known["doc"] for word in known["choices"])
+        return [] if named else [f"(one of {', '.join(known['choices'])})"]
+    limits = known.get("limits", {})
+    low, high = limits.get("low"), limits.get("high")
+    ends = [] if low is None else [f"{'above' if limits.get('low_open') else 'at least'} {low:g}"]
+    ends += [] if high is None else [f"{'below' if limits.get('high_open') else 'at most'} {high:g}"]
+    return [f"({', '.join(ends)})"] if ends else []
+
+
 def check_choosing(path: str, value: Any, known: Mapping[str, Any]) -> None:
     """Raise `InputError` for a word, a truth or a whole number that a field does not take; ``known``: what the field
     declares."""
@@ -110,10 +136,22 @@ def check_declared(owner: Any, prefix: str) -> None:
 class Part(Portable):
     """A group of fields, each checked against its declared range when the part is made.
 
+    A field states its unit, range and meaning once: docstrings, help, studies and editors tell it from there.
+
     - ``section``: the part's name in dotted paths.
     """
 
     section: ClassVar[str] = ""
+
+    def __init_subclass__(cls, **named: Any) -> None:
+        """Add a line for each field of its own to the class's docstring, before what it raises and its examples."""
+        super().__init_subclass__(**named)
+        own = {name: it for name, it in vars(cls).items() if isinstance(it, dataclasses.Field)}
+        if not cls.__doc__ or not (lines := fields_in_words(own, own)):
+            return
+        said = inspect.cleandoc(cls.__doc__)
+        before, mark, after = said.partition("\n\n**") if "\n\n**" in said else (said, "", "")
+        cls.__doc__ = "\n".join([f"{before}\n", *lines]) + mark + after
 
     def __new__(cls, *given: Any, **named: Any) -> Self:
         known = {field.name: field.metadata for field in dataclasses.fields(cls)}

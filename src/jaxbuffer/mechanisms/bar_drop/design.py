@@ -242,9 +242,6 @@ class BarDrop(DesignOf[BarDropRun]):
 class BarDropScenario(Part):
     """How the bar is dropped, at rest.
 
-    - ``height``: H of the ball end above where it touches the plate [m].
-    - ``gravity``: g_0 [m/s²].
-
     **Raises:** `InputError` where a number is out of its range.
 
     **Example:** the ball end comes down at √(3 g_0 H).

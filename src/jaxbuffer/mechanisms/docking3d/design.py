@@ -42,10 +42,7 @@ MOST_ROLL = 2.0  # of the transverse inertia: that of a flat disc; no body has m
 
 
 class Active3D(Active):
-    """The active vehicle S, axisymmetric about its x axis.
-
-    - ``roll_inertia``: I_x about that axis [kg m²].
-    """
+    """The active vehicle S, axisymmetric about its x axis."""
 
     roll_inertia: Number = number(0.2, "kg m²", **POSITIVE, doc="inertia I_x about the vehicle's axis; assumed")
 
@@ -58,10 +55,7 @@ class Active3D(Active):
 
 
 class Passive3D(Passive):
-    """The passive vehicle T, axisymmetric about its x axis.
-
-    - ``roll_inertia``: I_x about that axis [kg m²].
-    """
+    """The passive vehicle T, axisymmetric about its x axis."""
 
     roll_inertia: Number = number(0.25, "kg m²", **POSITIVE, doc="inertia I_x about the vehicle's axis; assumed")
 
@@ -80,14 +74,13 @@ def _check_roll(section: str, roll: Scalar, inertia: Scalar) -> None:
 
 
 class Probe3D(RodFields):
-    """The rod and its ball tip.
-
-    - ``rod_radius``: r_p, which the rod's inertia about its axis depends on [m].
-    """
+    """The rod and its ball tip."""
 
     section: ClassVar[str] = "probe"
 
-    rod_radius: Number = number(ROD_RADIUS, "m", **POSITIVE, doc="radius r_p of the rod")
+    rod_radius: Number = number(
+        ROD_RADIUS, "m", **POSITIVE, doc="radius r_p of the rod, on which its inertia about its axis depends"
+    )
 
 
 class Design3D(DockingDesign[Capture3D]):

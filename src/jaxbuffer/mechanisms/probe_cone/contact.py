@@ -14,23 +14,13 @@ HERTZ_EXPONENT = 1.5  # -
 
 
 class Contact(Part):
-    """Tip against flank: a normal law and regularised Coulomb friction.
+    """Tip against flank: a normal law and regularised Coulomb friction (M59).
 
-    - ``law``: a name of `contact.laws.LAWS`, or a `ContactLaw` of one's own; it takes those of the following fields
-      that it has. The defaults of "kelvin-voigt" and "adams" are as stiff and as lossy as Table 2's law at the depth of
-      its first impact.
-    - ``stiffness``: K [N/m^1.5], of "adams" [N/m^exponent]; None: computed from the materials and the tip's radius
-      (M53).
-    - ``restitution``: e in (0, 1] that is asked of the laws with hysteresis [-].
-    - ``friction`` μ [-], ``slip_speed`` v_s [m/s]: M59.
-    - ``young_modulus`` [Pa], ``poisson_ratio`` [-]: of the tip, and of the cone where that has none of its own.
-    - ``yield_stress``: of the softer side [Pa]; if given, the answer says where the materials yield (M57).
-    - ``linear_stiffness`` k [N/m] of "kelvin-voigt"; ``damping`` c [N s/m] of "kelvin-voigt" and "adams".
-    - ``exponent`` n [-], ``ramp_depth`` d [m]: of "adams".
-    - ``onset_length`` ε [m], ``memory_time`` τ_m [s]: of the smooth contact (M60, M61).
-    - ``memory``: "event" holds the speed of the last touchdown, located as an event (M36); "smooth" lets it follow the
-      approach speed while out of contact (M61) and rounds the onset (M60).
-    - ``arms``: "moving" acts at the foot (M33); "published" freezes the arm on T where the first contact was (M34).
+    A law takes those of the fields that it has. The defaults of "kelvin-voigt" and "adams" are as stiff and as lossy as
+    Table 2's law at the depth of its first impact. Computed from the materials and the tip's radius the stiffness is
+    Hertz's (M53); of "adams" its unit is N/m^exponent. The smooth contact sets in over its onset length (M60), and its
+    memory follows the approach speed (M61). Arms that move act at the foot (M33); the published ones are fixed on the
+    passive vehicle (M34). A yield stress lets the answer say where the materials yield (M57).
     """
 
     section: ClassVar[str] = "contact"
@@ -49,7 +39,7 @@ class Contact(Part):
         high=1.0,
         low_open=True,
         needs=chosen_of("law", laws_with("restitution")),
-        doc="restitution that is asked of laws with hysteresis",
+        doc="restitution e that is asked of laws with hysteresis",
     )
     friction: Number = number(0.33, "-", **NON_NEGATIVE, doc="coefficient of friction μ")
     slip_speed: Number = number(
@@ -87,14 +77,14 @@ class Contact(Part):
         doc="depth d over which the damping of adams sets in",
     )
     onset_length: Number = number(
-        1e-8, "m", **POSITIVE, needs=chosen("memory", "smooth"), doc="length over which the smooth contact sets in"
+        1e-8, "m", **POSITIVE, needs=chosen("memory", "smooth"), doc="length ε over which the smooth contact sets in"
     )
     memory_time: Number = number(
         2e-4,
         "s",
         **POSITIVE,
         needs=chosen("memory", "smooth"),
-        doc="time in which the smooth contact's memory follows the approach speed",
+        doc="time τ_m in which the smooth contact's memory follows the approach speed",
     )
     memory: str = choice(
         "event",

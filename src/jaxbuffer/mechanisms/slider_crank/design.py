@@ -218,10 +218,6 @@ class SliderCrank(DesignOf[Run]):
 class SliderCrankScenario(Part):
     """How it starts: with the velocities of the mechanism without play, each pin in the middle of its bush.
 
-    - ``crank_speed``: [rad/s], steady where the drive keeps it so.
-    - ``crank_angle``: from the slider's line [rad].
-    - ``gravity``: across the slider's line [m/s²].
-
     **Raises:** `InputError` where a number is out of its range.
 
     **Example:** the pin first touches its bush at the same angle of the crank, however fast that turns.

@@ -40,14 +40,10 @@ class GivenStiffness(PowerLaw):
 class PinInBush(Part):
     """A pin in a bush, which is on the rod.
 
-    ``joint``: "pinned" (no play) or "clearance"; ``clearance``: the bush's radius less the pin's; ``bush_radius``;
-    ``length`` of the contact along the axis.
-    ``law``: a name in `contact.laws.PIN_IN_HOLE_LAWS`, whose stiffness comes from ``young_modulus`` and
-    ``poisson_ratio`` of pin and bush, with the ``damping`` factor of an author (`contact.laws.DAMPING_FACTORS`) for a
-    ``restitution``; ``stiffness`` instead of that from the materials, for the law "sphere".
-    The law "adams" is IMPACT: k δ^e (``stiffness`` in N/m^e, ``exponent``) and a damper ``viscous`` that sets in over
-    ``ramp_depth``; over ``onset_depth`` the force comes in from zero with a finite slope, also for exponents below 1.
-    ``friction``, ``slip_speed``: of the contact.
+    The stiffness of the laws of `contact.laws.PIN_IN_HOLE_LAWS` comes from the materials unless it is given, which the
+    law "sphere" allows; their damping factors are those of `contact.laws.DAMPING_FACTORS`. The law "adams" is IMPACT: k
+    δ^e and a damper that sets in over a depth; over the onset depth its force comes in from zero with a finite slope,
+    also for exponents below 1.
     """
 
     joint: str = choice("pinned", "pinned", "clearance", doc="pinned: without play; clearance: a pin in a larger bush")

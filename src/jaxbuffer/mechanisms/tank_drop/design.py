@@ -22,10 +22,7 @@ THICKNESS: dict[str, Any] = {"low": 0.0, "low_open": True, "high": 0.03}
 
 
 class Wall(Part):
-    """The tank's wall: its thickness in six zones, the same on the left and on the right, with tapers between them.
-
-    ``bottom``, ``lower_corner``, ``lower_side``, ``upper_side``, ``upper_corner``, ``top``: thicknesses.
-    """
+    """The tank's wall: its thickness in six zones, the same on the left and on the right, with tapers between them."""
 
     section: ClassVar[str] = "wall"
     bottom: Number = number(0.005, "m", **THICKNESS, doc="thickness of the wall at the bottom")
@@ -37,10 +34,7 @@ class Wall(Part):
 
 
 class Tank(Part):
-    """The tank's outside, a rectangle with round corners, and its length along which nothing changes.
-
-    ``width``, ``height``, ``corner_radius``, ``length``.
-    """
+    """The tank's outside, a rectangle with round corners, and its length along which nothing changes."""
 
     section: ClassVar[str] = "tank"
     width: Number = number(0.6, "m", **POSITIVE, doc="outer width")
@@ -64,12 +58,7 @@ class Tank(Part):
 
 class Plates(Part):
     """Two perforated baffle plates inside, upright from the bottom to the top, left and right alike, of the wall's
-    material.
-
-    ``kind``: "none" or "perforated"; ``thickness``: of a plate without holes that is as stiff; ``position``: of its
-    middle, from the middle of the tank; ``aperture``: share of its area that is open (None: the liquid does not feel
-    the plate), ``hole_diameter``.
-    """
+    material."""
 
     section: ClassVar[str] = "plates"
     kind: str = choice("none", "none", "perforated", doc="none, or two perforated baffle plates inside")
@@ -107,10 +96,7 @@ class Plates(Part):
 
 class Ribs(Part):
     """Rings inside that stiffen the wall, round the whole section and of its material, so near each other along the
-    tank that they count by their share of it (M168).
-
-     ``kind``: "none" or "rings"; ``height``: inwards from the wall; ``share``: width of a rib over the distance of two.
-    """
+    tank that they count by their share of it (M168)."""
 
     section: ClassVar[str] = "ribs"
     kind: str = choice("none", "none", "rings", doc="none, or rings inside that stiffen the wall")
@@ -135,12 +121,7 @@ class Ribs(Part):
 
 
 class TankMaterial(Part):
-    """What the wall is made of: high-density polyethylene unless said otherwise.
-
-    ``kind``: "plastic", which the rest describes, or "composite", which `Composite` does; ``density``;
-    ``young_modulus``; ``poisson_ratio``; ``yield_stress``; ``hardening``: its rise over equivalent plastic strain;
-    ``failure_strain``: the equivalent plastic strain at which an element is deleted.
-    """
+    """What the wall is made of: high-density polyethylene unless said otherwise."""
 
     section: ClassVar[str] = "material"
     kind: str = choice(
@@ -182,8 +163,7 @@ class TankMaterial(Part):
 class Contents(Part):
     """The liquid that the tank holds, if any, and the air above it.
 
-    ``kind``: "liquid", "full" (without air, for which ``scenario.fill`` is 1) or "none"; ``density``; ``sound_speed``
-    in it; ``air``: "open", which the wall does not feel, or "trapped", a spring; ``air_pressure``: absolute, at first.
+    A tank that is full has no air: ``scenario.fill`` is 1 then. Open air is not felt by the wall.
     """
 
     section: ClassVar[str] = "contents"
@@ -215,8 +195,7 @@ class Contents(Part):
 class Cushion(Part):
     """The layer under the slider: what is a buffer here.
 
-    ``kind``: "layer", or "none", where the slider strikes the wall by the contact of `Support`; ``thickness``;
-    ``stiffness`` and ``damping`` of an area. It is solid where less than a fifth of it is left.
+    It is solid where less than a fifth of it is left. Without it the slider strikes the wall, as the `Support` says.
     """
 
     section: ClassVar[str] = "cushion"
@@ -233,20 +212,14 @@ class Cushion(Part):
 
 
 class FallingSlider(Part):
-    """What falls, rigid and wider than the tank.
-
-    ``mass``.
-    """
+    """What falls, rigid and wider than the tank."""
 
     section: ClassVar[str] = "slider"
     mass: Number = number(348.0, "kg", **POSITIVE, doc="mass of what falls, which is rigid and wider than the tank")
 
 
 class Support(Part):
-    """The contact between the tank and the rigid baffle it rests on.
-
-    ``method``: how its force is found; ``stiffness``: of a penalty, for an area.
-    """
+    """The contact between the tank and the rigid baffle it rests on."""
 
     section: ClassVar[str] = "support"
     method: str = choice("penalty", *METHODS, doc="how the force of the support is computed")
@@ -258,9 +231,7 @@ class Support(Part):
 class Mesh(Part):
     """How finely the section is divided.
 
-    ``refinement``: 1 for elements of some 20 mm along the wall and one across it, 2 for twice as many
-    either way, up to 8; ``extent``: "half" of the section, which is symmetric, or the "whole", which a slider at an
-    angle needs and which takes twice as long.
+    The whole section takes twice as long as half of it, and a slider at an angle needs it.
     """
 
     section: ClassVar[str] = "mesh"
@@ -308,13 +279,7 @@ class TankDrop(DesignOf[TankRun]):
 
 
 class TankDropScenario(Part):
-    """How the slider falls, from rest, onto the tank that stands still.
-
-    - ``height``: through which it falls before the cushion touches [m].
-    - ``fill``: height of the liquid over the inner height [-].
-    - ``gravity``: [m/s²].
-    - ``angle``: by which the slider's underside is turned against the tank's top, counter-clockwise; the slider still
-      falls straight down, guided, and does not turn [rad].
+    """How the slider falls, from rest, onto the tank that stands still; at an angle it is guided, and does not turn.
 
     **Raises:** `InputError` where a number is out of its range.
 

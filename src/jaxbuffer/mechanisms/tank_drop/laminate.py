@@ -17,11 +17,7 @@ ANGLES = (*HALF, *HALF[::-1])  # from the direction along the wall
 
 
 class Composite(Part):
-    """The plies of a composite wall, carbon fibres in epoxy (T300/BSL914) unless said otherwise.
-
-    ``density``; ``along``, ``across``: Young's moduli along and across the fibres; ``shear``, ``poisson``: in the ply's
-    plane; then its strengths; ``criterion``: by which a ply fails.
-    """
+    """The plies of a composite wall, carbon fibres in epoxy (T300/BSL914) unless said otherwise."""
 
     section: ClassVar[str] = "composite"
     density: Number = number(1580.0, "kg/m³", **POSITIVE, needs=LAMINATE, doc="density of the plies")

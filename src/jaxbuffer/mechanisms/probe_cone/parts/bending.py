@@ -28,12 +28,9 @@ WAVES = 1.0  # of the highest mode, in the first impact
 
 
 class BendingFields(RodFields):
-    """A rod that bends.
+    """A rod that bends (M108). `with_bending` finds the stiffness for a frequency.
 
-    - ``bending_stiffness``: E I of the rod, which is clamped in the cylinder's guide [N m²] (M108); None: it does not
-      bend. `with_bending` finds it for a frequency.
-    - ``bending_modes``: how many modes bend it; the first two let the tip move and turn.
-    - ``bending_damping``: β, the damping of the bending over its stiffness [s]: the mode of ω has the ratio β ω/2.
+    The first two modes let the tip move and turn; a mode of ω has the damping ratio β ω/2.
     """
 
     bending_stiffness: Number = number(
@@ -44,7 +41,7 @@ class BendingFields(RodFields):
     )
     bending_modes: int = whole(BENDING_MODES, 2, needs=on("bending_stiffness"), doc="how many modes bend the rod")
     bending_damping: Number = number(
-        0.0, "s", **NON_NEGATIVE, needs=on("bending_stiffness"), doc="damping of the bending over its stiffness"
+        0.0, "s", **NON_NEGATIVE, needs=on("bending_stiffness"), doc="damping β of the bending over its stiffness"
     )
 
 

@@ -12,12 +12,7 @@ DAMPER = ("damper_curve", "c_A2", "rebound_factor")  # what the axial damper may
 class RealFields(Part):
     """What a real buffer's axial spring and damper have beside stiffness and damping.
 
-    - ``spring_curve``: measured points (stroke [m], force [N]) in place of ``k_A`` (M173).
-    - ``damper_curve``: measured points (speed [m/s], force [N]) in place of ``c_A`` and ``c_A2`` (M173).
-    - ``preload`` F_p [N], reached over ``preload_length`` s_p [m]: with which the spring pushes at once (M171).
-    - ``c_A2``: quadratic damping along the cylinder [N s²/m²] (M172).
-    - ``rebound_factor``: ρ, by which the damper's force is larger on the way out [-] (M172).
-    - ``friction`` F_f [N], regularised below ``friction_speed`` v_f [m/s] (M172).
+    Preload (M171), quadratic damping, another damping on the way out and friction (M172), measured curves (M173).
     """
 
     spring_curve: Curve | None = curve(
@@ -34,7 +29,7 @@ class RealFields(Part):
     )
     preload: Number = number(None, "N", **NON_NEGATIVE, doc="force F_p with which the axial spring pushes at once")
     preload_length: Number = number(
-        1e-4, "m", **POSITIVE, needs=on("preload"), doc="stroke over which the preload is reached"
+        1e-4, "m", **POSITIVE, needs=on("preload"), doc="stroke s_p over which the preload is reached"
     )
     c_A2: Number = number(None, "N s²/m²", **NON_NEGATIVE, doc="quadratic damping along the cylinder; not set: none")
     rebound_factor: Number = number(
@@ -42,11 +37,11 @@ class RealFields(Part):
         "-",
         **POSITIVE,
         needs=on("c_A", "c_A2", "damper_curve"),
-        doc="factor of the damper's force on the way out; not set: 1",
+        doc="factor ρ of the damper's force on the way out; not set: 1",
     )
     friction: Number = number(None, "N", **NON_NEGATIVE, doc="friction F_f along the cylinder; not set: none")
     friction_speed: Number = number(
-        1e-3, "m/s", **POSITIVE, needs=on("friction"), doc="speed below which that friction falls to zero"
+        1e-3, "m/s", **POSITIVE, needs=on("friction"), doc="speed v_f below which that friction falls to zero"
     )
 
     def check_together(self) -> None:
@@ -64,10 +59,8 @@ class RealFields(Part):
 class ProbeBuffer(ReboundStopFields, RealFields, EndStopFields):
     """Springs and dampers, the cylinder between them, and the stops at either end of the buffer's way.
 
-    - ``damping``: "physical" damps L̇ (M23); "published" damps the whole rate of the separation (M24), which does not
-      conserve angular momentum.
-
-    All other fields are those of `SpringFields`, `EndStopFields`, `RealFields` and `ReboundStopFields`.
+    Damping of the length's rate is M23, of the whole separation's M24, which does not conserve angular momentum. All
+    other fields are those of `SpringFields`, `EndStopFields`, `RealFields` and `ReboundStopFields`.
     """
 
     section: ClassVar[str] = "buffer"

@@ -12,11 +12,8 @@ from .part import Joined, ProbePart, S, Supply
 class Control(Part):
     """Thrusters that turn the active vehicle back to the inertial axes, by their mean moment (M221).
 
-    - ``stiffness``: k_p [N m/rad]; None: no control.
-    - ``damping``: c_p [N m s/rad].
-    - ``limit``: M_max, which the moment about no axis exceeds [N m]; it belongs to ``stiffness``.
-    - ``until``: "contact", the first touchdown (a start in contact has no control), "latch", where the latches begin to
-      close, or "end".
+    Until "contact" is until the first touchdown: a start in contact then has no control. Until "latch" is until the
+    latches begin to close.
     """
 
     section: ClassVar[str] = "control"

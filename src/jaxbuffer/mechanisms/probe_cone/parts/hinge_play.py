@@ -22,12 +22,8 @@ same_name("play", "clearance", "gap")
 class Hinge(Part):
     """Play in the hinge between active vehicle and cylinder: a pin on the vehicle in a bush on the cylinder.
 
-    Force of the contact: K δ^{3/2} (1 + a δ̇), Hunt and Crossley's, without friction (M109).
-
-    - ``play``: radial clearance, the bush's radius less the pin's [m]; None: none, the hinge holds.
-    - ``bush_radius``: [m].
-    - ``damping``: a [s/m]; two free bodies part with the restitution 1 - ⅔ a v, while that is near 1.
-    - ``young_modulus`` [Pa], ``poisson_ratio`` [-]: of pin and bush.
+    Force of the contact: K δ^{3/2} (1 + a δ̇), Hunt and Crossley's, without friction (M109); two free bodies part with
+    the restitution 1 - ⅔ a v, while that is near 1.
     """
 
     section: ClassVar[str] = "hinge"

@@ -39,14 +39,6 @@ class Latches(Part):
     """Latches that close where the tip crosses the capture plane, and hold the vehicles together (M175 to M177).
 
     Without them a run ends there.
-
-    - ``stiffness`` k_l [N/m], ``damping`` c_l [N s/m]: hold the tip's centre in its seat. Stiffness None: no latch.
-    - ``preload`` F_l [N], reached over ``preload_length`` r_l [m]: with which they pull it there.
-    - ``turn_stiffness`` k_t [N m/rad], ``turn_damping`` c_t [N m s/rad]: hold the probe along the cone's axis.
-    - ``closing_time``: in which they close [s].
-    - ``depth``: of the seat behind the capture plane [m].
-    - ``strength``: force that tears them [N]; None: none does.
-    - ``quiet``: share of the energy of relative motion at the start below which the vehicles count as held [-].
     """
 
     section: ClassVar[str] = "latch"
@@ -64,7 +56,7 @@ class Latches(Part):
         "m",
         **POSITIVE,
         needs=(*on("stiffness"), *on("preload")),
-        doc="distance over which that preload is reached",
+        doc="distance r_l over which that preload is reached",
     )
     turn_stiffness: Number = number(
         0.0,

@@ -18,10 +18,7 @@ FIRMER = 10.0  # times the spring's stiffness: from there on a lockout holds the
 
 
 class LockoutFields(Part):
-    """A lockout: a spring and damper that engage where the tip crosses the capture plane, and hold the stroke there.
-
-    - ``stiffness`` k_h [N/m], ``damping`` c_h [N s/m]: of what holds (M184). Stiffness None: no lockout.
-    """
+    """A lockout: spring and damper that engage where the tip crosses the capture plane, and hold its stroke (M184)."""
 
     section: ClassVar[str] = "lockout"
     stiffness: Number = number(

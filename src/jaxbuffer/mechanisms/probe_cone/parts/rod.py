@@ -15,14 +15,7 @@ ROD_WIDTH, CYLINDER_WIDTH = 0.8, 2.6  # of the tip's radius, in drawings; assume
 
 
 class RodFields(Part):
-    """The rod and its ball tip, welded to the rod or spinning freely about its centre (M6).
-
-    - ``length``: L_P, from the rod's rear end to the tip's centre [m].
-    - ``rod_mass``: m_r [kg] (default: M7).
-    - ``tip_radius``: R [m].
-    - ``tip_mass``: m_t [kg] (default: M7).
-    - ``free_tip``: whether the tip spins freely (M8).
-    """
+    """The rod and its ball tip, welded to the rod or spinning freely about its centre (M6, M8); default masses: M7."""
 
     length: Number = number(PROBE_LENGTH, "m", **POSITIVE, doc="L_P, from the rod's rear end to the tip's centre")
     rod_mass: Number = number(

@@ -25,7 +25,6 @@ class Shock(Part):
 
     - ``active_1``, ``active_2``, ``active_3``: of oscillators on the active vehicle [Hz]; None: none.
     - ``passive_1``, ``passive_2``, ``passive_3``: on the passive one [Hz].
-    - ``damping``: ζ of all of them, the share of the critical one [-].
     """
 
     section: ClassVar[str] = "shock"
@@ -36,7 +35,13 @@ class Shock(Part):
     passive_2: Number = _frequency("passive")
     passive_3: Number = _frequency("passive")
     damping: Number = number(
-        0.05, "-", low=0.0, high=1.0, high_open=True, needs=on(*SLOT_NAMES), doc="damping ratio of the oscillators"
+        0.05,
+        "-",
+        low=0.0,
+        high=1.0,
+        high_open=True,
+        needs=on(*SLOT_NAMES),
+        doc="damping ratio ζ of the oscillators, the share of the critical one",
     )
 
     @property

@@ -9,15 +9,7 @@ same_word("about", "torsional", "angular", "rotational", "hinge", "t")
 
 
 class SpringFields(Part):
-    """Axial and torsional spring-dampers, and the cylinder between them.
-
-    - ``k_A``: stiffness along the cylinder [N/m] (M23).
-    - ``c_A``: damping along the cylinder [N s/m] (M23).
-    - ``k_T``: stiffness about the hinge [N m/rad] (M26).
-    - ``c_T``: damping about the hinge [N m s/rad] (M26).
-    - ``free_length``: l_0 of the axial spring [m].
-    - ``cylinder_mass`` m_B [kg], ``cylinder_length`` L_C [m]: a slender rod (M5).
-    """
+    """Axial (M23) and torsional (M26) spring-dampers, and the cylinder between them, a slender rod (M5)."""
 
     k_A: Number = number(500.0, "N/m", **POSITIVE, doc="stiffness along the cylinder")
     c_A: Number = number(5.0, "N s/m", **NON_NEGATIVE, doc="damping along the cylinder")

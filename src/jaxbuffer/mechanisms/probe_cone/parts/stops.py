@@ -27,11 +27,8 @@ same_word("stop", "bumper")
 class EndStopFields(SpringFields):
     """The end of the buffer's way in.
 
-    - ``max_stroke``: stroke s_m at which the buffer is at its end [m]; None: ``free_length``, where the spring's ends
-      meet. Without an end stop a run that gets there ends as "bottomed" (M66).
-    - ``stop_stiffness`` k_s [N/m], ``stop_damping`` c_s [N s/m]: an end stop that pushes the probe out again while the
-      stroke exceeds s_m (M28). Only ``free_length`` ends that run. None: no end stop.
-    - ``stop_thickness`` h [m]: of an end stop of rubber, which stiffens from k_s on (M183). None: it is linear.
+    An end stop pushes the probe out again while the stroke exceeds s_m (M28), one of rubber stiffens from k_s on
+    (M183); only the free length ends that run. Without an end stop a run that gets to s_m ends as "bottomed" (M66).
     """
 
     max_stroke: Number = number(
@@ -82,10 +79,9 @@ class EndStopFields(SpringFields):
 
 
 class ReboundStopFields(Part):
-    """The end of the buffer's way out.
+    """The end of the buffer's way out: a stop that holds the probe near its free length (M174).
 
-    - ``rebound_stiffness`` k_r [N/m], ``rebound_damping`` c_r [N s/m]: a stop that holds the probe near its free
-      length, from ``rebound_gap`` g_r [m] beyond it on (M174). None: the spring also pulls, as in the paper.
+    Without it the spring also pulls, as in the paper.
     """
 
     rebound_stiffness: Number = number(
@@ -95,7 +91,11 @@ class ReboundStopFields(Part):
         0.0, "N s/m", **NON_NEGATIVE, needs=on("rebound_stiffness"), doc="damping c_r of the rebound stop"
     )
     rebound_gap: Number = number(
-        5e-4, "m", **POSITIVE, needs=on("rebound_stiffness"), doc="way beyond the free length at which that stop begins"
+        5e-4,
+        "m",
+        **POSITIVE,
+        needs=on("rebound_stiffness"),
+        doc="way g_r beyond the free length at which that stop begins",
     )
 
     def check_together(self) -> None:

@@ -17,12 +17,7 @@ same_word("passive", "target", "client")
 
 
 class Active(Part):
-    """The active vehicle S, which carries the probe.
-
-    - ``mass``: m_S [kg].
-    - ``inertia``: I_S about its centre of mass [kg m²].
-    - ``hinge_offset``: a, from its centre of mass forward to the hinge [m].
-    """
+    """The active vehicle S, which carries the probe."""
 
     section: ClassVar[str] = "active"
     mass: Number = number(21.9706, "kg", **POSITIVE, doc="mass m_S of the active vehicle")
@@ -31,11 +26,7 @@ class Active(Part):
 
 
 class Passive(Part):
-    """The passive vehicle T, which carries the cone.
-
-    - ``mass``: m_T [kg].
-    - ``inertia``: I_T about its centre of mass [kg m²].
-    """
+    """The passive vehicle T, which carries the cone."""
 
     section: ClassVar[str] = "passive"
     mass: Number = number(23.5731, "kg", **POSITIVE, doc="mass m_T of the passive vehicle")
@@ -43,14 +34,7 @@ class Passive(Part):
 
 
 class Cone(Part):
-    """The cone on the passive vehicle (M30).
-
-    - ``half_angle``: β [rad].
-    - ``offset``: L_T, from the throat plane to the centre of mass of T [m].
-    - ``throat_radius``: R_c [m].
-    - ``length``: L_c, along the flank [m].
-    - ``young_modulus`` [Pa], ``poisson_ratio`` [-]: of the flanks; None: that of the tip, as `Contact` has it.
-    """
+    """The cone on the passive vehicle (M30)."""
 
     section: ClassVar[str] = "cone"
     half_angle: Number = number(
