@@ -31,17 +31,35 @@ def init(
     own: Annotated[
         str, typer.Option("--own", metavar="NAME", help="Write a mechanism of your own to begin with, a Python file.")
     ] = "",
+    active_mass: Annotated[
+        str, typer.Option("--active-mass", metavar="MASS", help='Of your vehicle with the probe: "1200 kg".')
+    ] = "",
+    passive_mass: Annotated[
+        str, typer.Option("--passive-mass", metavar="MASS", help='Of the one with the cone: "3.5 t".')
+    ] = "",
+    speeds: Annotated[
+        str, typer.Option("--speeds", metavar="SLOW:FAST", help="Approaches of your vehicles: 0.05:0.15 [m/s].")
+    ] = "",
+    miss: Annotated[
+        str, typer.Option("--miss", metavar="LENGTH", help='Largest distance of the tip from the axis: "40 mm".')
+    ] = "",
+    attitude: Annotated[
+        str, typer.Option("--attitude", metavar="ANGLE", help='Largest angle from the axis: "2 deg".')
+    ] = "",
     force: Annotated[bool, typer.Option("--force", help="Overwrite FILE if it exists.")] = False,
 ) -> None:
     """Write an example study of a mechanism: every field with its unit, range, default and meaning.
 
     It loads as it is; take away the # before what you want to change. Without --kind it is of the capture mechanism.
-    With --own it is a Python file instead: a mechanism with a buffer, an end stop and a thrust, to be changed into
-    yours (docs/elements.md).
+    From masses, speeds, miss and attitude of your own vehicles it makes a study of their docking until held instead,
+    each number with the rule that made it: it simulates and tunes as it is.
+    With --own it is a Python file: a mechanism with a buffer, an end stop and a thrust, to be changed into yours
+    (docs/elements.md).
 
     \b
     Examples:
       jaxbuffer init --kind bar_drop drop.toml
+      jaxbuffer init --active-mass "1200 kg" --passive-mass "3.5 t" --speeds 0.05:0.15 --miss "40 mm" --attitude "2 deg"
       jaxbuffer init --own gripper
     """
 

@@ -16,6 +16,7 @@ from ..hybrid import LEAST_TOLERANCE, Options
 from .outcome import RunOutcome, Simulated
 from .quantity import Catalogue, Quantity, of_impact
 from .reading import Reader
+from .sizing import Sizing
 from .system import ContactSystem
 from .view import Names, View
 
@@ -220,7 +221,8 @@ class Mechanism:
     - ``run``: makes the `Run` of what was `Solved`, None for a plain one;
     - ``reader``: what that reads off single instants of a run, None for nothing;
     - ``smooth``: from design and scenario to a design that needs no events, for `diffrax.diffeqsolve`;
-    - ``defaults`` of calls and studies; ``tuning``: what tuning needs besides; ``view``: what is told and drawn.
+    - ``defaults`` of calls and studies; ``tuning``: what tuning needs besides; ``view``: what is told and drawn;
+      ``sizing``: what a study to begin with is made from, None for no such study.
     """
 
     name: str
@@ -240,6 +242,7 @@ class Mechanism:
     defaults: Defaults = dataclasses.field(default=Defaults(), compare=False)
     tuning: TuningRules = dataclasses.field(default=TuningRules(), compare=False)
     view: View = dataclasses.field(default=View(), compare=False)
+    sizing: Sizing | None = dataclasses.field(default=None, compare=False)
 
     def __post_init__(self) -> None:
         """Complete the defaults by the first of the mechanism's own quantities. **Raises:** `InputError` for defaults

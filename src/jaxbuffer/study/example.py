@@ -77,11 +77,11 @@ def example_toml(mechanism: Mechanism) -> str:
     options = StudyOptions(duration=mechanism.duration(replace(design, example)))
     lines += ["", heading["scenario"], *_fields(declared(scenario), commented=False)]
     lines += ["", heading["options"], *_fields(declared(options)), "", heading["tune"], *_fields(declared(Settings))]
-    swept = ((_entry(path, it), unit_at(design, scenario, path)) for path, it in mechanism.defaults.grid.items())
-    lines += ["", *_problem(mechanism, design), "", heading["sweep"], *itertools.starmap(_line, swept)]
+    swept = ((entry_of(path, it), unit_at(design, scenario, path)) for path, it in mechanism.defaults.grid.items())
+    lines += ["", *_problem(mechanism, design), "", heading["sweep"], *itertools.starmap(line_of, swept)]
     # Without a number in the design there is nothing to tolerate, to choose and to fit.
     for path in mechanism.parameters(design)[:1]:
-        tolerance = _line(f'# {path} = "10 %"', TOLERANCE_WORDS)
+        tolerance = line_of(f'# {path} = "10 %"', TOLERANCE_WORDS)
         lines += ["", f"# {heading['tolerances']}", tolerance, *_choice(mechanism, design, path, heading)]
         lines += _fit(mechanism, design, path)
     return "\n".join(lines) + "\n"
@@ -93,11 +93,11 @@ def _choice(mechanism: Mechanism, design: Part, path: str, heading: Mapping[str,
     yield f"# {heading['parts'].replace('parts', f'parts.{section}', 1)}"
     for name, share in (("P1", 1.0), ("P2", 1.2)):
         words = 'what a part sets together; or file = "parts.csv"' if share == 1.0 else ""
-        yield _line(f"# {name} = {{{path} = {share * value:g}, price = {10.0 * share:g}}}", words)
+        yield line_of(f"# {name} = {{{path} = {share * value:g}, price = {10.0 * share:g}}}", words)
     yield f"# {heading['choose']}"
     yield from _fields(declared(ChoiceSettings))
     yield f"# {heading['roundings']}"
-    yield _line(f'# {path} = "E24"', f"E3 to E96; or a step in {unit_at(design, mechanism.scenario(), path)}")
+    yield line_of(f'# {path} = "E24"', f"E3 to E96; or a step in {unit_at(design, mechanism.scenario(), path)}")
 
 
 def _fit(mechanism: Mechanism, design: Part, path: str) -> Iterator[str]:
@@ -108,11 +108,11 @@ def _fit(mechanism: Mechanism, design: Part, path: str) -> Iterator[str]:
     quantity = next((name for name in mechanism.tuned if name in recorded), next(iter(recorded)))
     value = float(get(design, path))
     yield f"# [fit.parameters]  # {doc['parameters']}"
-    yield _line(f"# {path} = [{0.5 * value:g}, {2.0 * value:g}]", metadata(design, path)["unit"])
+    yield line_of(f"# {path} = [{0.5 * value:g}, {2.0 * value:g}]", metadata(design, path)["unit"])
     yield f"# [[fit.tests]]  # {doc['tests']}"
-    yield _line('# file = "test.csv"', 'with a column "time [s]"; beside it time_shift, and scenario.FIELD')
+    yield line_of('# file = "test.csv"', 'with a column "time [s]"; beside it time_shift, and scenario.FIELD')
     yield "# [fit.tests.columns]"
-    yield _line(
+    yield line_of(
         f'# "{heading_of(quantity, recorded[quantity])}" = {{quantity = "{quantity}"}}', "and noise, gain, filter"
     )
 
@@ -123,11 +123,11 @@ def _fields(keys: Keys, commented: bool = True, own: Mapping[str, Any] = Mapping
     for name, known in keys.items():
         words = [_allowed(known), known.get("doc") or name.replace("_", " ")]
         if name in own:
-            yield _line(_entry(name, own[name]), ": ".join(words))
+            yield line_of(entry_of(name, own[name]), ": ".join(words))
         elif known["default"] is None:
-            yield _line(f"# {name} = ", f"not set; {': '.join(words)}")
+            yield line_of(f"# {name} = ", f"not set; {': '.join(words)}")
         else:
-            yield _line(("# " if commented else "") + _entry(name, known["default"]), ": ".join(words))
+            yield line_of(("# " if commented else "") + entry_of(name, known["default"]), ": ".join(words))
 
 
 def _allowed(known: Mapping[str, Any]) -> str:
@@ -157,23 +157,23 @@ def _problem(mechanism: Mechanism, design: Part) -> Iterator[str]:
     if starts_inside:
         yield heading["variables"]
         for path, bounds in starts_inside.items():
-            yield _line(_entry(path, bounds), metadata(design, path)["unit"])
+            yield line_of(entry_of(path, bounds), metadata(design, path)["unit"])
         yield ""
     yield heading["objective"]
     known = [name for name in mechanism.tuned if mechanism.has(name, design)]
     main = mechanism.main_quantity(known, design)
     if main:
         others = [name for name in mechanism.tuned if name != main][:OTHERS]
-        yield _line(
+        yield line_of(
             f"{main} = 1.0", f"N/{catalogue[main].unit}" + (f"; or any of {', '.join(others)}" if others else "")
         )
     yield from _fields(declared(Objective))
     yield ""
     yield heading["constraints"]
     for name, limit in {**defaults.limits, **defaults.example_limits}.items():
-        yield _line(_entry(name, limit), f"{catalogue[name].unit}, {catalogue[name].description}")
+        yield line_of(entry_of(name, limit), f"{catalogue[name].unit}, {catalogue[name].description}")
     if limited := mechanism.name_of(END_TIME) or main:
-        yield _line(f"# {limited} = {{min = 0.1, max = 1.0}}", f"{catalogue[limited].unit}, both sides")
+        yield line_of(f"# {limited} = {{min = 0.1, max = 1.0}}", f"{catalogue[limited].unit}, both sides")
     other_ends = {end.name for end in mechanism.tuning.ends} - {
         getattr(mechanism.strictest_end(lambda path: get(design, path)), "name", "")
     }
@@ -202,23 +202,24 @@ def _sampled(mechanism: Mechanism, design: Part, field: str) -> Iterator[str]:
     low, high = 0.9 * value, 1.1 * value
     yield from _fields({name: known | EXAMPLES.get(name, {}) for name, known in declared(Scatter).items()})
     yield "# [problem.sample.scenario]"
-    yield _line(
+    yield line_of(
         f"# {field} = {{uniform = [{low:g}, {high:g}]}}", "or {normal = [mean, deviation]}, in the field's unit"
     )
     yield f"# [problem.sample.factors]  # {declared(Scattered)['factors']['doc']}"
     for path in mechanism.parameters(design)[:1]:
-        yield _line(f"# {path} = {{uniform = [0.9, 1.1]}}", "a tolerance of 10 %")
+        yield line_of(f"# {path} = {{uniform = [0.9, 1.1]}}", "a tolerance of 10 %")
 
 
-def _entry(name: str, value: Any) -> str:
+def entry_of(name: str, value: Any) -> str:
+    """Return a line of TOML that sets a name."""
     if isinstance(value, Mapping):
-        return f"{name} = {{{', '.join(_entry(key, entry) for key, entry in value.items())}}}"
+        return f"{name} = {{{', '.join(entry_of(key, entry) for key, entry in value.items())}}}"
     if isinstance(value, (list, tuple)):
-        return f"{name} = [{', '.join(_entry('', entry).removeprefix(' = ') for entry in value)}]"
+        return f"{name} = [{', '.join(entry_of('', entry).removeprefix(' = ') for entry in value)}]"
     return f"{name} = " + tomli_w.dumps({"x": value}).strip().removeprefix("x = ")
 
 
-def _line(entry: str, comment: str) -> str:
+def line_of(entry: str, comment: str) -> str:
     """Return an entry with its comment behind it or, where that is too long, in lines of their own above it."""
     line = f"{entry:{WIDTH}}  # {comment}" if comment else entry
     if len(line) <= LONGEST:

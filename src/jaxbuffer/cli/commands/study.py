@@ -13,17 +13,37 @@ from ...study.config import DEFAULT_KIND
 from ...study.example import example_toml, own_mechanism
 from ...study.explained import explained
 from ...study.load import load
+from ...study.scaled import scaled_toml
 from ...study.schema import study_schema
 from ..exits import OK
 from ..streams import show
 
 
-def init(file: Path | None, kind: str, own: str, force: bool) -> int:
+def init(
+    file: Path | None,
+    kind: str,
+    own: str,
+    active_mass: str,
+    passive_mass: str,
+    speeds: str,
+    miss: str,
+    attitude: str,
+    force: bool,
+) -> int:
     """Write a study, or with ``own`` a mechanism of that name, to begin with."""
-    if own and kind:
-        raise InputError("--own writes a mechanism of your own, --kind a study of one that there is: give one of them")
+    slowest, _, fastest = speeds.partition(":")
+    typed = {"active_mass": active_mass, "passive_mass": passive_mass, "slowest": slowest}
+    typed |= {"fastest": fastest or slowest, "miss": miss, "attitude": attitude}
+    given = {name: _number_or_text(text) for name, text in typed.items() if text}
+    if own and (kind or given):
+        raise InputError(
+            "--own writes a mechanism of your own, the rest a study of one that there is: give one of them"
+        )
     target = file or Path(f"{own}.py" if own else "study.toml")
-    text = own_mechanism(own) if own else example_toml(_mechanism(kind))
+    if own:
+        text = own_mechanism(own)
+    else:
+        text = scaled_toml(_mechanism(kind), given) if given else example_toml(_mechanism(kind))
     try:
         write(target, text, overwrite=force)
     except FileExistsError:
@@ -31,6 +51,14 @@ def init(file: Path | None, kind: str, own: str, force: bool) -> int:
     next_step = f"'python {target}' runs it" if own else f"'jaxbuffer check {target}' says what it holds"
     show(f"wrote {target}; {next_step}")
     return OK
+
+
+def _number_or_text(typed: str) -> float | str:
+    """Return a number without a unit as such: it is in its field's unit."""
+    try:
+        return float(typed)
+    except ValueError:
+        return typed
 
 
 def check(file: Path) -> int:

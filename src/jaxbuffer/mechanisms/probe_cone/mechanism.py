@@ -6,6 +6,7 @@ from ...errors import InputError
 from ...fields import replace
 from ..mechanism import Defaults, LowerBound, Mechanism, TuningRules
 from ..registry import register
+from ..sizing import Sizing
 from .assembly import assemble
 from .closed_form import first_impact, first_impact_elasticities
 from .design import Design, Scenario, check_fit, valid
@@ -14,6 +15,7 @@ from .parts import PARTS, parts_of
 from .problem import check_problem, left_open, unfinished
 from .quantities import QUANTITIES
 from .reading import READER
+from .scaled import VehiclesToDock, scaled_study
 from .solved import capture
 from .view import VIEW
 
@@ -50,6 +52,7 @@ PROBE_CONE = register(
         run=capture,
         reader=READER,
         view=VIEW,
+        sizing=Sizing(VehiclesToDock, scaled_study),
         tuning=TuningRules(
             # No buffer may come to its end.
             always={"stroke_share": 1.0} | _joined(part.always for part in PARTS),
