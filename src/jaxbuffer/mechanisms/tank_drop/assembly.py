@@ -75,7 +75,8 @@ def assembled(design: TankDrop, scenario: TankDropScenario) -> TankModel:
     above = _above(design, mesh, under)
     bodies = jnp.stack([jnp.stack([jnp.zeros(()), jnp.asarray(above, float)]), jnp.zeros(2)])
     positions = jnp.concatenate([mesh.positions, bodies])
-    material = _material(design)
+    material, strength = _material(design)
+    cushioned = design.cushion.kind == "layer"
     quads, density = Quads.of(positions, mesh.sets.corners, ACROSS), material.density
     if len(mesh.numbers.ribs):
         quads, density = _with_ribs(design, quads)
@@ -98,20 +99,19 @@ def assembled(design: TankDrop, scenario: TankDropScenario) -> TankModel:
     system = FiniteElementSystem(
         positions,
         inverse,
-        (wall,),
-        (_support(design, mesh, baffle), *([] if design.cushion.kind == "layer" else [_strike(design, mesh, under)])),
-        (_cushion(design, mesh, under),) if design.cushion.kind == "layer" else (),
-        jnp.stack([jnp.zeros(()), -jnp.asarray(scenario.gravity, float)]),
-        None,
-        liquid,
-        static,
+        elements=(wall,),
+        contacts=(_support(design, mesh, baffle), *([] if cushioned else [_strike(design, mesh, under)])),
+        layers=(_cushion(design, mesh, under),) if cushioned else (),
+        gravity=jnp.stack([jnp.zeros(()), -jnp.asarray(scenario.gravity, float)]),
+        liquid=liquid,
+        static_pressure=static,
         # A full tank has no air: the volume that its pressure depends on would be zero.
-        _air(design, mesh) if design.contents.air == "trapped" and not mesh.numbers.full else None,
+        gas=_air(design, mesh) if design.contents.air == "trapped" and not mesh.numbers.full else None,
     )
     half = None
     if whole:
         half = assembled(replace(design, {"mesh.extent": "half"}), replace(scenario, {"angle": 0.0}))
-    return TankModel(system, mesh, wall, material, _strength(design), slider, factor, angle, half)
+    return TankModel(system, mesh, wall, material, strength, slider, factor, angle, half)
 
 
 def _above(design: TankDrop, mesh: Section, under: RigidPlane) -> Scalar:
@@ -125,18 +125,20 @@ def _above(design: TankDrop, mesh: Section, under: RigidPlane) -> Scalar:
     return (soft - jnp.min(sideways * x + downwards * y)) / -downwards
 
 
-def _material(design: TankDrop) -> Plastic | Orthotropic:
+def _material(design: TankDrop) -> tuple[Plastic | Orthotropic, Scalar]:
+    """Return the wall's material and the size of stresses that matter [Pa]."""
     if design.material.kind == "composite":
-        return equivalent(design.composite)
+        return equivalent(design.composite), design.composite.along_compression
     material = design.material
-    return Plastic(
-        material.density,
-        material.young_modulus,
-        material.poisson_ratio,
-        material.yield_stress,
-        material.hardening,
-        material.failure_strain,
+    plastic = Plastic(
+        density=material.density,
+        young=material.young_modulus,
+        poisson=material.poisson_ratio,
+        yield_stress=material.yield_stress,
+        hardening=material.hardening,
+        failure_strain=material.failure_strain,
     )
+    return plastic, material.yield_stress
 
 
 def _with_ribs(design: TankDrop, quads: Quads) -> tuple[Quads, Float[Array, " elements"]]:
@@ -150,10 +152,6 @@ def _with_ribs(design: TankDrop, quads: Quads) -> tuple[Quads, Float[Array, " el
     depth = jnp.where(last, narrowed * design.ribs.share, 1.0)
     density = design.material.density * jnp.where(last, 1.0 / narrowed, 1.0)
     return quads._replace(weight=quads.weight * depth[:, None]), density
-
-
-def _strength(design: TankDrop) -> Scalar:
-    return design.composite.along_compression if design.material.kind == "composite" else design.material.yield_stress
 
 
 def _support(design: TankDrop, mesh: Section, baffle: int) -> NodeContact:
@@ -188,11 +186,11 @@ def _cushion(design: TankDrop, mesh: Section, under: RigidPlane) -> Layer:
     return Layer(
         slaves,
         under,
-        width,
-        soft.thickness,
-        soft.stiffness,
-        soft.damping,
-        SOLID * soft.stiffness,
+        width=width,
+        thickness=soft.thickness,
+        stiffness=soft.stiffness,
+        damping=soft.damping,
+        solid=SOLID * soft.stiffness,
     )
 
 

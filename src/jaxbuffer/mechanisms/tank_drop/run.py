@@ -14,7 +14,7 @@ from ..impacts import Impacts
 from .assembly import TankModel, assembled
 from .design import TankDrop, TankDropScenario
 from .outcome import FORMS, TankOutcome
-from .section import Section, wall_mass
+from .section import wall_mass
 from .stepping import SMOOTH, Dropped, HistoryRow
 from .tank_run import TankRun
 
@@ -155,11 +155,13 @@ def history_of(parts: TankModel, rows: HistoryRow) -> History:
         "peak_plastic_strain": jnp.max(rows.plastic_strain, axis=1),
         "wall_x": middle[..., 0],
         "wall_y": middle[..., 1],
-        **_plate(at, section),
         "stress": rows.stress,
         "plastic_strain": rows.plastic_strain,
         "displacement": rows.displacement,
     }
+    if len(section.sets.plate):
+        of_plate = jnp.mean(at[:, section.sets.plate], axis=2)
+        others |= {"plate_x": of_plate[..., 0], "plate_y": of_plate[..., 1]}
     if system.liquid is not None:
         assert system.static_pressure is not None
         wet = (rows.pressure + system.static_pressure[None])[:, system.liquid.wet]
@@ -182,15 +184,6 @@ def history_of(parts: TankModel, rows: HistoryRow) -> History:
         others=others,
         energy=_energy(1.0, whole),
     )
-
-
-def _plate(at: Array, section: Section) -> dict[str, Array]:
-    """Return how the plate moves, if there is one: its middle, row by row [m]. ``at``: (rows of the history, nodes, 2)
-    [m]."""
-    if not len(section.sets.plate):
-        return {}
-    middle = jnp.mean(at[:, section.sets.plate], axis=2)
-    return {"plate_x": middle[..., 0], "plate_y": middle[..., 1]}
 
 
 def _close_up(rows: HistoryRow) -> HistoryRow:

@@ -152,20 +152,43 @@ def dropped(
 
 
 def _empty_tally(parts: TankModel, start: State, history: bool) -> Tally:
-    zero = jnp.zeros(())
+    zero, most = jnp.zeros(()), jnp.asarray(jnp.inf)
     energies = Energies(*(zero,) * len(Energies._fields))
     rows = None
     if history:
-        elements = len(parts.section.sets.corners)
-        room = lambda *shape: jnp.zeros((ROWS, *shape))  # noqa: E731
+        of_elements = jnp.zeros((ROWS, len(parts.section.sets.corners)))
+        column = jnp.zeros(ROWS)
         rows = HistoryRow(
-            *(room(), room(*start.displacement.shape), room(), room(), room(), room(*start.pressure.shape)),
-            *(room(elements), room(elements), Energies(*(room() for _ in energies))),
+            time=column,
+            displacement=jnp.zeros((ROWS, *start.displacement.shape)),
+            speed=column,
+            force=column,
+            support=column,
+            pressure=jnp.zeros((ROWS, *start.pressure.shape)),
+            stress=of_elements,
+            plastic_strain=of_elements,
+            energies=Energies(*(column,) * len(energies)),
         )
-    most = jnp.asarray(jnp.inf)
-    never = jnp.full(len(FORMS), jnp.inf)
     return Tally(
-        *(zero,) * 6, jnp.asarray(0), -most, most, *(zero,) * 3, never, -most, most, zero, zero, energies, rows
+        force=zero,
+        force_time=zero,
+        impulse=zero,
+        released=zero,
+        in_contact=zero,
+        stress=zero,
+        stress_element=jnp.asarray(0),
+        sharpened=-most,
+        reserve=most,
+        deflection=zero,
+        travel=zero,
+        compression=zero,
+        failures=jnp.full(len(FORMS), jnp.inf),
+        highest=-most,
+        lowest=most,
+        first=zero,
+        off=zero,
+        energies=energies,
+        rows=rows,
     )
 
 
@@ -190,7 +213,9 @@ def _next_tally(
     first = jnp.where(instant.time == 0.0, total, tally.first)
     moved = system.positions + instant.displacement
     compressed = jnp.max(parts.compression(moved))
-    reserve = _reserve(parts, design, wall.stress)
+    reserve = jnp.asarray(jnp.inf)  # of a plastic wall the largest stress tells it in the end
+    if isinstance(parts.material, Orthotropic):
+        reserve = least_reserve(design.composite, design.mesh.refinement, wall.stress, parts.material)
     happens = jnp.stack([
         # Of a composite the limit is a size of stress alone; whether a ply fails is told by its reserve.
         (highest_stress >= limit) & (design.material.kind == "plastic") | (reserve < 1.0),
@@ -199,33 +224,26 @@ def _next_tally(
         jnp.any(parts.material.failed(wall.history)),
     ])  # fmt: skip
     return Tally(
-        jnp.maximum(tally.force, force),
-        jnp.where(force > tally.force, instant.time, tally.force_time),
-        tally.impulse + step * force,
-        jnp.where(force > 0.0, instant.time, tally.released),
-        tally.in_contact + step * (force > 0.0),
-        jnp.maximum(tally.stress, highest_stress),
-        jnp.where(highest_stress > tally.stress, jnp.argmax(stress), tally.stress_element),
-        jnp.logaddexp(tally.sharpened, sharpened),
-        jnp.minimum(tally.reserve, reserve),
-        jnp.maximum(tally.deflection, -instant.displacement[section.numbers.outer[-1], 1]),
-        jnp.maximum(tally.travel, -instant.displacement[parts.slider, 1]),
-        jnp.maximum(tally.compression, compressed),
-        jnp.where(happens & jnp.isinf(tally.failures), instant.time, tally.failures),
-        higher,
-        lower,
-        first,
-        jnp.maximum(tally.off, jnp.abs(total - first)),
-        instant.energies,
-        None if tally.rows is None else _with_row(parts, duration, tally.rows, instant, force, stress),
+        force=jnp.maximum(tally.force, force),
+        force_time=jnp.where(force > tally.force, instant.time, tally.force_time),
+        impulse=tally.impulse + step * force,
+        released=jnp.where(force > 0.0, instant.time, tally.released),
+        in_contact=tally.in_contact + step * (force > 0.0),
+        stress=jnp.maximum(tally.stress, highest_stress),
+        stress_element=jnp.where(highest_stress > tally.stress, jnp.argmax(stress), tally.stress_element),
+        sharpened=jnp.logaddexp(tally.sharpened, sharpened),
+        reserve=jnp.minimum(tally.reserve, reserve),
+        deflection=jnp.maximum(tally.deflection, -instant.displacement[section.numbers.outer[-1], 1]),
+        travel=jnp.maximum(tally.travel, -instant.displacement[parts.slider, 1]),
+        compression=jnp.maximum(tally.compression, compressed),
+        failures=jnp.where(happens & jnp.isinf(tally.failures), instant.time, tally.failures),
+        highest=higher,
+        lowest=lower,
+        first=first,
+        off=jnp.maximum(tally.off, jnp.abs(total - first)),
+        energies=instant.energies,
+        rows=None if tally.rows is None else _with_row(parts, duration, tally.rows, instant, force, stress),
     )
-
-
-def _reserve(parts: TankModel, design: TankDrop, stress: Array) -> Array:
-    """Return the reserve of a composite's plies now; of a plastic wall the largest stress tells it in the end."""
-    if not isinstance(parts.material, Orthotropic):
-        return jnp.asarray(jnp.inf)
-    return least_reserve(design.composite, design.mesh.refinement, stress, parts.material)
 
 
 def _with_row(
@@ -235,14 +253,14 @@ def _with_row(
     (wall,) = instant.resistances
     place = jnp.clip(jnp.floor(instant.time / duration * ROWS).astype(int), 0, ROWS - 1)
     row = HistoryRow(
-        jnp.asarray(instant.time),
-        instant.displacement,
-        instant.velocity[parts.slider, 1],
-        force,
-        jnp.sum(instant.contacts[0].normal),
-        instant.pressure,
-        stress,
-        jnp.max(wall.history.equivalent, axis=1),
-        instant.energies,
+        time=jnp.asarray(instant.time),
+        displacement=instant.displacement,
+        speed=instant.velocity[parts.slider, 1],
+        force=force,
+        support=jnp.sum(instant.contacts[0].normal),
+        pressure=instant.pressure,
+        stress=stress,
+        plastic_strain=jnp.max(wall.history.equivalent, axis=1),
+        energies=instant.energies,
     )
     return jax.tree.map(lambda values, new: values.at[place].set(new), rows, row)
