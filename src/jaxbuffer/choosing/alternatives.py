@@ -9,7 +9,7 @@ import numpy as np
 from ..fields import Part
 from ..tuning.evaluation import Evaluation, gather
 from ..tuning.goal import Goal
-from ..tuning.objective import Objective, SecondObjective
+from ..tuning.objective import Objective
 from ..tuning.problem import Problem
 from ..tuning.tuned import Tuned
 from .catalogue import CataloguePart
@@ -106,16 +106,14 @@ def best_first(criterion: Criterion, made: Sequence[Alternative], ceiling: float
 def ceiling(criterion: Criterion, made: Iterable[Alternative]) -> float:
     """Return up to which objective the second one orders combinations, of which the best of ``made`` decides; infinite
     without a second one, and where none is feasible."""
-    then = criterion.then
-    return min(
-        (math.inf if then is None else _ceiling(criterion, then, it) for it in made if it.feasible), default=math.inf
-    )
-
-
-def _ceiling(criterion: Criterion, then: SecondObjective, it: Alternative) -> float:
-    """Return how high the objective of a combination as good as this one may be."""
-    goal = None if it.tuned is None else it.tuned.goal
-    if goal is None or goal.ceiling is None:
-        return then.ceiling(it.value)
-    # Its own tuning has raised the objective, within the tolerance of the least that it had reached.
-    return goal.ceiling.value + then.ceiling(float(criterion.constant(it.totals)))
+    then, lowest = criterion.then, math.inf
+    if then is None:
+        return lowest
+    for it in made:
+        if it.feasible:
+            own = then.ceiling(it.value)
+            # Its own tuning has raised the objective, within the tolerance of the least that it had reached.
+            if it.tuned is not None and it.tuned.goal.ceiling is not None:
+                own = it.tuned.goal.ceiling.value + then.ceiling(float(criterion.constant(it.totals)))
+            lowest = min(lowest, own)
+    return lowest

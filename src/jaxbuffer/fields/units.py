@@ -224,12 +224,10 @@ def typed_unit(value: Any) -> str:
 def as_typed(value: float, unit: str, typed: str) -> tuple[float, str]:
     """Return a value in ``unit`` as one in the unit that was ``typed``, and that unit; the same where none was
     typed."""
+    if not typed:
+        return value, unit
     try:
-        return (
-            (float(_registry().Quantity(value, _parsed(unit)).to(_parsed(typed)).magnitude), typed)
-            if typed
-            else (value, unit)
-        )
+        return float(_registry().Quantity(value, _parsed(unit)).to(_parsed(typed)).magnitude), typed
     except Exception:  # pint has many: the unit does not fit, which its own error says
         return value, unit
 

@@ -173,6 +173,18 @@ class Influence(NamedTuple):
     up: bool
     at_bound: bool
 
+    def value_at_limit(self, worst: WorstCase) -> float | None:
+        """Return where the variable brings the quantity to its limit, if the quantity goes as a power of it.
+
+        **Returns:** None for what has no sign of its own, and beyond a factor of `FARTHEST`.
+        """
+        if worst.value * worst.limit <= 0.0 or self.value <= 0.0:
+            return None
+        # A weak variable overflows, which the comparison below takes for too far.
+        with np.errstate(over="ignore"):
+            times = float(np.exp(0.01 * worst.value * np.log(worst.limit / worst.value) / self.change))
+        return self.value * times if 1.0 / FARTHEST <= times <= FARTHEST else None
+
 
 def helpful_variables(goal: Goal, scaled: Float[np.ndarray, " variables"], worst: WorstCase) -> list[Influence]:
     """Return the variables that bring a quantity nearer to its limit to first order, the strongest first; ``scaled``:
@@ -222,19 +234,6 @@ def _words(goal: Goal, worst: WorstCase, it: Influence) -> str:
         return f"{'more' if it.up else 'less'} {path} {effect}"
     bound = with_unit(*problem.shown(path, it.variable.high if it.up else it.variable.low))
     far = ""
-    if (enough := _enough(worst, it)) is not None:
+    if (enough := it.value_at_limit(worst)) is not None:
         far = f", {'to' if it.up else 'down to'} about {with_unit(*problem.shown(path, enough), 2)}"
     return f"{path} {'above' if it.up else 'below'} its bound of {bound}{far} {effect}"
-
-
-def _enough(worst: WorstCase, it: Influence) -> float | None:
-    """Return the variable's value at which the quantity would reach its limit if it went as a power of the variable.
-
-    **Returns:** None for what has no sign of its own, and beyond a factor of `FARTHEST`.
-    """
-    if worst.value * worst.limit <= 0.0 or it.value <= 0.0:
-        return None
-    # A weak variable overflows, which the comparison below takes for too far.
-    with np.errstate(over="ignore"):
-        times = float(np.exp(0.01 * worst.value * np.log(worst.limit / worst.value) / it.change))
-    return it.value * times if 1.0 / FARTHEST <= times <= FARTHEST else None

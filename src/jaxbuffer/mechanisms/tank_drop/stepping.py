@@ -199,8 +199,7 @@ def _next_tally(
     (wall,) = instant.resistances
     force = parts.force(instant)
     stress = jnp.max(mises(at_faces(wall.stress)), axis=1)
-    highest_stress = jnp.max(stress)
-    limit = parts.strength
+    highest_stress, limit = jnp.max(stress), parts.strength
     # In logarithms, because the exponential of a stress far beyond the yield stress overflows.
     sharpened = logsumexp((stress - limit) / (limit / SMOOTH), b=step * parts.wall.quads.area)
     higher, lower = tally.highest, tally.lowest
@@ -211,8 +210,7 @@ def _next_tally(
     total = sum(instant.energies, jnp.zeros(()))
     # What is known of an instant takes its step (`Instant`): only the loop itself meets the first energies.
     first = jnp.where(instant.time == 0.0, total, tally.first)
-    moved = system.positions + instant.displacement
-    compressed = jnp.max(parts.compression(moved))
+    compressed = jnp.max(parts.compression(system.positions + instant.displacement))
     reserve = jnp.asarray(jnp.inf)  # of a plastic wall the largest stress tells it in the end
     if isinstance(parts.material, Orthotropic):
         reserve = least_reserve(design.composite, design.mesh.refinement, wall.stress, parts.material)
