@@ -76,7 +76,6 @@ def assembled(design: TankDrop, scenario: TankDropScenario) -> TankModel:
     bodies = jnp.stack([jnp.stack([jnp.zeros(()), jnp.asarray(above, float)]), jnp.zeros(2)])
     positions = jnp.concatenate([mesh.positions, bodies])
     material, strength = _material(design)
-    cushioned = design.cushion.kind == "layer"
     quads, density = Quads.of(positions, mesh.sets.corners, ACROSS), material.density
     if len(mesh.numbers.ribs):
         quads, density = _with_ribs(design, quads)
@@ -96,21 +95,20 @@ def assembled(design: TankDrop, scenario: TankDropScenario) -> TankModel:
     # The section carries its share of the slider (M166).
     slider_inverse = jnp.stack([jnp.zeros(()), factor / jnp.asarray(design.slider.mass, float)])
     inverse = jnp.concatenate([inverse, slider_inverse[None], jnp.zeros((1, 2))])
+    support = _support(design, mesh, baffle)
+    layers = (_cushion(design, mesh, under),) if design.cushion.kind == "layer" else ()
     system = FiniteElementSystem(
         positions,
         inverse,
         elements=(wall,),
-        contacts=(_support(design, mesh, baffle), *([] if cushioned else [_strike(design, mesh, under)])),
-        layers=(_cushion(design, mesh, under),) if cushioned else (),
+        contacts=(support,) if layers else (support, _pressed(design, mesh, mesh.sets.pressed, under)),
+        layers=layers,
         gravity=jnp.stack([jnp.zeros(()), -jnp.asarray(scenario.gravity, float)]),
         liquid=liquid,
         static_pressure=static,
-        # A full tank has no air: the volume that its pressure depends on would be zero.
-        gas=_air(design, mesh) if design.contents.air == "trapped" and not mesh.numbers.full else None,
+        gas=_air(design, mesh),
     )
-    half = None
-    if whole:
-        half = assembled(replace(design, {"mesh.extent": "half"}), replace(scenario, {"angle": 0.0}))
+    half = assembled(replace(design, {"mesh.extent": "half"}), replace(scenario, {"angle": 0.0})) if whole else None
     return TankModel(system, mesh, wall, material, strength, slider, factor, angle, half)
 
 
@@ -156,22 +154,22 @@ def _with_ribs(design: TankDrop, quads: Quads) -> tuple[Quads, Float[Array, " el
 
 def _support(design: TankDrop, mesh: Section, baffle: int) -> NodeContact:
     """Return the contact of the outside, up to the level, with the baffle."""
-    slaves = mesh.sets.support
-    # With a share of the area's stiffness for each node's strip (M167) the support is as soft on any mesh.
+    return _pressed(design, mesh, mesh.sets.support, RigidPlane(baffle, (0.0, 1.0)))
+
+
+def _pressed(design: TankDrop, mesh: Section, slaves: np.ndarray, plane: RigidPlane) -> NodeContact:
+    """Return the contact of the outside's nodes with a plane by the method of the support: that of the slider, too,
+    where it has no cushion."""
+    # With a share of the area's stiffness for each node's strip (M167) the contact is as soft on any mesh.
     strips = jnp.linalg.norm(boundary_areas(mesh.positions[slaves]), axis=1)
-    return NodeContact(slaves, RigidPlane(baffle, (0.0, 1.0)), design.support.method, design.support.stiffness * strips)
+    return NodeContact(slaves, plane, design.support.method, design.support.stiffness * strips)
 
 
-def _strike(design: TankDrop, mesh: Section, under: RigidPlane) -> NodeContact:
-    """Return the contact of the slider without a cushion with the outside from the level on, by the method of the
-    support."""
-    slaves = mesh.sets.pressed
-    strips = jnp.linalg.norm(boundary_areas(mesh.positions[slaves]), axis=1)
-    return NodeContact(slaves, under, design.support.method, design.support.stiffness * strips)
-
-
-def _air(design: TankDrop, mesh: Section) -> Gas:
-    """Return the air that is shut in above the liquid."""
+def _air(design: TankDrop, mesh: Section) -> Gas | None:
+    """Return the air that is shut in above the liquid, if any."""
+    # A full tank has no air: the volume that its pressure depends on would be zero.
+    if design.contents.air != "trapped" or mesh.numbers.full:
+        return None
     wall = mesh.positions[mesh.sets.inner]
     below = 0.0 if design.contents.kind == "none" else enclosed(mesh.liquid[mesh.sets.wet])
     return Gas(mesh.sets.inner, enclosed(wall) - below, enclosed(wall), design.contents.air_pressure)
