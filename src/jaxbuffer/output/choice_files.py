@@ -4,7 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from ..choosing.choice import Alternative, Choice, beyond, lines, ranking_rows, reported, set_by
+from ..choosing.alternatives import Alternative, reported
+from ..choosing.choice import Choice, beyond, lines, ranking_rows, set_by
 from ..labelled.record import heading, json_number, part_record
 from ..study.tuned_toml import tuned_toml
 from ..tuning.evaluation import main_values

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax.scipy.special import logsumexp
 from jaxtyping import Array, Bool, Float, Int
 
@@ -16,7 +17,7 @@ from ...structures.system import SAFETY, Energies, Instant
 from .assembly import TankModel, assembled
 from .design import TankDrop, TankDropScenario
 from .laminate import least_reserve
-from .outcome import FORMS
+from .outcome import FORMS, TankOutcome
 from .start import falling
 
 # Tolerances above this use the stability limit; below it the step scales with √rtol.
@@ -50,6 +51,18 @@ class HistoryRow(NamedTuple):
     stress: Float[Array, " elements"]
     plastic_strain: Float[Array, " elements"]
     energies: Energies
+
+    def compacted(self) -> "HistoryRow":
+        """Compact the filled rows of a history; pad with the last one.
+
+        A run with fewer steps than rows, or one that ends early, leaves some empty; the first one always counts as
+        filled.
+        """
+        places = np.arange(self.time.shape[0])
+        filled = (self.time > 0.0) | (places == 0)
+        order = jnp.argsort(jnp.where(filled, places, len(places) + places))
+        chosen = order[jnp.minimum(places, jnp.sum(filled) - 1)]
+        return jax.tree.map(lambda row: row[chosen], self)
 
 
 class Tally(NamedTuple):
@@ -89,6 +102,48 @@ class Tally(NamedTuple):
     energies: Energies
     rows: HistoryRow | None
 
+    @staticmethod
+    def empty(parts: TankModel, start: State, history: bool) -> "Tally":
+        """Return the tally of a run that has not begun; ``history``: whether it keeps one."""
+        zero, most = jnp.zeros(()), jnp.asarray(jnp.inf)
+        energies = Energies(*(zero,) * len(Energies._fields))
+        rows = None
+        if history:
+            of_elements = jnp.zeros((ROWS, len(parts.section.sets.corners)))
+            column = jnp.zeros(ROWS)
+            rows = HistoryRow(
+                time=column,
+                displacement=jnp.zeros((ROWS, *start.displacement.shape)),
+                speed=column,
+                force=column,
+                support=column,
+                pressure=jnp.zeros((ROWS, *start.pressure.shape)),
+                stress=of_elements,
+                plastic_strain=of_elements,
+                energies=Energies(*(column,) * len(energies)),
+            )
+        return Tally(
+            force=zero,
+            force_time=zero,
+            impulse=zero,
+            released=zero,
+            in_contact=zero,
+            stress=zero,
+            stress_element=jnp.asarray(0),
+            sharpened=-most,
+            reserve=most,
+            deflection=zero,
+            travel=zero,
+            compression=zero,
+            failures=jnp.full(len(FORMS), jnp.inf),
+            highest=-most,
+            lowest=most,
+            first=zero,
+            off=zero,
+            energies=energies,
+            rows=rows,
+        )
+
 
 class Dropped(NamedTuple):
     """A run as it was stepped.
@@ -106,6 +161,17 @@ class Dropped(NamedTuple):
     crushed: Bool[Array, ""]
     too_many: Bool[Array, ""]
     allowed: Bool[Array, ""]
+
+    def outcome(self, deleted: Int[Array, ""]) -> Int[Array, ""]:
+        """Return the outcome's number. ``deleted``: how many elements failed altogether."""
+        finite = jnp.all(jnp.isfinite(self.state.displacement)) & jnp.isfinite(self.tally.stress)
+        finite = finite & jnp.isfinite(self.step)  # a mesh that is folded has no stable step
+        # Each line takes precedence over those before it.
+        code = jnp.where(deleted > 0, int(TankOutcome.holed), int(TankOutcome.whole))
+        code = jnp.where(self.crushed, int(TankOutcome.crushed), code)
+        code = jnp.where(finite, code, int(TankOutcome.failed_not_finite))
+        code = jnp.where(self.too_many, int(TankOutcome.failed_steps), code)
+        return jnp.where(self.allowed, code, int(TankOutcome.failed_input))
 
 
 def dropped(
@@ -135,7 +201,7 @@ def dropped(
     step = duration / (BLOCK * blocks)
     # A folded mesh has no stable step, and its number of blocks is not finite, which no integer can be.
     count = jnp.where(jnp.asarray(allowed) & ~too_many & jnp.isfinite(blocks), blocks, 0.0).astype(int)
-    first = _empty_tally(parts, start, options.keep > 0)
+    first = Tally.empty(parts, start, options.keep > 0)
 
     crushed = CRUSHED * (design.tank.height - design.wall.bottom - design.wall.top)
 
@@ -149,47 +215,6 @@ def dropped(
     # The time is a sum of steps, whose rounding must not cost one of them.
     steps = jnp.round(state.time / step).astype(int)
     return Dropped(state, tally, steps, step, until(tally), too_many, jnp.asarray(allowed))
-
-
-def _empty_tally(parts: TankModel, start: State, history: bool) -> Tally:
-    zero, most = jnp.zeros(()), jnp.asarray(jnp.inf)
-    energies = Energies(*(zero,) * len(Energies._fields))
-    rows = None
-    if history:
-        of_elements = jnp.zeros((ROWS, len(parts.section.sets.corners)))
-        column = jnp.zeros(ROWS)
-        rows = HistoryRow(
-            time=column,
-            displacement=jnp.zeros((ROWS, *start.displacement.shape)),
-            speed=column,
-            force=column,
-            support=column,
-            pressure=jnp.zeros((ROWS, *start.pressure.shape)),
-            stress=of_elements,
-            plastic_strain=of_elements,
-            energies=Energies(*(column,) * len(energies)),
-        )
-    return Tally(
-        force=zero,
-        force_time=zero,
-        impulse=zero,
-        released=zero,
-        in_contact=zero,
-        stress=zero,
-        stress_element=jnp.asarray(0),
-        sharpened=-most,
-        reserve=most,
-        deflection=zero,
-        travel=zero,
-        compression=zero,
-        failures=jnp.full(len(FORMS), jnp.inf),
-        highest=-most,
-        lowest=most,
-        first=zero,
-        off=zero,
-        energies=energies,
-        rows=rows,
-    )
 
 
 def _next_tally(
