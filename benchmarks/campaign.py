@@ -18,7 +18,7 @@ stopped, by ``--minutes``, Ctrl-C or a request to end, prints its counts so far 
 import collections
 import dataclasses
 import math
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -28,11 +28,12 @@ import typer
 import jaxbuffer as jb
 from jaxbuffer.fields import Part
 from jaxbuffer.mechanisms.mechanism import Request
+from jaxbuffer.mechanisms.quantity import NEGLIGIBLE
 from jaxbuffer.mechanisms.registry import mechanism_of
 from jaxbuffer.progress import counted
 from jaxbuffer.run.request import options_of, request
 from jaxbuffer.run.stepper import run_of, stepped
-from jaxbuffer.run.trust import trust
+from jaxbuffer.run.trust import SMALL, trust
 
 from .names import chosen
 from .optional_parts import CRANK_PARTS, DOCKING_PARTS, DROP_PARTS, SPACE_PARTS, Ranges, Structure, structures
@@ -159,10 +160,27 @@ def studies_of(title: str, count: int, seed: int) -> list[Structure]:
     return list(structures(STUDIES[base](), parts, count, seed))
 
 
+class Measured(NamedTuple):
+    """Of a run, an entry an observable that has a maximum.
+
+    - ``code``, ``impacts``, ``steps``: its outcome; how many touchdowns and accepted steps.
+    - ``reported``: its maxima; ``rounding``: below it a value is the error of its own computation, or `NEGLIGIBLE`.
+    - ``history``: the largest values at accepted steps; ``extent``: by how much the largest exceeds the smallest.
+    - ``energy``: the error of its balance, relative.
+    """
+
+    code: Any
+    impacts: Any
+    steps: Any
+    reported: Any
+    rounding: Any
+    history: Any
+    extent: Any
+    energy: Any
+
+
 @jax.jit
-def _measured(given: Request) -> tuple[Any, ...]:
-    """Of a run: outcome, touchdowns, accepted steps, reported maxima, the range of their observables, and the largest
-    values at accepted steps, and the error of the energy."""
+def _measured(given: Request) -> Measured:
     result = stepped(given)
     run = run_of(given._replace(options=dataclasses.replace(given.options, keep=0)), result)
     system = given.system
@@ -178,21 +196,28 @@ def _measured(given: Request) -> tuple[Any, ...]:
     values = jnp.concatenate([force, values[:, contacts:]], axis=1)
     taken = (slots < steps.count)[:, None]
     highest, lowest = (jnp.max(jnp.where(taken, sign * values, -jnp.inf), axis=0) for sign in (1.0, -1.0))
-    extent = highest + lowest
     reported = jnp.stack([run.peak_force, *(run.maxima[name] for name in system.observed[contacts:])])
     rounding = system.roundoff()
     rounding = jnp.append(jnp.max(rounding[:contacts]), rounding[contacts:])
-    # Of what stays below its rounding error no maximum is located.
-    highest = jnp.where(highest > rounding, highest, reported)
-    return run.code, run.impact_count, run.accepted, reported, extent, highest, run.balance.energy
+    return Measured(
+        run.code, run.impact_count, run.accepted, reported, rounding, highest, highest + lowest, run.balance.energy
+    )
 
 
-def measured(design: Part, scenario: Part, duration: float, rtol: float = 1e-6) -> tuple[Any, ...]:
-    """`_measured` as NumPy arrays; the names of the maxima are `names`."""
+def measured(design: Part, scenario: Part, duration: float, rtol: float = 1e-6) -> Measured:
+    """`_measured` as NumPy arrays; the names of the maxima are `names`. What the program counts as zero is rounding."""
     given = request(
         mechanism_of(design), design, scenario, duration, tolerances=(rtol, rtol), options=options_of(keep=STEPS)
     )
-    return jax.tree.map(np.asarray, _measured(jax.tree.map(lambda x: np.asarray(x, float), given)))
+    run = jax.tree.map(np.asarray, _measured(jax.tree.map(lambda x: np.asarray(x, float), given)))
+    zero = np.array([NEGLIGIBLE.get(unit_of(name), 0.0) for name in names(design, scenario)])
+    return run._replace(rounding=np.maximum(run.rounding, zero))
+
+
+def unit_of(observable: str) -> str:
+    """The unit of what `NEGLIGIBLE` knows, "" of all else."""
+    kind = observable.rsplit("_", 1)[-1]
+    return {"force": "N", "stroke": "m", "extension": "m"}.get(kind, "")
 
 
 def names(design: Part, scenario: Part) -> tuple[str, ...]:
@@ -201,8 +226,10 @@ def names(design: Part, scenario: Part) -> tuple[str, ...]:
     return ("peak_force", *system.observed[system.impact_contacts :])
 
 
-def below(values: np.ndarray, others: np.ndarray, sizes: np.ndarray) -> np.ndarray:
-    """By how much values are below others, relative to ``sizes``; 0 where they are not."""
+def below(values: np.ndarray, others: np.ndarray, sizes: np.ndarray, rounding: np.ndarray) -> np.ndarray:
+    """By how much values are below others, relative to ``sizes``; 0 where they are not, or where the others do not
+    exceed their rounding error: of such a quantity no maximum is located."""
+    sizes = np.where(others > rounding, sizes, 0.0)
     return np.where(sizes > 0.0, np.maximum(others - values, 0.0) / np.where(sizes > 0.0, sizes, 1.0), 0.0)
 
 
@@ -242,45 +269,56 @@ def campaign(
 
 def _shortfalls(design: Part, scenario: Part, duration: float) -> tuple[Any, float, dict[str, list[str]]]:
     """Of one run: its outcome, the error of its energy, and which maxima are short, by heading."""
-    code, impacts, _, reported, size, history, energy = measured(design, scenario, duration)
-    outcome = mechanism_of(design).outcomes(int(code))
+    run = measured(design, scenario, duration)
+    outcome = mechanism_of(design).outcomes(int(run.code))
     if outcome.failed:
         return outcome, 0.0, {}
     called = names(design, scenario)
-    short = below(reported, history, sizes(size, history))
-    result = {"below its history": [f"{n} {x:.1e}" for n, x in zip(called, short, strict=True) if x > BELOW_HISTORY]}
+
+    def over(short: np.ndarray, allowed: float) -> list[str]:
+        return [f"{name} {x:.1e}" for name, x in zip(called, short, strict=True) if x > allowed]
+
+    short = below(run.reported, run.history, sizes(run.extent, run.history), run.rounding)
+    result = {"below its history": over(short, BELOW_HISTORY)}
     tight = measured(design, scenario, duration, TIGHT)
-    if (int(tight[0]), int(tight[1])) != (int(code), int(impacts)):
-        return outcome, abs(float(energy)), result
-    short = below(reported, tight[3], size)
-    result["missed"] = [f"{name} {x:.1e}" for name, x in zip(called, short, strict=True) if x > MISSED]
-    if result["missed"]:
-        trusted = _trusted_maxima(design, scenario, duration)
-        short = below(trusted, tight[3], size) if trusted is not None else np.zeros_like(size)
-        result["missed silently"] = [f"{name} {x:.1e}" for name, x in zip(called, short, strict=True) if x > MISSED]
-    return outcome, abs(float(energy)), result
+    if (int(tight.code), int(tight.impacts)) == (int(run.code), int(run.impacts)):
+        result["missed"] = over(below(run.reported, tight.reported, run.extent, run.rounding), MISSED)
+        trusted = _trusted(design, scenario, duration) if result["missed"] else None
+        if trusted is not None:
+            maxima, relative_to = trusted
+            short = below(maxima, tight.reported, np.maximum(run.extent, relative_to), run.rounding)
+            result["missed silently"] = over(short, MISSED)
+    return outcome, abs(float(run.energy)), result
 
 
-def _trusted_maxima(design: Part, scenario: Part, duration: float) -> np.ndarray | None:
-    """The maxima that `jaxbuffer.simulate` reports, or None where the trust check calls its run anything but trusted.
+def _trusted(design: Part, scenario: Part, duration: float) -> tuple[np.ndarray, np.ndarray] | None:
+    """The maxima that `jaxbuffer.simulate` reports, and what the trust check takes their errors relative to; None where
+    it calls the run anything but trusted.
 
     It is a program of its own: where little decides, rounding makes other steps of it than `measured` has.
     """
     run, closer = (jb.simulate(design, scenario, duration, rtol=rtol) for rtol in (1e-6, 1e-7))
     if trust(run, closer).verdict != "trusted":
         return None
-    return np.array([run.peak_force, *(run.maxima[name] for name in names(design, scenario)[1:])])
+    called = names(design, scenario)
+    maxima = np.array([run.peak_force, *(run.maxima[name] for name in called[1:])])
+    # As `Trust.errors`: relative to a thousandth of the run's largest quantity of a unit at least.
+    sizes = [(it.unit, np.nan_to_num(abs(float(it.of(run))))) for it in run.mechanism.quantities.values() if it.swept]
+    return maxima, np.array(
+        [max((SMALL * size for unit, size in sizes if unit == unit_of(name)), default=0.0) for name in called]
+    )
 
 
 def show(study: Structure, number: int, seed: int) -> None:
     """Print the numbers of one run and its maxima, reported, at accepted steps and tight."""
     design, scenario = dict(enumerate(study.drawn(number + 10_000, seed)))[number]
     for rtol in (1e-6, 1e-7, TIGHT):
-        code, impacts, accepted, reported, _, history, energy = measured(design, scenario, study.duration, rtol)
-        outcome = mechanism_of(design).outcomes(int(code)).name
-        print(f"rtol {rtol:g}: {outcome}, {impacts} impacts, {accepted} steps, energy off by {float(energy):.1e}")
-        for name, value, highest in zip(names(design, scenario), reported, history, strict=True):
-            print(f"  {name:20} reported {value:.9g}, at accepted steps {highest:.9g}")
+        run = measured(design, scenario, study.duration, rtol)
+        outcome = mechanism_of(design).outcomes(int(run.code)).name
+        print(f"rtol {rtol:g}: {outcome}, {run.impacts} impacts, {run.steps} steps, energy off by {run.energy:.1e}")
+        rows = zip(names(design, scenario), run.reported, run.history, run.rounding, strict=True)
+        for name, value, highest, rounding in rows:
+            print(f"  {name:20} reported {value:.9g}, at accepted steps {highest:.9g}, rounding {rounding:.1g}")
     print(design, scenario, sep="\n")
 
 

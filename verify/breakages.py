@@ -69,6 +69,7 @@ RELEASED = (
 RINGS = "tests/mechanisms/test_bar_drop_plate.py::test_a_plate_that_rings_for_thousands_of_steps_keeps_its_energy"
 RISES_AGAIN = "tests/hybrid/test_crossing.py::test_a_maximum_of_what_rises_again_is_seen"
 JUMPING = "tests/hybrid/test_jumping_guards.py::test_the_run_ends_where_both_jump[1e-06-1.1]"
+TWO_SIDES = "tests/contact/test_two_sides.py"
 ANY_SIGN = "tests/hybrid/test_maxima.py::test_a_maximum_is_one_whatever_its_sign[loop-0.9]"
 CHAINED = "tests/tuning/test_custom_quantity.py::test_slopes_are_those_of_the_function"
 
@@ -189,6 +190,12 @@ def _steps_not_looked_at() -> None:
     from jaxbuffer.hybrid.loop import event
 
     event.unlocated_maximum = lambda start, end, logged, extremes: jnp.zeros(start.shape, bool)
+
+
+def _one_sided_flank() -> None:
+    from jaxbuffer.contact import shapes
+
+    shapes.THROUGH = 1e3
 
 
 def _passed_ends_go_on() -> None:
@@ -613,6 +620,7 @@ BREAKAGES = (
     Breakage("Carvalho's sign", "11 + e for 11 - e in Carvalho and Martins' damping", _carvalho_sign, (DELIVERED,)),
     Breakage("unseen steps", "accepted steps are not looked at for maxima", _steps_not_looked_at, (ACCEPTED,)),
     Breakage("both ends alone", "a step is not looked at between its ends", _both_ends_alone, (WITHIN_A_STEP,)),
+    Breakage("one-sided flank", "a ball behind a flank is always pushed to its front", _one_sided_flank, (TWO_SIDES,)),
     Breakage("passed ends", "a run goes on where its end is passed with an event", _passed_ends_go_on, (JUMPING,)),
     Breakage("never at once", "of two guards that jump at one instant one must come first", _never_at_once, (JUMPING,)),
     Breakage("maxima from zero", "nothing below zero is a largest value", _maxima_from_zero, (ANY_SIGN,)),

@@ -1,5 +1,7 @@
 """Foot, gap and normal of a ball in a cone: cases worked by hand, mirror symmetry, speeds against derivatives."""
 
+import itertools
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -29,7 +31,9 @@ LOWER_CASES = {
     "half way, touching": (THROAT + 0.05 * ALONG + 0.02 * INWARD, (-0.34, -0.07), (-0.6, 0.8), 0.02),
     "a quarter, apart": (THROAT + 0.025 * ALONG + 0.05 * INWARD, (-0.32, -0.055), (-0.6, 0.8), 0.05),
     "half way, pressed in": (THROAT + 0.05 * ALONG + 0.019 * INWARD, (-0.34, -0.07), (-0.6, 0.8), 0.019),
-    "half way, carried through": (THROAT + 0.05 * ALONG - 0.01 * INWARD, (-0.34, -0.07), (-0.6, 0.8), -0.01),
+    "half way, carried through": (THROAT + 0.05 * ALONG - 0.009 * INWARD, (-0.34, -0.07), (-0.6, 0.8), -0.009),
+    "half way, pressed on the back": (THROAT + 0.05 * ALONG - 0.019 * INWARD, (-0.34, -0.07), (0.6, -0.8), 0.019),
+    "half way, behind": (THROAT + 0.05 * ALONG - 0.03 * INWARD, (-0.34, -0.07), (0.6, -0.8), 0.03),
     "throat rim, across": (np.array([-0.3, -0.01]), (-0.3, -0.04), (0.0, 1.0), 0.03),
     "throat rim, aslant": (np.array([-0.27, 0.0]), (-0.3, -0.04), (0.6, 0.8), 0.05),
     "throat rim, along the flank": (np.array([-0.22, 0.02]), (-0.3, -0.04), (0.8, 0.6), 0.1),
@@ -69,12 +73,12 @@ def test_tangents_point_along_the_flanks_towards_the_throat():
 
 
 def test_gap_and_normal_are_continuous_across_the_rims():
-    """A hundredth of a micrometre to either side of the rims' normals."""
-    for rim in (THROAT, MOUTH):
+    """A hundredth of a micrometre to either side of the rims' normals, before the flank and behind it."""
+    for rim, front in itertools.product((THROAT, MOUTH), (1.0, -1.0)):
         for step in (-1e-8, 1e-8):
-            a = CONE.approach(still(rim + 0.03 * INWARD + step * ALONG), at_rest())
+            a = CONE.approach(still(rim + front * 0.03 * INWARD + step * ALONG), at_rest())
             assert_allclose(a.gap[0], 0.01, atol=1e-14)
-            assert_allclose([a.normal.x[0], a.normal.y[0]], INWARD, atol=4e-7)
+            assert_allclose([a.normal.x[0], a.normal.y[0]], front * INWARD, atol=4e-7)
             assert_allclose([a.foot.x[0], a.foot.y[0]], rim, atol=1.1e-8)
 
 

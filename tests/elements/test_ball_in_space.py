@@ -161,7 +161,8 @@ def test_on_the_axis_all_is_finite():
         return at.approach.gap[0], jnp.stack([*loads[0].force, *loads[0].moment, *loads[1].moment])
 
     place = jnp.array([-0.1, 0.0, 0.0])
-    assert float(gap(place)[0]) == pytest.approx(float(meridian.foot(-0.1, 0.0, -1.0).distance) - RADIUS, rel=1e-14)
+    foot = meridian.foot(-0.1, 0.0, -1.0, RADIUS)
+    assert float(gap(place)[0]) == pytest.approx(float(foot.distance) - RADIUS, rel=1e-14)
     gap = jax.jit(gap)
     for leaf in jax.tree.leaves((gap(place), jax.jacfwd(gap)(place), jax.jacrev(gap)(place))):
         assert np.all(np.isfinite(leaf))

@@ -1,4 +1,4 @@
-"""Guards that jump at one instant: a gap and the run's end, as where a tip comes behind a flank."""
+"""Guards that jump at one instant: a gap and the run's end, as where a ball is pushed through a flank."""
 
 import jax
 import jax.numpy as jnp

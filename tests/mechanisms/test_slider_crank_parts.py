@@ -79,7 +79,7 @@ def test_a_bush_by_components_is_a_square():
                   ((side.start_x, side.direction_x), (side.start_y, side.direction_y))]  # fmt: skip
         found.add(tuple(round(x, 15) for x in middle))
         assert side.length == pytest.approx(4.0 * half)
-        foot = side.foot(0.0, 0.0, -1.0)
+        foot = side.foot(0.0, 0.0, -1.0, 0.9 * half)
         assert float(foot.distance) == pytest.approx(half)
         assert (float(foot.normal_x), float(foot.normal_y)) == pytest.approx((-middle[0] / half, -middle[1] / half))
     assert found == middles

@@ -60,7 +60,7 @@ class BallPair(eqx.Module):
         **Arguments:** ``ball``: its centre, and how it turns; ``body``: the origin of the shape's axes, and how they
         turn.
         """
-        near = self.shape.nearest(body.unturn(ball.origin - body.origin), self.side)
+        near = self.shape.nearest(body.unturn(ball.origin - body.origin), self.side, self.radius)
         normal, foot = body.turn(near.normal), body.turn(near.foot)
         # Material points at the foot; seen from the ball's centre the foot lies at -distance · normal.
         turning = ball._replace(spin=ball.spin * -near.distance).rate_of(normal)

@@ -13,6 +13,7 @@ from ..plane.unit_vector import check_unit
 from ..space.either import Vector
 
 STILL = 1e-12  # m/s: a slip has a direction above it, and friction a slope at rest
+THROUGH = 0.5  # of a ball's radius: a centre less far behind a segment has been pushed through it
 
 
 class Foot(NamedTuple):
@@ -47,8 +48,12 @@ class Shape(eqx.Module):
     """Base of the shapes."""
 
     @abstractmethod
-    def nearest(self, place: Vector, side: Values | Scalar) -> Nearest:
-        """Return the point that is nearest to a ``place`` in the shape's axes [m]. ``side``: as of `BallPair`."""
+    def nearest(self, place: Vector, side: Values | Scalar, radius: Scalar) -> Nearest:
+        """Return the point that is nearest to a ball's centre.
+
+        **Arguments:** ``place`` of the centre in the shape's axes [m]; ``side``: as of `BallPair`; ``radius`` of the
+        ball [m].
+        """
 
     @abstractmethod
     def slip(self, velocity: Vector, normal: Vector, side: Values | Scalar) -> tuple[Vector, Values]:
@@ -62,16 +67,16 @@ class Shape(eqx.Module):
 class PlaneShape(Shape):
     """Base of the shapes of the plane."""
 
-    def foot(self, x: Values | Scalar, y: Values | Scalar, side: Values | Scalar) -> Foot:
-        """Return the foot of the point (x, y) on the shape (M31).
+    def foot(self, x: Values | Scalar, y: Values | Scalar, side: Values | Scalar, radius: Scalar) -> Foot:
+        """Return the foot of a ball's centre (x, y) on the shape (M31).
 
-        **Arguments:** ``x``, ``y``: the point in the shape's axes [m]; ``side``: where a segment's front is, +1 to the
-        right of its direction, -1 to the left.
+        **Arguments:** ``x``, ``y``: the centre in the shape's axes [m]; ``side``: where a segment's front is, +1 to the
+        right of its direction, -1 to the left; ``radius`` of the ball [m].
         """
         raise NotImplementedError
 
-    def nearest(self, place: Vector, side: Values | Scalar) -> Nearest:
-        foot = self.foot(place.x, place.y, side)
+    def nearest(self, place: Vector, side: Values | Scalar, radius: Scalar) -> Nearest:
+        foot = self.foot(place.x, place.y, side, radius)
         return Nearest(plane.Vector(foot.x, foot.y), plane.Vector(foot.normal_x, foot.normal_y), foot.distance)
 
     def slip(self, velocity: Vector, normal: Vector, side: Values | Scalar) -> tuple[Vector, Values]:
@@ -100,16 +105,18 @@ class Segment(PlaneShape):
         """Raise `InputError` for a direction that is no unit vector: places along the segment would be wrong."""
         check_unit("Segment: direction", self.direction_x, self.direction_y)
 
-    def foot(self, x: Values | Scalar, y: Values | Scalar, side: Values | Scalar) -> Foot:
+    def foot(self, x: Values | Scalar, y: Values | Scalar, side: Values | Scalar, radius: Scalar) -> Foot:
         """Return the foot on each segment.
 
-        Behind a segment, between its ends, the distance is negative and the normal still points to the front: so a
-        point that a long step has carried through the segment is not taken for one before it.
+        A segment has two sides: a ball that has come round an end bears on the back as it does on the front. But close
+        behind, between the ends, the distance is negative and the normal still points to the front: only a step too
+        long, or a contact too soft, can have carried the centre there, through the segment.
         """
         from_x, from_y = x - self.start_x, y - self.start_y
         along = from_x * self.direction_x + from_y * self.direction_y
         behind = side * (self.direction_x * from_y - self.direction_y * from_x)
-        sign = jnp.where((behind > 0.0) & (along > 0.0) & (along < self.length), -1.0, 1.0)
+        between = (along > 0.0) & (along < self.length)
+        sign = jnp.where((behind > 0.0) & (behind < THROUGH * radius) & between, -1.0, 1.0)
         # Kept on the segment: beyond its ends the end itself is touched, as a point.
         slant = jnp.clip(along, 0.0, self.length)
         foot_x, foot_y = self.start_x + slant * self.direction_x, self.start_y + slant * self.direction_y
@@ -132,7 +139,7 @@ class Hole(PlaneShape):
     y: Scalar
     radius: Scalar
 
-    def foot(self, x: Values | Scalar, y: Values | Scalar, side: Values | Scalar) -> Foot:
+    def foot(self, x: Values | Scalar, y: Values | Scalar, side: Values | Scalar, radius: Scalar) -> Foot:
         off_x, off_y = jnp.asarray(x - self.x), jnp.asarray(y - self.y)
         square = off_x * off_x + off_y * off_y
         apart = square > 0.0
@@ -153,13 +160,13 @@ class Revolved(Shape):
 
     meridian: Segment
 
-    def nearest(self, place: space.Vector, side: Values | Scalar) -> Nearest:  # type: ignore[override]
+    def nearest(self, place: space.Vector, side: Values | Scalar, radius: Scalar) -> Nearest:  # type: ignore[override]
         square = jnp.asarray(place.y * place.y + place.z * place.z)
         # On the axis all directions are alike: any will do, and a root of zero has no derivative.
         off_axis = square > 0.0
-        radius = jnp.sqrt(jnp.where(off_axis, square, 1.0))
-        y, z = jnp.where(off_axis, place.y / radius, 1.0), jnp.where(off_axis, place.z / radius, 0.0)
-        foot = self.meridian.foot(place.x, jnp.where(off_axis, radius, 0.0), side)
+        off = jnp.sqrt(jnp.where(off_axis, square, 1.0))
+        y, z = jnp.where(off_axis, place.y / off, 1.0), jnp.where(off_axis, place.z / off, 0.0)
+        foot = self.meridian.foot(place.x, jnp.where(off_axis, off, 0.0), side, radius)
         around = lambda x, r: space.Vector(x, r * y, r * z)  # noqa: E731
         return Nearest(around(foot.x, foot.y), around(foot.normal_x, foot.normal_y), foot.distance)  # type: ignore[arg-type]
 

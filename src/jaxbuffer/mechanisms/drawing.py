@@ -122,13 +122,14 @@ class Named(NamedTuple):
 
 
 class Touch(NamedTuple):
-    """Where a contact's force acts: a ball about ``ball`` against a shape about ``carrier``; ``side`` of a segment:
-    +1 where its front is to the right of its direction, else -1."""
+    """Where a contact's force acts: a ball of a ``radius`` [m] about ``ball`` against a shape about ``carrier``;
+    ``side`` of a segment: +1 where its front is to the right of its direction, else -1."""
 
     ball: Spot
     carrier: Spot
     shape: Shape
     side: float
+    radius: float
 
     def at(self, frames: Frames) -> tuple[Float[np.ndarray, "2"], Float[np.ndarray, "2"], Float[np.ndarray, "2"]]:
         """Return the point of contact [m], and the unit normal and tangent there, along which the forces on the ball
@@ -138,16 +139,17 @@ class Touch(NamedTuple):
         origin = self.carrier.at(frames)
         x, y = turn.T @ (self.ball.at(frames) - origin)
         # Shapes are fixed in the carrier's axes: the foot is found there and turned back.
-        foot = [float(np.ravel(part)[0]) for part in _foot(self.shape, float(x), float(y), self.side)]
+        found = _foot(self.shape, float(x), float(y), self.side, self.radius)
+        foot = [float(np.ravel(part)[0]) for part in found]
         normal = turn @ np.array(foot[2:4])
         return origin + turn @ np.array(foot[:2]), normal, self.side * np.array([normal[1], -normal[0]])
 
 
 @functools.partial(stored, what="where a ball touches")
-def _foot(shape: Shape, x: Any, y: Any, side: Any) -> Any:
+def _foot(shape: Shape, x: Any, y: Any, side: Any, radius: Any) -> Any:
     """Return `PlaneShape.foot`, from a program that is kept, so that a second start compiles nothing to draw."""
     assert isinstance(shape, PlaneShape), "drawings are of the plane"
-    return shape.foot(x, y, side)
+    return shape.foot(x, y, side, radius)
 
 
 class Detail(NamedTuple):

@@ -75,7 +75,7 @@ def assembled_drawing(system: Assembled, bodies: tuple[str, ...] = ()) -> Drawin
     # A picture shows the forces of those contacts that have impacts, one a segment; on bodies that bend, at their
     # origins.
     touches = [
-        Touch(_spot(it.body, it.point), _spot(it.carrier, it.carrier_point), shape, side)
+        Touch(_spot(it.body, it.point), _spot(it.carrier, it.carrier_point), shape, side, float(it.pair.radius))
         for it in system.all_of(BallContact)
         for shape, side in _segments(it)
     ]

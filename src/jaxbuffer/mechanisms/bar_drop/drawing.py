@@ -52,7 +52,7 @@ def drawing(design: BarDrop, bodies: tuple[str, ...] = ()) -> Drawing:
             Disc(end, ball, part="ball end"),
             Disc(hinge, 1.5 * wide, filled=False, part="hinge"),
         ),
-        touches=(Touch(end, surface, ball_on_plate(design).shape, -1.0),),
+        touches=(Touch(end, surface, ball_on_plate(design).shape, -1.0, ball),),
         names=(Named(hinge, "hinge"), Named(struck, "where it strikes")),
         detail=Detail("where the ball strikes", struck, CLOSER * ball),
         frames=lambda history: with_bending(design, history),

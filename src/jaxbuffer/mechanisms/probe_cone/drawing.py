@@ -140,7 +140,11 @@ def flanks(design: Design) -> tuple[Touch, ...]:
     start = -float(cone.offset), float(cone.throat_radius)
     return tuple(
         Touch(
-            Spot(TIP), Spot(T), Segment(start[0], -side * start[1], -cos, -side * sin, float(cone.length)), float(side)
+            ball=Spot(TIP),
+            carrier=Spot(T),
+            shape=Segment(start[0], -side * start[1], -cos, -side * sin, float(cone.length)),
+            side=float(side),
+            radius=float(design.probe.tip_radius),
         )
         for side in SIDE
     )

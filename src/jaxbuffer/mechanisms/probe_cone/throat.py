@@ -78,8 +78,7 @@ class Throat(Element):
         # From the capture plane to x = -L_T - 2 L_c, where the tip has escaped (M66).
         retreat = 2.0 * cone.length - self.design.probe.tip_radius * jnp.sin(cone.half_angle)
         escaped = at.before - (retreat + self.scenario.standoff if free else retreat)
-        # Past the mouth outside the rim the tip has missed the cone, or has left it and drifts past: behind a flank the
-        # contact means nothing.
+        # Past the mouth outside the rim the tip has missed the cone, or has left it and drifts past.
         mouth = -cone.offset - cone.length * jnp.cos(cone.half_angle)
         escaped = jnp.where(jnp.asarray(at.off_rim) > 0.0, jnp.maximum(escaped, at.tip.x - mouth), escaped)
         return [-at.before, escaped] if self.holder is None else [escaped]

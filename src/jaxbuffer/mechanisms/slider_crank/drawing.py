@@ -117,14 +117,15 @@ def _pins(design: SliderCrank) -> tuple[PinInBush, PinInBush]:
 
 def _touches(design: SliderCrank, front: Spot, at_crank: Spot, rear: Spot) -> tuple[Touch, ...]:
     """Return where pins with play touch their bushes, the piston pin's first; ``front``, ``rear``: the rod's ends."""
-    seat, touches = _seat(design), list[Touch]()
-    small, large = (float(pin.bush_radius) for pin in _pins(design))
-    if design.piston_pin.joint == "clearance" and design.piston_pin.by_components:
-        touches += [Touch(front, seat, flank, -1.0) for flank in flanks(small)]
-    elif design.piston_pin.joint == "clearance":
-        touches.append(Touch(seat, front, Hole(0.0, 0.0, small), 1.0))
-    if design.crank_pin.joint == "clearance":
-        touches.append(Touch(at_crank, rear, Hole(0.0, 0.0, large), 1.0))
+    seat, touches, (small, large) = _seat(design), list[Touch](), _pins(design)
+    if small.joint == "clearance":
+        bush, pin = float(small.bush_radius), float(small.radius)
+        if small.by_components:
+            touches += [Touch(front, seat, flank, -1.0, pin) for flank in flanks(bush)]
+        else:
+            touches.append(Touch(seat, front, Hole(0.0, 0.0, bush), 1.0, pin))
+    if large.joint == "clearance":
+        touches.append(Touch(at_crank, rear, Hole(0.0, 0.0, float(large.bush_radius)), 1.0, float(large.radius)))
     return tuple(touches)
 
 
