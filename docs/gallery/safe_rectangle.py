@@ -5,7 +5,7 @@ is the largest one that holds safe runs only; the border is drawn around all of 
 """
 
 import jaxbuffer as jb
-from jaxbuffer.output.sweep_figures import envelope_figure
+from jaxbuffer.output.envelope_figure import envelope_figure
 
 jb.configure()
 over = {

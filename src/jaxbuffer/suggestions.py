@@ -87,9 +87,12 @@ def suggest(name: Any, known: Iterable[str], meaning: Meaning | None = None) -> 
     section, _, last = str(name).rpartition(".")
     beside = [option for option in options if option.rpartition(".")[0] == section]
     same = [option for option in beside if _same(last, option.rpartition(".")[2])]
-    with_word = [
-        option for option in beside if last in _first_words(option.rpartition(".")[2], meaning and meaning(option))
-    ]
+    with_word = list[str]()
+    for option in beside:
+        # The words of its name, and the first one of what it means: "stiffness along the cylinder" of k_A.
+        means = (meaning(option) if meaning else None) or ""
+        if last in [*option.rpartition(".")[2].split("_"), *means.split()[:1]]:
+            with_word.append(option)
     # Too many to be a suggestion: only those that are nearest are named.
     if len(with_word) > FEW:  # the names that have the word stand before those that only mean it
         words = {option: option.rpartition(".")[2].split("_") for option in with_word}
@@ -124,11 +127,6 @@ def nearest(name: Any, known: Iterable[str]) -> str | None:
 def _alike(word: str, other: str) -> float:
     ratio = difflib.SequenceMatcher(None, word, other).ratio()
     return max(ratio, CLOSE) if len(word) > 2 and word in other else ratio  # "speed" for "approach_speed"
-
-
-def _first_words(option: str, means: str | None) -> list[str]:
-    """Return the words of a name, and the first one of what it means: "stiffness along the cylinder" of k_A."""
-    return [*option.split("_"), *(means or "").split()[:1]]
 
 
 def same_as(name: Any, known: Iterable[str]) -> str | None:

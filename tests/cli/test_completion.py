@@ -46,6 +46,7 @@ def offered(typed, folder=None, shell="bash"):
     return found.stdout.split("\n")[:-1] if found.stdout.strip() else [], found.stderr.strip()
 
 
+@pytest.mark.slow
 def test_names_are_kept_so_that_no_key_press_waits_for_jax(tmp_path, monkeypatch):
     monkeypatch.setenv("JAXBUFFER_CACHE", str(tmp_path / "new"))
     laws, first = offered("simulate --contact.law ")

@@ -239,6 +239,7 @@ def started(folder, *arguments, code="from jaxbuffer.cli import main; main()", *
     return subprocess.Popen([sys.executable, "-c", code, *arguments], cwd=folder, env=environment, **settings)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("encoding", [pytest.param("latin-1", marks=pytest.mark.long), "ascii"])
 def test_another_process_prints_in_its_encoding(computed, no_figures, tmp_path, encoding):
     assert run(["sweep", "--output", "out"]) == 0

@@ -41,6 +41,7 @@ SETTINGS = {"text.usetex": True, "axes.facecolor": "black", "text.color": "white
             "savefig.bbox": "tight", "lines.linewidth": 9.0, "svg.fonttype": "none", "axes.grid": False}  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", quick(["simulate", "tune"], "simulate"))
 def test_figures_look_alike_whatever_the_user_s_matplotlibrc_says(computed, tmp_path, command):
     """By the bytes of PNG and SVG."""
@@ -72,6 +73,7 @@ def test_a_figure_that_fails_is_one_line_after_all_data(computed, monkeypatch, c
     assert "captured" in shown.out and "Traceback" not in shown.err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("chosen", "endings"),
     [("svg", {".svg"}), pytest.param("both", {".png", ".svg"}, marks=pytest.mark.slow), ("none", set())],

@@ -220,6 +220,7 @@ def test_what_does_not_fit_a_law_is_refused(values, message):
         replace(table2(), values)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", EXAMPLES)
 @pytest.mark.parametrize("force", [1e-3, 250.0, 1e6])
 def test_the_depth_of_a_force_and_its_slope(name, force):

@@ -197,6 +197,7 @@ def test_slope_is_the_inverse_of_the_written_laws(name):
     assert_allclose(slope * (u - 1.0), np.pi * MODULUS * JOINT["length"], rtol=1e-11)
 
 
+@pytest.mark.slow
 @each_law
 @pytest.mark.parametrize("share", [1e-4, 0.7, 3.0])
 def test_derivatives_by_every_number(name, share):

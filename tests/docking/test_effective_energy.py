@@ -50,6 +50,7 @@ def test_what_loss_takes_from_the_peak(hysteresis):
     assert_allclose(float(loss_factor(hysteresis)), peak / float(elastic), rtol=1e-8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("names", [WELDED, pytest.param(FREE, marks=pytest.mark.long)], ids=["welded tip", "free tip"])
 def test_the_references_first_peaks(names, capsys):
     """Between 1.4 % below and 1.7 % above: friction, which the closed form leaves out, takes from the peak, springs and

@@ -43,6 +43,7 @@ def test_a_half_sine_in_any_direction_by_closed_form():
     assert float(jnp.max(sizes)) == pytest.approx(2.0 * float(largest_response("half-sine", RATIO)), rel=1e-5)
 
 
+@pytest.mark.slow
 def test_implicit_steps_know_them():
     """Newton's matrix with the oscillators alone, against a dense solve with their Jacobian."""
     built = mechanism({"shock.active_1": 20.0, "shock.passive_3": 150.0, "shock.damping": 0.2})

@@ -262,6 +262,7 @@ def known():
         yield
 
 
+@pytest.mark.slow
 def test_a_sliding_ball_comes_to_roll():
     """It slows down at μ g until it rolls, at 5/7 of its speed but for the depth by which it is pressed in."""
     run = jb.simulate(RollingBall(), Nothing(), rtol=1e-9, atol=1e-9, history=True)

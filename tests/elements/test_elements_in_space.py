@@ -154,6 +154,7 @@ def run():
     return jb.simulate(Pushed(), Rest(), rtol=1e-10, atol=1e-10, history=True)
 
 
+@pytest.mark.slow
 def test_a_thrust_gives_its_impulse_and_work(run):
     speed = FORCE / MASS * PUSHED
     assert_allclose(run.history.velocity[-1, 0, :3], speed * SKEW, rtol=1e-9)

@@ -10,7 +10,8 @@ import pytest
 from jaxbuffer import InputError, Scenario, replace, table2
 from jaxbuffer.cli.entry import run
 from jaxbuffer.fields import paths, unit
-from jaxbuffer.fields.units import KINDS, SYMBOLS, as_unit, in_unit
+from jaxbuffer.fields.unit_symbols import KINDS, SYMBOLS
+from jaxbuffer.fields.units import as_unit, in_unit
 from jaxbuffer.mechanisms import all_mechanisms
 from jaxbuffer.study.load import loads
 

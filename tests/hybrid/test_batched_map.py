@@ -46,6 +46,7 @@ def test_every_operation():
     check(linear, jnp.zeros(3), jnp.zeros(()))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("free_tip", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_the_linearised_right_hand_side(free_tip):
     design = jax.tree.map(lambda x: jnp.asarray(x, float), jb.replace(jb.table2(), {"probe.free_tip": free_tip}))

@@ -134,6 +134,7 @@ def slopes(function, derivative=jax.jacfwd):
     return np.concatenate([times, force[None]])
 
 
+@pytest.mark.slow
 def test_tangents_are_under_the_same_error_control():
     """Differentiated through the solve, the steps across the touchdown, where the force has a kink, would make the time
     of the end wrong by 6e-3 at rtol 1e-10 and the force by 2e-3."""

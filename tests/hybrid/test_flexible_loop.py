@@ -88,6 +88,7 @@ def run(mechanism, duration, solver):
     return solve(itself, (mechanism,), duration, options)
 
 
+@pytest.mark.slow
 def test_implicit_steps_pass_over_stiff_modes(evidence):
     """A steel bar swings for half a second; its modes along it have 10 and 21 kHz, and are damped well.
 

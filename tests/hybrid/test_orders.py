@@ -53,6 +53,7 @@ def test_order_on_a_smooth_phase(evidence, name):
     evidence(TOPIC, f"{name}: order on a smooth phase", abs(observed - theory), allowed, "its theory", detail=detail)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["Tsit5", pytest.param("KenCarp5", marks=pytest.mark.slow)])
 def test_order_through_a_touchdown(evidence, name):
     solver = SOLVERS[name][0]

@@ -22,6 +22,7 @@ def swept():
     return jb.sweep(DESIGN, jb.BarDropScenario(), over=OVER, **OPTIONS)
 
 
+@pytest.mark.slow
 def test_every_combination_is_the_single_run(swept, evidence):
     data = swept.to_xarray()
     assert dict(data.sizes) == {"impact.law": 2, "scenario.height": 3}

@@ -45,7 +45,6 @@ def test_an_independent_programs_numbers(damping, peak, peak_time, duration):
     assert float(found.stabilisation) == 20.0
 
 
-@pytest.mark.quick
 def test_closed_forms_without_a_damper():
     """δ = ((e+1) m v²/2k)^{1/(e+1)} and F = k δ^e, but for the weight's work during the impact; the ball rises again to
     the height it fell from, and F ∝ k^{1/(e+1)} m^{e/(e+1)} H^{e/(e+1)}."""

@@ -60,6 +60,7 @@ def test_stabilisation_is_what_holds_the_loop():
     assert opened[1] < 1e-2 * opened[0]  # measured 4.6e-9 m and 5.9e-6 m
 
 
+@pytest.mark.slow
 def test_slider_crank_follows_its_kinematics_and_keeps_its_energy():
     """x = r cos θ + √(l² - r² sin²θ) and its derivative; crank, rod and slider swap kinetic energy only."""
     crank, rod = 0.15, 0.35
@@ -81,6 +82,7 @@ def test_slider_crank_follows_its_kinematics_and_keeps_its_energy():
     np.testing.assert_allclose(rate, rate[0] * np.sqrt(inertia[0] / inertia), rtol=5e-10)  # measured 4e-11
 
 
+@pytest.mark.slow
 def test_weld_makes_two_bodies_one():
     """Swinging on a pin, drawn by a spring-damper: the same angle as the merged body's."""
     times = jnp.linspace(0.0, 2.0, 21)

@@ -76,6 +76,7 @@ def test_internal_loads_conserve_linear_and_angular_momentum(kind):
     np.testing.assert_allclose(sum(moments), 0.0, atol=1e-12)
 
 
+@pytest.mark.slow
 @each_element
 def test_directions_of_springs_are_how_their_dampers_act(kind):
     """Σ c b bᵀ v over a linear element's directions is what its damper alone exerts."""

@@ -10,10 +10,11 @@ from test_readable_figures import swept
 import jaxbuffer as jb
 from jaxbuffer.mechanisms import all_mechanisms
 from jaxbuffer.mechanisms.picture import Panel, PanelCurve
+from jaxbuffer.output.envelope_figure import envelope_figure
 from jaxbuffer.output.figures import Window, _draw
 from jaxbuffer.output.sketch import sketch
 from jaxbuffer.output.style import panels
-from jaxbuffer.output.sweep_figures import envelope_figure, sweep_figure
+from jaxbuffer.output.sweep_figures import sweep_figure
 from jaxbuffer.output.words import outcome_marks, reason_marks, success_marks
 from output.marks import check_marks
 

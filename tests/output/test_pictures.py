@@ -107,7 +107,7 @@ def test_shapes_move_with_their_bodies():
 
 def test_a_force_acts_at_the_foot_along_the_normal():
     slope = Segment(0.0, 0.0, np.sqrt(0.5), np.sqrt(0.5), 2.0)  # up to the right; its front is on the left
-    touch = Touch(Spot(0), Spot(GROUND), slope, -1.0)
+    touch = Touch(Spot(0), Spot(GROUND), slope, -1.0, 0.1)
     point, normal, tangent = touch.at(np.array([[0.0, 1.0, 0.3]]))
     np.testing.assert_allclose(point, [0.5, 0.5])
     np.testing.assert_allclose(normal, [-np.sqrt(0.5), np.sqrt(0.5)])

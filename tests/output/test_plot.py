@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from jaxbuffer import InputError, Limits, Outcome, Scenario
+from jaxbuffer.output.envelope_figure import _between_safe
 from jaxbuffer.output.figures import run_figure
 from jaxbuffer.output.style import png
-from jaxbuffer.output.sweep_figures import _between_safe
 from jaxbuffer.output.tune_figure import tune_figure
 from jaxbuffer.output.tuned_files import tuned_files
 from jaxbuffer.output.words import in_thousands

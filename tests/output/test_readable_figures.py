@@ -11,10 +11,11 @@ from computed import stand_in
 from jaxbuffer.fields import with_values
 from jaxbuffer.mechanisms.probe_cone.bodies import probe_masses
 from jaxbuffer.mechanisms.probe_cone.drawing import drawing, mouth
+from jaxbuffer.output.envelope_figure import envelope_figure
 from jaxbuffer.output.figures import run_figure
 from jaxbuffer.output.motion import motion_figure
 from jaxbuffer.output.sample_figures import indices_figure, sample_figure, surfaces_figure
-from jaxbuffer.output.sweep_figures import envelope_figure, sweep_figure
+from jaxbuffer.output.sweep_figures import sweep_figure
 from jaxbuffer.output.tune_figure import front_figure, tune_figure
 from jaxbuffer.sweeps.grid import grid
 from jaxbuffer.tuning.cases import Distribution, Scatter

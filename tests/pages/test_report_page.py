@@ -87,6 +87,7 @@ def page(folder):
     return Outline(review([load(folder)]).html())
 
 
+@pytest.mark.slow
 def test_the_page_needs_nothing_else(page):
     assert all(link.removeprefix("#") in page.ids for link in page.links)
     assert all(source.startswith("data:") for source in page.loaded)

@@ -40,6 +40,7 @@ IN_THE_WAY = [
 SOME = ("JAX_DEBUG_NANS=1", "JAX_TRANSFER_GUARD=disallow", "JAX_PLATFORMS=nonsense", "JAX_ENABLE_X64=maybe")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "value", "shown"), quick(IN_THE_WAY, *SOME, names=lambda it: f"{it[0]}={it[1]}"))
 def test_a_switch_that_is_in_the_way_is_named_in_one_line(tmp_path, name, value, shown):
     if jax.default_backend() != "cpu" and name.startswith("JAX_PLATFORM"):

@@ -112,6 +112,7 @@ def back(result):
 LONG = ("run of a slider-crank", "run of a tank")  # for `make test-long`: tracing them takes long
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=pytest.mark.long if name in LONG else ()) for name in RESULTS]
 )

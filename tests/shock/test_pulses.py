@@ -33,6 +33,7 @@ def test_largest_responses_over_the_duration(pulse, evidence):
     evidence(TOPIC, f"largest responses to a {pulse}", off, 6e-7, "closed forms, six digits")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("pulse", "ratio", "largest"),
     [
@@ -92,6 +93,7 @@ def test_short_pulses_leave_their_impulse_and_long_ones_their_force():
     assert float(largest_response("half-sine", 90.0)) == pytest.approx(1.0, abs=0.01)
 
 
+@pytest.mark.slow
 def test_a_derivative_by_the_ratio_is_that_of_the_closed_form():
     """Of the half-sine's residual, 4r |cos πr|/|1 - 4r²|."""
     residual = lambda r: 4.0 * r * jnp.cos(jnp.pi * r) / (1.0 - 4.0 * r * r)  # noqa: E731

@@ -76,6 +76,7 @@ def test_the_exact_solution_has_the_published_displacements():
         np.testing.assert_allclose(exact(np.array([0.0, 5.0, 10.0]), time), ends, atol=6e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["multiplier", "defence node"])
 @pytest.mark.parametrize("elements", [20, 60])
 def test_nodes_move_exactly_at_a_courant_number_of_one(elements, method, evidence):

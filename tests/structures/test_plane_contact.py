@@ -100,6 +100,7 @@ def test_frictions_arm_is_the_gap(method):
     assert np.all(np.abs(moment) <= most * (1.0 + 1e-9) + 1e-9)
 
 
+@pytest.mark.slow
 def test_the_published_distribution_turns_bodies_of_unequal_masses():
     """The moment about any point, of the forces of one step: none by the shape functions."""
     for published, lost in ((False, 0.0), (True, 1e-3)):
@@ -119,6 +120,7 @@ def test_the_published_distribution_turns_bodies_of_unequal_masses():
         assert (total < 1e-12) if not published else (total > lost)
 
 
+@pytest.mark.slow
 def test_a_defence_node_is_a_multiplier_where_no_two_pairs_share_a_node():
     seen = {}
     for method in ("defence node", "multiplier"):
@@ -128,6 +130,7 @@ def test_a_defence_node_is_a_multiplier_where_no_two_pairs_share_a_node():
         np.testing.assert_allclose(one, other, atol=1e-9 * np.abs(other).max())
 
 
+@pytest.mark.slow
 def test_multipliers_let_nobody_in_and_never_pull():
     system, (_, _, displacement, normal, _) = met("multiplier")
     assert normal.min() >= 0.0
@@ -145,6 +148,7 @@ def test_defence_nodes_let_in_what_neighbours_push_away():
     assert impulses[0] == pytest.approx(impulses[1], rel=0.05) and impulses[0] != impulses[1]
 
 
+@pytest.mark.slow
 def test_coulombs_friction_slides_and_sticks():
     """A block on a plane: it slows down by μ g, and then stays."""
     positions, corners = grid(2, 1, 0.2, 0.1)

@@ -32,6 +32,7 @@ def stiffness_of(group, nodes):
     return np.asarray(matrix(jnp.zeros(2 * nodes)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("plane", ["strain", "stress"])
 def test_a_distorted_patch_keeps_a_constant_strain(plane):
     """All elements have the same stress, by Hooke, and the inner node is in equilibrium."""

@@ -19,6 +19,7 @@ def node_on_node(slave, master, method):
     return NodeContact(np.array([slave]), RigidPlane(master, (0.0, 1.0)), method)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["multiplier", "defence node"])
 @pytest.mark.parametrize("elements", [10, 50])
 def test_a_free_bar_on_a_clamped_one(elements, method):

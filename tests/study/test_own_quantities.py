@@ -64,6 +64,7 @@ def test_a_run_is_held_against_limits_on_it(computed, study, capsys, limit, code
     assert capsys.readouterr().err == f"simulating\na tenth of the tolerance changes no number\n{said}"
 
 
+@pytest.mark.slow
 def test_a_tuning_and_its_files(computed, study, tmp_path):
     assert run(["tune", study(), "--output", "out"]) == 0
     assert computed.asked("tune")["problem"].names[-1] == "effort"

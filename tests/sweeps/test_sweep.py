@@ -23,6 +23,7 @@ def together(names):
     return jb.replace(jb.table2(), values), scenario, [c.values for c in cases]
 
 
+@pytest.mark.slow
 def test_all_reference_captures_at_once():
     design, scenarios, expected = together(WELDED)
     calls = []

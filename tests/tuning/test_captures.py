@@ -76,6 +76,7 @@ def test_the_margin_has_the_right_slope_and_no_jump_between_outcomes(duration, o
     np.testing.assert_allclose(point.margin_slope[0], differences, rtol=2e-3, atol=1e-4 * np.max(np.abs(differences)))
 
 
+@pytest.mark.slow
 def test_the_margin_is_continuous_where_time_runs_out():
     time = REFERENCE.values["end_time"]
     margins = []
@@ -145,6 +146,7 @@ def test_the_lower_bound_of_a_limited_hinge_force_is_the_first_impacts():
     assert lower_bound(stated([Scenario()]), problem.start()).least == {}
 
 
+@pytest.mark.slow
 def test_a_short_tuning_of_captures(tmp_path):
     """Three steps lower the peak at 0.2 m/s; what is reported is what the result's own captures have."""
     problem = stated([Scenario(approach_speed=0.2)])

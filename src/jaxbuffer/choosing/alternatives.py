@@ -3,20 +3,64 @@
 import dataclasses
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
+from jaxtyping import Float
 
 from ..fields import Part
+from ..mechanisms.limit import Limit
 from ..tuning.evaluation import Evaluation, gather
 from ..tuning.goal import Goal
-from ..tuning.objective import Objective, SecondObjective
+from ..tuning.objective import Objective
 from ..tuning.problem import Problem
 from ..tuning.tuned import Tuned
 from .catalogue import CataloguePart
-from .choice import Alternative, margins
 from .criterion import Criterion, constant, objective_of_runs
 from .order import order
 from .runs import Runs
+
+
+class LimitMargin(NamedTuple):
+    """How far the worst load case keeps from a limit.
+
+    ``value``: there, in the quantity's unit; ``share``: of the limit, relative [-], below 0 beyond it, None where it is
+    not known; ``case``: its place.
+    """
+
+    limit: Limit
+    value: float
+    share: float | None
+    case: int
+
+
+@dataclasses.dataclass(frozen=True)
+class Alternative:
+    """One combination of parts, run at every load case at tight tolerance.
+
+    - ``names``: of its parts, in the order of the catalogues.
+    - ``design``: with them, and with the tuned variables if they were ``tuned``.
+    - ``value``: the objective, price and mass included; ``searched``: the same at the problem's tolerance.
+    - ``totals``: sums of price and mass [kg].
+    - ``evaluation``: every load case.
+    - ``feasible``: whether it keeps all limits; ``broken``: a line for each that it breaks.
+    - ``margins``: from each limit, the tightest first.
+    - ``deciding``: the place of the load case with the largest objective.
+    - ``second``: the second objective, price and mass included; None without one.
+    """
+
+    names: tuple[str, ...]
+    design: Part
+    value: float
+    searched: float
+    totals: Mapping[str, float]
+    evaluation: Evaluation
+    feasible: bool
+    broken: tuple[str, ...]
+    margins: tuple[LimitMargin, ...]
+    deciding: int
+    tuned: Tuned | None = None
+    second: float | None = None
 
 
 def alternatives(criterion: Criterion, runs: Runs, numbers: Sequence[int], tight: float) -> dict[int, Alternative]:
@@ -106,16 +150,31 @@ def best_first(criterion: Criterion, made: Sequence[Alternative], ceiling: float
 def ceiling(criterion: Criterion, made: Iterable[Alternative]) -> float:
     """Return up to which objective the second one orders combinations, of which the best of ``made`` decides; infinite
     without a second one, and where none is feasible."""
-    then = criterion.then
-    return min(
-        (math.inf if then is None else _ceiling(criterion, then, it) for it in made if it.feasible), default=math.inf
-    )
+    then, lowest = criterion.then, math.inf
+    if then is None:
+        return lowest
+    for it in made:
+        if it.feasible:
+            own = then.ceiling(it.value)
+            # Its own tuning has raised the objective, within the tolerance of the least that it had reached.
+            if it.tuned is not None and it.tuned.goal.ceiling is not None:
+                own = it.tuned.goal.ceiling.value + then.ceiling(float(criterion.constant(it.totals)))
+            lowest = min(lowest, own)
+    return lowest
 
 
-def _ceiling(criterion: Criterion, then: SecondObjective, it: Alternative) -> float:
-    """Return how high the objective of a combination as good as this one may be."""
-    goal = None if it.tuned is None else it.tuned.goal
-    if goal is None or goal.ceiling is None:
-        return then.ceiling(it.value)
-    # Its own tuning has raised the objective, within the tolerance of the least that it had reached.
-    return goal.ceiling.value + then.ceiling(float(criterion.constant(it.totals)))
+def margins(problem: Problem, evaluation: Evaluation) -> tuple[LimitMargin, ...]:
+    """Return how far a design keeps from each limit in its worst load case, the tightest first."""
+    known, made = reported(problem, evaluation), []
+    for it in Goal(problem, problem.objective).on_quantities:
+        limit, values = it.limit, known[:, it.column]
+        # A run without the number keeps no limit, so it counts as the worst.
+        worst = int(np.argmax(np.nan_to_num(limit.rows(values), nan=np.inf)))
+        made.append(LimitMargin(limit, float(values[worst]), limit.margin(float(values[worst])), worst))
+    return tuple(sorted(made, key=lambda it: -np.inf if it.share is None else it.share))
+
+
+def reported(problem: Problem, evaluation: Evaluation) -> Float[np.ndarray, "cases quantities"]:
+    """Return the quantities of every load case, NaN where a run failed or waited for one in vain."""
+    known = problem.known(evaluation.code) & evaluation.solved[:, None]
+    return np.where(known, evaluation.quantities, np.nan)

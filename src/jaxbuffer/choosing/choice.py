@@ -2,11 +2,8 @@
 
 import dataclasses
 import math
-from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
-import numpy as np
-from jaxtyping import Float
 from rich.table import Table
 
 from .._types import DataFrame
@@ -14,62 +11,19 @@ from ..fields import Part, field_text, get, unit
 from ..labelled.arrays import frame
 from ..labelled.record import headings
 from ..labelled.saved import Saved
-from ..mechanisms.limit import Limit
 from ..tables import html, table, text
 from ..tuning.corners import SEARCHED
-from ..tuning.evaluation import Evaluation, validity_lines
+from ..tuning.evaluation import validity_lines
 from ..tuning.goal import Goal
 from ..tuning.problem import Problem
-from ..tuning.tuned import Tuned
 from ..value_text import percent_text, relative_change, with_unit
+from .alternatives import Alternative
 from .bound import ContinuousOptimum
 from .catalogue import PartsCatalogue
 from .criterion import Criterion
 from .enumeration import RunTally
 
 SHOWN = 12  # broken limits in the table
-
-
-class LimitMargin(NamedTuple):
-    """How far the worst load case keeps from a limit.
-
-    ``value``: there, in the quantity's unit; ``share``: of the limit, relative [-], below 0 beyond it, None where it is
-    not known; ``case``: its place.
-    """
-
-    limit: Limit
-    value: float
-    share: float | None
-    case: int
-
-
-@dataclasses.dataclass(frozen=True)
-class Alternative:
-    """One combination of parts, run at every load case at tight tolerance.
-
-    - ``names``: of its parts, in the order of the catalogues.
-    - ``design``: with them, and with the tuned variables if they were ``tuned``.
-    - ``value``: the objective, price and mass included; ``searched``: the same at the problem's tolerance.
-    - ``totals``: sums of price and mass [kg].
-    - ``evaluation``: every load case.
-    - ``feasible``: whether it keeps all limits; ``broken``: a line for each that it breaks.
-    - ``margins``: from each limit, the tightest first.
-    - ``deciding``: the place of the load case with the largest objective.
-    - ``second``: the second objective, price and mass included; None without one.
-    """
-
-    names: tuple[str, ...]
-    design: Part
-    value: float
-    searched: float
-    totals: Mapping[str, float]
-    evaluation: Evaluation
-    feasible: bool
-    broken: tuple[str, ...]
-    margins: tuple[LimitMargin, ...]
-    deciding: int
-    tuned: Tuned | None = None
-    second: float | None = None
 
 
 @dataclasses.dataclass(frozen=True)
@@ -184,23 +138,6 @@ class Choice(Saved):
 
     def _repr_html_(self) -> str:
         return html(*_parts(self))
-
-
-def margins(problem: Problem, evaluation: Evaluation) -> tuple[LimitMargin, ...]:
-    """Return how far a design keeps from each limit in its worst load case, the tightest first."""
-    known, made = reported(problem, evaluation), []
-    for it in Goal(problem, problem.objective).on_quantities:
-        limit, values = it.limit, known[:, it.column]
-        # A run without the number keeps no limit, so it counts as the worst.
-        worst = int(np.argmax(np.nan_to_num(limit.rows(values), nan=np.inf)))
-        made.append(LimitMargin(limit, float(values[worst]), limit.margin(float(values[worst])), worst))
-    return tuple(sorted(made, key=lambda it: -np.inf if it.share is None else it.share))
-
-
-def reported(problem: Problem, evaluation: Evaluation) -> Float[np.ndarray, "cases quantities"]:
-    """Return the quantities of every load case, NaN where a run failed or waited for one in vain."""
-    known = problem.known(evaluation.code) & evaluation.solved[:, None]
-    return np.where(known, evaluation.quantities, np.nan)
 
 
 def _parts(choice: Choice) -> list[str | Table]:

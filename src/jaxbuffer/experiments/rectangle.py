@@ -2,7 +2,7 @@
 
 import dataclasses
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +10,6 @@ from jaxtyping import Bool, Float, Int
 
 from ..errors import InputError, check_type, suggest
 from ..fields import Part, ends_as_typed, get
-from ..mechanisms.limit import Limit
 from ..sweeps.axis import Axis
 from ..sweeps.result import Sweep
 from ..tables import text
@@ -184,7 +183,9 @@ def safe_rectangle(swept: Sweep, limits: Limits | None = None, scenarios: Sequen
 
     _check_limits(swept, limits)
     share, reasons = np.zeros((len(first), len(second))), face(_ends(swept, limits))
-    for limit, values in _limited(swept, limits):
+    limited = [(limit, swept.columns[limit.name]) for limit in limits.each]
+    limited += [(limit, swept.impact_count.astype(float)) for limit in limits.of_impacts]
+    for limit, values in limited:
         # Not `maximum`: a limit on what a run does not have must not hide the others.
         share = np.fmax(share, face(limit.share(values)))
         name, kept = limit.name.replace("_", " "), face(limit.keeps(values))
@@ -228,14 +229,6 @@ def _ends(swept: Sweep, limits: Limits) -> np.ndarray:
     words = np.where(swept.done, np.array(named, object), UNDONE)
     # As objects, because an array of texts would cut off longer reasons that are put into it later.
     return np.where(good, "", words).astype(object)
-
-
-def _limited(swept: Sweep, limits: Limits) -> Iterator[tuple[Limit, np.ndarray]]:
-    """Yield each limit, and what it limits in every run."""
-    for limit in limits.each:
-        yield limit, swept.columns[limit.name]
-    for limit in limits.of_impacts:
-        yield limit, swept.impact_count.astype(float)
 
 
 def largest_rectangle(mask: Bool[np.ndarray, "m n"]) -> tuple[slice, slice]:

@@ -4,7 +4,6 @@ Between points it is the cubic of Fritsch and Carlson (SIAM J. Numer. Anal. 17, 
 `PchipInterpolator` takes; beyond the last point and before (0, 0) it goes on straight.
 """
 
-import functools
 import re
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -181,19 +180,17 @@ def curve(place: Axis, value: Axis, *, instead_of: tuple[str, ...] = (), doc: st
     that it stands for; ``doc``: as of `number`.
     """
     axes = (place, value)
-    check = functools.partial(_check_curve, axes)
+
+    def check(path: str, given: Any) -> None:
+        if given is None:
+            return
+        if not isinstance(given, Curve):
+            (x, unit), (y, other) = axes
+            raise InputError(
+                f"{path} = {shown(given)} is not a curve; write a list of points [{x} [{unit}], {y} [{other}]],"
+                " rising in both: [[0.01, 2.0], [0.02, 6.0]] say"
+            )
+        given.check(path)
+
     metadata = {"curve": axes, "check": check, "instead_of": instead_of, "doc": doc}
     return eqx.field(default=None, converter=lambda given: Curve.of(given, axes), metadata=metadata)
-
-
-def _check_curve(axes: tuple[Axis, Axis], path: str, value: Any) -> None:
-    """Raise `InputError` unless a field's value is a curve or None."""
-    if value is None:
-        return
-    if not isinstance(value, Curve):
-        (x, unit), (y, other) = axes
-        raise InputError(
-            f"{path} = {shown(value)} is not a curve; write a list of points [{x} [{unit}], {y} [{other}]],"
-            " rising in both: [[0.01, 2.0], [0.02, 6.0]] say"
-        )
-    value.check(path)

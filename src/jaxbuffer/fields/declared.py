@@ -178,28 +178,27 @@ class Part(Portable):
                     object.__setattr__(self, name, None)
 
     def __check_init__(self) -> None:
-        prefix = f"{self.section}." if self.section else ""
-        for field in dataclasses.fields(self):
+        prefix, fields = f"{self.section}." if self.section else "", dataclasses.fields(self)
+        replaced = {  # numbers for which measured curves stand
+            name
+            for field in fields
+            if getattr(self, field.name) is not None
+            for name in field.metadata.get("instead_of", ())
+        }
+        for field in fields:
             value, path = getattr(self, field.name), prefix + field.name
             if "check" in field.metadata:  # which knows more than its choices: a law may be an object
                 field.metadata["check"](path, value)
             else:
                 check_choosing(path, value, field.metadata)
             if "unit" in field.metadata:
-                if value is not None or not (field.default is None or self._replaced_by_curve(field.name)):
+                if value is not None or not (field.default is None or field.name in replaced):
                     symbol, limits = field.metadata["unit"], field.metadata["limits"]
                     in_unit(path, value, symbol, **limits)  # what is still text has a unit that does not fit
                     check_number(path, value, symbol, **limits)
             elif isinstance(field.default, Part):
                 check_type(path, value, type(field.default), f"{type(field.default).__name__}(…)")
         self.check_together()
-
-    def _replaced_by_curve(self, name: str) -> bool:
-        """Return whether a measured curve stands for the number of this name."""
-        declared = dataclasses.fields(self)
-        return any(
-            name in field.metadata.get("instead_of", ()) and getattr(self, field.name) is not None for field in declared
-        )
 
     def __repr__(self) -> str:
         from .shown import part_text

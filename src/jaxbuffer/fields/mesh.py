@@ -20,7 +20,24 @@ SHAPES = {3: "MeshTri", 4: "MeshQuad"}  # by corners of a cell
 
 def mesh(*boundaries: str, doc: str = "") -> Any:
     """Declare a static field that takes a mesh with these named ``boundaries``; ``doc`` as of `number`."""
-    metadata = {"mesh": boundaries, "check": functools.partial(_check, boundaries), "doc": doc}
+
+    def check(path: str, value: Any) -> None:
+        if value is None:
+            return
+        if not (isinstance(value, str) and value.startswith("{")):
+            _read(path, value)
+        try:
+            known = mesh_of(value).boundaries or {}
+        except (ValueError, KeyError, IndexError, TypeError) as error:
+            raise InputError(f"{path} is no mesh as scikit-fem writes it: {error}") from None
+        for name in boundaries:
+            if name not in known or not len(known[name]):
+                raise InputError(
+                    f"{path}: the mesh has no boundary {name}{suggest(name, known) if known else ''}; name a physical"
+                    " line so in gmsh, or use with_boundaries of scikit-fem"
+                )
+
+    metadata = {"mesh": boundaries, "check": check, "doc": doc}
     return eqx.field(default=None, static=True, converter=_as_text, metadata=metadata)
 
 
@@ -63,21 +80,3 @@ def _read(path: str, value: Any) -> str:
             " MeshTri or MeshQuad of scikit-fem"
         )
     return json.dumps(value.to_dict() | {"subdomains": None})
-
-
-def _check(boundaries: tuple[str, ...], path: str, value: Any) -> None:
-    """Raise `InputError` unless a field's value is None or a mesh that has all ``boundaries``."""
-    if value is None:
-        return
-    if not (isinstance(value, str) and value.startswith("{")):
-        _read(path, value)
-    try:
-        known = mesh_of(value).boundaries or {}
-    except (ValueError, KeyError, IndexError, TypeError) as error:
-        raise InputError(f"{path} is no mesh as scikit-fem writes it: {error}") from None
-    for name in boundaries:
-        if name not in known or not len(known[name]):
-            raise InputError(
-                f"{path}: the mesh has no boundary {name}{suggest(name, known) if known else ''}; name a physical line"
-                " so in gmsh, or use with_boundaries of scikit-fem"
-            )

@@ -1,13 +1,10 @@
 """Units as text where numbers come in: "0.5 kN/m" becomes 500.0 for a field in N/m.
 
-pint (https://pint.readthedocs.io) reads the unit, with the short list of units below instead of its own: a plane angle
-is a dimension here, so that Hz is not taken for rad/s, and no two units share a symbol. pint is imported when the first
-text with a unit is met.
+pint reads the unit, of those in `unit_symbols`.
 """
 
 import contextlib
 import datetime
-import functools
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -22,63 +19,18 @@ from ..errors import (
     check_masks,
     inside,
     masked,
-    nearest,
     shown,
     unit_of_library,
 )
 from ..value_text import interval_text, is_plain
+from .unit_symbols import KINDS, instead, parsed, registry, unknown_unit
 
 # The number is taken whole: "0.1" is no 0 of the unit ".1", nor "101" a 10 of "1".
 _DIGITS = r"[-+]?(?:\d++\.?\d*+|\.\d++)(?:[eE][-+]?\d++)?+"
 _NUMBER, _COMMA = re.compile(_DIGITS), re.compile(r"^([-+]?\d+),(\d+(?:[eE][-+]?\d+)?(?: *[^\d\s,].*)?)$")
 _TEXT = re.compile(r"\s*(" + _DIGITS + r")\s*(%|°|[A-Za-zµμ1][^\[\]{}=,;:\"']*)\s*")
 _UNIT = re.compile(r"[\w\s*/·.^()°%²³⁻¹-]{1,40}")
-_WORD = re.compile(r"[^\W\d_]+|°|%")
 _POWERS = re.compile(r"(\^|\*\*)[^*/·\s]*(\^|\*\*)|\d{3}")  # a power of a power, or a long number: none is a unit
-
-DEFINITIONS = """\
-giga- = 1e9 = G-
-mega- = 1e6 = M-
-kilo- = 1e3 = k-
-centi- = 1e-2 = c-
-milli- = 1e-3 = m-
-micro- = 1e-6 = µ- = μ- = u-
-nano- = 1e-9 = n-
-meter = [length] = m = metre
-second = [time] = s = sec
-gram = [mass] = g
-radian = [angle] = rad
-percent = 0.01 = %
-minute = 60 * second = min
-hour = 60 * minute = h
-tonne = 1000 * kilogram = t
-newton = kilogram * meter / second ** 2 = N
-pascal = newton / meter ** 2 = Pa
-bar = 1e5 * pascal
-joule = newton * meter = J
-watt = joule / second = W
-hertz = 1 / second = Hz
-degree = 0.017453292519943295 * radian = deg = °
-turn = 6.283185307179586 * radian = rev = revolution
-rpm = turn / minute
-inch = 0.0254 * meter = in
-foot = 0.3048 * meter = ft
-pound = 0.45359237 * kilogram = lb
-pound_force = 4.4482216152605 * newton = lbf
-"""
-SYMBOLS = (
-    *("m", "mm", "cm", "km", "µm", "s", "ms", "µs", "min", "h", "kg", "g", "t", "rad", "mrad", "deg", "turn", "rpm"),
-    *("N", "kN", "MN", "mN", "Pa", "kPa", "MPa", "GPa", "bar", "J", "mJ", "kJ", "W", "Hz", "kHz"),
-    *("in", "ft", "lb", "lbf"),
-)
-KINDS = {
-    **{"m": "a length", "s": "a time", "kg": "a mass", "rad": "an angle", "m/s": "a speed", "N": "a force"},
-    **{"rad/s": "a rate of turning", "N/m": "a stiffness", "N s/m": "a damping", "Pa": "a pressure"},
-    **{"N m": "a torque or an energy", "1/s": "a frequency", "kg m²": "an inertia", "m²": "an area"},
-    **{"N m/rad": "a stiffness about a hinge", "N m s/rad": "a damping about a hinge", "-": "a plain number"},
-    **{"m/s²": "an acceleration", "kg/m³": "a density", "N s": "an impulse"},
-}
-
 
 POSITIVE: dict[str, Any] = {"low": 0.0, "low_open": True}
 NON_NEGATIVE: dict[str, Any] = {"low": 0.0}
@@ -202,13 +154,13 @@ def _scaled(numbers: Any, symbol: str, unit: str) -> Any:
     if unit.endswith("^e"):
         return f"the unit depends on the exponent; write {expected} without one"
     try:
-        given, target = _parsed(symbol), _parsed(unit)
+        given, target = parsed(symbol), parsed(unit)
     except Exception:  # pint has many
-        return f"{_unknown(symbol)}; expected {expected}"
+        return f"{unknown_unit(symbol)}; expected {expected}"
     if given.dimensionality != target.dimensionality:
-        return f"{symbol} does not fit, expected {expected}{_instead(symbol, unit)}"
+        return f"{symbol} does not fit, expected {expected}{instead(symbol, unit)}"
     # Only the factor comes from pint, so that arrays of any library are scaled by one product.
-    return numbers * float(_registry().Quantity(1.0, given).to(target).magnitude)
+    return numbers * float(registry().Quantity(1.0, given).to(target).magnitude)
 
 
 def typed_unit(value: Any) -> str:
@@ -224,12 +176,10 @@ def typed_unit(value: Any) -> str:
 def as_typed(value: float, unit: str, typed: str) -> tuple[float, str]:
     """Return a value in ``unit`` as one in the unit that was ``typed``, and that unit; the same where none was
     typed."""
+    if not typed:
+        return value, unit
     try:
-        return (
-            (float(_registry().Quantity(value, _parsed(unit)).to(_parsed(typed)).magnitude), typed)
-            if typed
-            else (value, unit)
-        )
+        return float(registry().Quantity(value, parsed(unit)).to(parsed(typed)).magnitude), typed
     except Exception:  # pint has many: the unit does not fit, which its own error says
         return value, unit
 
@@ -313,9 +263,9 @@ def check_unit(path: str, symbol: Any) -> None:
     if symbol != "-" and (not _UNIT.fullmatch(symbol) or _POWERS.search(symbol)):
         raise InputError(f"{path} = {shown(symbol)} is not a unit; write 'N m' say, or '-' for none")
     try:
-        _parsed(symbol)
+        parsed(symbol)
     except Exception:  # pint has many, and its tokenizer others
-        raise InputError(f"{path} = {shown(symbol)}: {_unknown(symbol)}") from None
+        raise InputError(f"{path} = {shown(symbol)}: {unknown_unit(symbol)}") from None
 
 
 _RANGE = {"low": -math.inf, "high": math.inf, "low_open": False, "high_open": False}
@@ -331,16 +281,14 @@ def _read(text: str, unit: str) -> float | str:
         return f"the unit depends on the exponent; write {expected} without one"
     if not _UNIT.fullmatch(symbol) or _POWERS.search(symbol):
         return f"{shown(symbol)} is not a unit; expected {expected}"
-    units, target = _registry(), _parsed(unit)
+    units, target = registry(), parsed(unit)
     try:
-        given = _parsed(symbol)
+        given = parsed(symbol)
     except Exception:  # pint has many, and its tokenizer others
-        return f"{_unknown(symbol)}; expected {expected}"
+        return f"{unknown_unit(symbol)}; expected {expected}"
     if given.dimensionality != target.dimensionality:
-        kinds = (
-            f" is {kind}" for known, kind in KINDS.items() if _parsed(known).dimensionality == given.dimensionality
-        )
-        return f"{symbol}{next(kinds, ' does not fit')}, expected {expected}{_instead(symbol, unit)}"
+        kinds = (f" is {kind}" for known, kind in KINDS.items() if parsed(known).dimensionality == given.dimensionality)
+        return f"{symbol}{next(kinds, ' does not fit')}, expected {expected}{instead(symbol, unit)}"
     return float(units.Quantity(number, given).to(target).magnitude)
 
 
@@ -358,45 +306,3 @@ def _without_unit(text: str, unit: str) -> str:
         return ""
     symbol = f', or "{text} {unit}"' if not is_plain(unit) and not unit.endswith("^e") else ""
     return f"a text needs a unit; write {text} without quotes{symbol}"
-
-
-def _unknown(symbol: str) -> str:
-    """Return which word of a unit is unknown, and the unit meant."""
-    for word in _WORD.findall(symbol):
-        try:
-            _parsed(word)
-        except Exception:
-            near = next((s for s in SYMBOLS if s.lower() == word.lower()), None) or nearest(word, SYMBOLS)
-            # A plural is meant before anything that only looks alike.
-            if word[-1] == "s" and word[:-1] in SYMBOLS:
-                near = word[:-1]
-            # Two symbols may be written as one word: "Nm" for "N m".
-            elif two := [(word[:k], word[k:]) for k in range(1, len(word)) if {word[:k], word[k:]} <= set(SYMBOLS)]:
-                near = " ".join(two[0])
-            return f"the unit {word} is unknown" + (f"; did you mean {near}?" if near else "")
-    return f"{shown(symbol)} is not a unit"
-
-
-def _instead(symbol: str, unit: str) -> str:
-    if unit == "rad/s" and _parsed(symbol).dimensionality == _parsed("Hz").dimensionality:
-        return "; for turns a second write turn/s or rpm"
-    if "/rad" in unit and _parsed(symbol).dimensionality == _parsed(unit.replace("/rad", "")).dimensionality:
-        return f"; write {symbol}/rad or {symbol}/deg"
-    return ""
-
-
-@functools.cache
-def _registry() -> Any:
-    # It is needed only where a text has a unit.
-    import pint
-
-    registry: Any = pint.UnitRegistry(None)
-    registry.load_definitions(DEFINITIONS.splitlines())
-    return registry
-
-
-@functools.cache
-def _parsed(symbol: str) -> Any:
-    """Return a unit from its symbol; spaces multiply, and what follows a / up to the next one divides, as in tables."""
-    plain = "" if symbol == "-" else re.sub(r"^1\s*/", "dimensionless/", symbol.replace("·", " "))
-    return _registry().parse_units(plain)

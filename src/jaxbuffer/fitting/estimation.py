@@ -21,7 +21,6 @@ LARGEST_NOISE = 0.1  # of a column's own deviation: an estimate above it is no n
 AGAIN = 4  # times that unknown noise is estimated anew
 SAME = 0.01  # relative change of a noise at which it is known
 EXCESS = 4.0  # deviations of the mean square that noise alone may add
-MEDIAN = 1.4826  # of a normal distribution: its deviation over the median of sizes
 LATE = 2.0  # intervals between rows by which a record may be longer than its run
 
 Report = Callable[[str], None]
@@ -40,7 +39,7 @@ class Estimation:
     ) -> None:
         self.design, self.scenario, self.variables, self.predictions = design, scenario, variables, predictions
         self.report = report
-        self.noise = [_noise(it) for it in predictions]
+        self.noise = [it.noise() for it in predictions]
         own = [unknown for it in predictions for unknown in it.unknowns.values()]
         self.unknowns = [*variables, *own]
         self.evaluations = 0
@@ -250,17 +249,3 @@ def _compared(prediction: Prediction, simulated: np.ndarray) -> RecordBesideFit:
         fitted=simulated,
         clipped=prediction.clipped,
     )
-
-
-def _noise(prediction: Prediction) -> np.ndarray:
-    """Return the deviation of each column's noise; where it is not known, that of its second differences."""
-    noise = []
-    for sensor, values in zip(prediction.sensors.values(), prediction.values, strict=True):
-        if sensor.noise is not None:
-            noise.append(sensor.noise)
-            continue
-        # Impacts are few: the median does not see them. A record without noise has the rounding of its digits.
-        # The second difference of white noise has six times its variance.
-        rough = MEDIAN * float(np.median(np.abs(np.diff(values, 2)))) / np.sqrt(6.0) if len(values) > 2 else 0.0
-        noise.append(max(rough, 1e-6 * float(np.max(np.abs(values))), 1e-300))
-    return np.array(noise)

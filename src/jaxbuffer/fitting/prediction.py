@@ -15,6 +15,7 @@ from .signals import Parameters, Signals, SteppedRun, signals, stepped_run
 
 SHIFT = "time_shift"
 FINE = 1e-4  # s, between the shifts that are tried first
+MEDIAN = 1.4826  # of a normal distribution: its deviation over the median of sizes
 
 
 class SensorModel(NamedTuple):
@@ -75,6 +76,19 @@ class Prediction:
         # A sensor at the end of its range says only that the quantity is beyond it.
         self.clipped = np.stack([clipped_rows(it) for it in self.values])
         self.begin, self.end_time, self.failed = float(self.times[0]), 0.0, False
+
+    def noise(self) -> Float[np.ndarray, " columns"]:
+        """Return the deviation of each column's noise; where it is not known, that of its second differences."""
+        deviations = []
+        for sensor, values in zip(self.sensors.values(), self.values, strict=True):
+            if sensor.noise is not None:
+                deviations.append(sensor.noise)
+                continue
+            # Impacts are few: the median does not see them. A record without noise has the rounding of its digits.
+            # The second difference of white noise has six times its variance.
+            rough = MEDIAN * float(np.median(np.abs(np.diff(values, 2)))) / np.sqrt(6.0) if len(values) > 2 else 0.0
+            deviations.append(max(rough, 1e-6 * float(np.max(np.abs(values))), 1e-300))
+        return np.array(deviations)
 
     def rows(self, share: float) -> int:
         """Return how many rows a share of the record's time has."""

@@ -292,7 +292,12 @@ class Assembled(ContactSystem):
         kin = self.system.kinematics(self.q, self.v)
         own = [element.start(kin) for element in self.elements]
         at = self._evaluated(self._start_state(own), kin)
-        closed = self._start_closed(at)
+        # Which contacts and switches are closed is given, or else, of switches, what their elements say.
+        closed = jnp.asarray(self.closed, float)
+        if (given := closed.shape[0]) < self.contact_count:
+            each = zip(self.elements, at.elements, strict=True)
+            default = self.layout.of_switches([element.closed_at_start(it) for element, it in each])
+            closed = jnp.concatenate([closed, default[given:]])
         parts = zip(self.elements, at.elements, own, self.layout.of_elements(closed), strict=True)
         # A state is evaluated once: an element that changes its numbers says what that changes of it.
         after = [element.after_start(it, mine, active) for element, it, mine, active in parts]
@@ -307,16 +312,6 @@ class Assembled(ContactSystem):
     def _start_state(self, own: list[Array]) -> State:
         nothing = jnp.zeros(len(self.loss_names))
         return self.layout.state(q=self.q, v=self.v, lost=nothing, first_energy=0.0, own=own, time=0.0)
-
-    def _start_closed(self, at: EvaluatedState) -> Closed:
-        """Return which contacts and switches are closed at t = 0: those that are said to be, and of the others what
-        their elements say."""
-        given = jnp.asarray(self.closed, float)
-        if given.shape[0] == self.contact_count:
-            return given
-        parts = zip(self.elements, at.elements, strict=True)
-        default = self.layout.of_switches([element.closed_at_start(it) for element, it in parts])
-        return jnp.concatenate([given, default[given.shape[0] :]])
 
     def contact_forces(self, at: EvaluatedState, active: Closed) -> tuple[ContactForces, ...]:
         """Return F_n and F_t of the contacts that have impacts, of each element that has some [N]."""

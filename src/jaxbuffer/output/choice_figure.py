@@ -3,7 +3,8 @@
 import numpy as np
 
 from .._types import Axes, Figure
-from ..choosing.choice import Alternative, Choice
+from ..choosing.alternatives import Alternative
+from ..choosing.choice import Choice
 from .layout import legend_below, with_line_breaks
 from .style import BLUE, COLOURS, GREY, MARKS, ORANGE, RED, label, panels, styled
 

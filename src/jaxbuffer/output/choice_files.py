@@ -4,7 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from ..choosing.choice import Alternative, Choice, beyond, lines, ranking_rows, reported, set_by
+from ..choosing.alternatives import Alternative, reported
+from ..choosing.choice import Choice, beyond, lines, ranking_rows, set_by
 from ..labelled.record import heading, json_number, part_record
 from ..study.tuned_toml import tuned_toml
 from ..tuning.evaluation import main_values
@@ -33,6 +34,14 @@ def choice_files(choice: Choice, made: Made = None) -> Contents:
 def choice_record(choice: Choice) -> dict[str, Any]:
     """Return the result: what was chosen from, the ranking with margins, and how many runs were spared."""
     criterion, problem, warnings = choice.criterion, choice.problem, beyond(choice)
+    second = dict[str, Any]()
+    if (then := criterion.then) is not None:
+        second = {
+            "then": criterion.in_words(then.objective),
+            "then_unit": then.objective.unit(criterion.catalogue),
+            heading("then_tolerance", "-"): then.tolerance,
+            "ceiling": json_number(choice.ceiling),
+        }
     return {
         "kind": problem.mechanism.name,
         "identity": choice.identity,
@@ -40,7 +49,7 @@ def choice_record(choice: Choice) -> dict[str, Any]:
         "feasible": choice.feasible,
         "objective": str(criterion),
         "objective_unit": criterion.objective.unit(criterion.catalogue),
-        **_then_record(choice),
+        **second,
         **limits_record(problem.limits, problem.quantities),
         "limits_on_sums": {heading(it.name, criterion.catalogue[it.name].unit): it.bound for it in criterion.limits},
         "tally": choice.tally._asdict() | {"spared": choice.tally.spared},
@@ -68,19 +77,6 @@ def choice_record(choice: Choice) -> dict[str, Any]:
         "units": dict(problem.units),
         "design": part_record(choice.design),
         "jaxbuffer": version(),
-    }
-
-
-def _then_record(choice: Choice) -> dict[str, Any]:
-    """Return the second objective; nothing without one."""
-    then, catalogue = choice.criterion.then, choice.criterion.catalogue
-    if then is None:
-        return {}
-    return {
-        "then": choice.criterion.in_words(then.objective),
-        "then_unit": then.objective.unit(catalogue),
-        heading("then_tolerance", "-"): then.tolerance,
-        "ceiling": json_number(choice.ceiling),
     }
 
 

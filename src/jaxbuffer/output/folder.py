@@ -3,7 +3,7 @@
 import dataclasses
 import json
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -167,8 +167,8 @@ def load(folder: str | Path) -> Results:
     if not folder.is_dir():
         raise InputError(f"{folder}: no such folder")
     run, sweep, records = _run(folder), _sweep(folder), _records(folder)
-    for two in filter(None, (_two_sweeps(folder), *_two_searches(folder, records))):
-        warnings.warn(two, stacklevel=2)
+    for line in _begun_beside(folder, records):
+        warnings.warn(line, stacklevel=2)
     # A tuned design comes before those of other records: it is the result, they may be of the start.
     design = load_study(folder / DESIGN).design if (folder / DESIGN).is_file() else None
     # What only ever stands beside a result, such as the force over time, is none by itself.
@@ -208,36 +208,28 @@ def unfinished(folder: Path) -> str:
     return ""
 
 
-def _two_sweeps(folder: Path) -> str:
-    """Return what is said where the results of no sweep or sample are those of the store beside them; "" elsewhere."""
+def _begun_beside(folder: Path, records: Mapping[str, Record]) -> Iterator[str]:
+    """Yield a line where a sweep or sample, a tuning or a front was begun beside the results of another one."""
     own = described_identity(attributes(folder / STORE))
     known = {name: described_identity(read(folder / name).attrs) for name in TABLES if (folder / name).is_file()}
     others = {name: it for name, it in known.items() if it is not None}  # earlier versions wrote none
-    if own is None or not others or own in others.values():
-        return ""
-    unfinished = is_unfinished(folder / STORE)
-    name, other = next(iter(others.items()))
-    parts = in_words(differing(own, other))
-    state = "is not finished" if unfinished else "has all its runs"
-    goes_on = "goes on" if unfinished else "writes its results"
-    return (
-        f"{folder} holds two sweeps, differing in {parts}: {name} is of one, {STORE} of the other, which {state}:"
-        f" the command that began it, with --resume, {goes_on}"
-    )
-
-
-def _two_searches(folder: Path, records: Mapping[str, Record]) -> list[str]:
-    """Return what is said where a tuning or a front was begun beside the results of another one."""
-    lines = []
+    if own is not None and others and own not in others.values():
+        unfinished = is_unfinished(folder / STORE)
+        name, other = next(iter(others.items()))
+        state = "is not finished" if unfinished else "has all its runs"
+        goes_on = "goes on" if unfinished else "writes its results"
+        yield (
+            f"{folder} holds two sweeps, differing in {in_words(differing(own, other))}: {name} is of one, {STORE} of"
+            f" the other, which {state}: the command that began it, with --resume, {goes_on}"
+        )
     for what, name, begun in (("tuning", "tuned", stored_identity), ("front", "front", begun_identity)):
         # Without both identities nothing tells whether the two belong together.
-        own, now = records.get(name, Record()).get("identity"), begun(folder)
-        if own and now and own != now:
-            lines.append(
+        finished, now = records.get(name, Record()).get("identity"), begun(folder)
+        if finished and now and finished != now:
+            yield (
                 f"{folder} holds two {what}s: {RECORDS[name]} is of one, and another was begun there and has no results"
                 " yet: the command that began it, with --resume, goes on"
             )
-    return lines
 
 
 def _records(folder: Path) -> dict[str, Record]:

@@ -11,10 +11,11 @@ from ..sweeps.columns import RunTable
 from ..sweeps.result import Sweep
 from ..sweeps.table import sweep_rows
 from . import style, sweep_records
+from .envelope_figure import envelope_figure
 from .formats import Contents, Made, Writers, csv_text, table_json
 from .provenance import record_text
 from .sample_figures import indices_figure, sample_figure, surfaces_figure
-from .sweep_figures import envelope_figure, sweep_figure
+from .sweep_figures import sweep_figure
 
 
 def swept_json(swept: RunTable) -> str:

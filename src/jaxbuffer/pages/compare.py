@@ -13,7 +13,8 @@ from ..mechanisms.quantity import PEAK_TIME
 from ..output.folder import Results
 from ..tuning.cases import numbered
 from ..value_text import percent_text, relative_change, table_text
-from .abstract import abstract, badges
+from .abstract import abstract
+from .badges import badges
 from .limit_check import end_count, limit_check, limits_of
 from .limits import limits
 from .origin import origin

@@ -100,6 +100,13 @@ def main_quantity(results: Results, values: Container[str]) -> str:
     return mechanism.main_quantity([name for name in mechanism.quantities if name in values], results.design)
 
 
+def main_in_words(results: Results, record: Record) -> tuple[str, str] | None:
+    """Return the name and the value of a run's main quantity; None where it is not known."""
+    name = main_quantity(results, record)
+    value = record.get(name)
+    return None if value is None else (name, results.mechanism.quantities[name].in_words(value, 4))
+
+
 def main_first(results: Results, values: Container[str], others: Iterable[str]) -> list[str]:
     """Return the main quantity of a record's ``values``, if it is there, and then the other names, each once."""
     return [name for name in dict.fromkeys([main_quantity(results, values), *others]) if name]

@@ -9,7 +9,8 @@ from ..errors import InputError, check_flag
 from ..experiments.what_if import RUNS
 from ..files import user_path
 from ..output.folder import Results, load_finished
-from .abstract import INFEASIBLE, abstract, badges
+from .abstract import abstract
+from .badges import INFEASIBLE, badges
 from .choice import NONE_KEEPS, choice
 from .designs import design, requirements
 from .experiments import front, sample, sweep

@@ -18,7 +18,10 @@ def balance(system: ContactSystem, read: Readings, log: Log, drift: Float[Array,
     # The exact motion conserves all of this, so its derivative is zero: what is computed are errors.
     constant = jax.lax.stop_gradient
     before, after = constant(read.start.energy.total), constant(read.end.energy.total)
-    linear, angular = _momentum_change(system, read)
+    scale, first, last = system.momentum_scale, read.start.momentum, read.end.momentum
+    linear = angular = jnp.full((), jnp.nan)  # where the ground takes part
+    if scale is not None and first is not None and last is not None:
+        linear, angular = (jnp.max(jnp.abs(b - a)) / constant(scale) for a, b in zip(first, last, strict=True))
     return read.end.energy, Balance(
         # The total may be near zero, since the zero of a potential is arbitrary: a scale of the system bounds it.
         energy=(after - before) / jnp.maximum(jnp.abs(before), constant(jnp.asarray(system.energy_scale))),
@@ -26,12 +29,3 @@ def balance(system: ContactSystem, read: Readings, log: Log, drift: Float[Array,
         angular_momentum=angular,
         drift=jnp.max(jnp.where(log.used, constant(drift), 0.0)),
     )
-
-
-def _momentum_change(system: ContactSystem, read: Readings) -> tuple[Array, Array]:
-    """Return the change of both momenta from start to end, over the system's; NaN where the ground takes part."""
-    scale, before, after = system.momentum_scale, read.start.momentum, read.end.momentum
-    if scale is None or before is None or after is None:
-        return jnp.full((), jnp.nan), jnp.full((), jnp.nan)
-    size = jax.lax.stop_gradient(scale)
-    return jnp.max(jnp.abs(after[0] - before[0])) / size, jnp.max(jnp.abs(after[1] - before[1])) / size

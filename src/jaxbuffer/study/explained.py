@@ -46,11 +46,12 @@ def explained(study: Config, name: str) -> str:
     parts = {
         "mechanism": [f'{mechanism.view.title}, kind = "{mechanism.name}"'],
         "differs from default": _differences(study) or ["nothing"],
-        "given as by default": _defaults_given(study),
-        "worth a look": [
-            *_cautions(study, problem),
-            *mechanism.view.sanity_checks(study.design),
+        "given as by default": [
+            f"{address} {_as_read(study, address, path, part)}"
+            for address, path, part, default in _compared(study)
+            if address in study.given and get(part, path) == get(default, path)
         ],
+        "worth a look": [*_cautions(study, problem), *mechanism.view.sanity_checks(study.design)],
         "scenario": [mechanism.view.label(study.scenario)],
         "scenarios": _scenarios(study) if len(study.cases) > 1 else [],
         "options": [", ".join(_shown(study.options, path) for path in paths(study.options))],
@@ -183,15 +184,6 @@ def _differences(study: Config) -> list[str]:
                     beside = f"{f'{ratio:.4g} times' if ratio > 1.0 else f'1/{1.0 / ratio:.4g} of'} the {beside}"
             lines.append(f"{address} {_as_read(study, address, path, part)} ({beside})")
     return lines
-
-
-def _defaults_given(study: Config) -> list[str]:
-    """Return a line for each field that the file gives the value of its default."""
-    return [
-        f"{address} {_as_read(study, address, path, part)}"
-        for address, path, part, default in _compared(study)
-        if address in study.given and get(part, path) == get(default, path)
-    ]
 
 
 def _as_read(study: Config, address: str, path: str, part: Part) -> str:

@@ -12,8 +12,8 @@ from ..fitting.quantities import recorded_quantities
 from ..fitting.reading import read_recording
 from ..fitting.recording import Channel, Recording
 from ..tuning.variable import Variable
-from .tables import PartTable, PathTable, StudyNames, keys_schema, read_keys, replaced, subtable
-from .values import BOUNDS, TEXT, Schema, ValueKind, as_table, as_tables, object_schema
+from .tables import PartTable, PathTable, StudyNames, StudyTable, keys_schema, read_keys, replaced, subtable
+from .values import BOUNDS, TEXT, Schema, as_table, as_tables, object_schema
 
 PARAMETERS = PathTable(BOUNDS, "design", example="buffer.k_A = [100, 3000]")
 ONE_OR_TWO: Schema = {
@@ -61,28 +61,6 @@ class TestTable:
         )
 
 
-def _read_test(where: str, given: Mapping[str, Any], names: StudyNames) -> TestTable:
-    check_known(given, TEST, where)
-    for key in ("file", "columns"):
-        if key not in given:
-            raise InputError(f"{where} has no {key}: {TEST[key]}")
-    for key in ("file", "time"):
-        if key in given and not isinstance(given[key], str):
-            raise InputError(f"{where}.{key} = {shown(given[key])} is not text: {TEST[key]}")
-    columns = as_table(f"{where}.columns", given["columns"])
-    if not columns:
-        raise InputError(f'{where}.columns is empty; write "stroke [mm]" = {{quantity = "stroke"}} below it')
-    fields = as_table(f"{where}.scenario", given.get("scenario", {}))
-    replaced(names.scenario, fields, f"{where}.scenario.")  # checks them
-    return TestTable(
-        file=given["file"],
-        channels={name: _channel(f'{where}.columns."{name}"', it) for name, it in columns.items()},
-        time=given.get("time", "time [s]"),
-        fields=fields,
-        time_shift=given.get("time_shift", 0.0),
-    )
-
-
 def _channel(where: str, given: Any) -> Channel:
     if isinstance(given, str):
         return Channel(given)
@@ -92,25 +70,53 @@ def _channel(where: str, given: Any) -> Channel:
     return Channel(**given)
 
 
-def _tests_schema(names: StudyNames) -> Schema:
-    quantity: Schema = {"type": "string", "description": COLUMN["quantity"]}
-    others = {key: ONE_OR_TWO | {"description": words} for key, words in COLUMN.items() if key != "quantity"}
-    column = object_schema({"quantity": quantity} | others, required=["quantity"])
-    test = object_schema(
-        {
-            "file": {"type": "string", "description": TEST["file"]},
-            "time": {"type": "string", "description": TEST["time"]},
-            "scenario": PartTable(lambda names: names.scenario).schema(names) | {"description": TEST["scenario"]},
-            "time_shift": ONE_OR_TWO | {"description": TEST["time_shift"]},
-            "columns": {
-                "type": "object",
-                "additionalProperties": {"anyOf": [quantity, column]},
-                "description": TEST["columns"],
+class TestsKind(StudyTable):
+    """``[[fit.tests]]``: the measured tests."""
+
+    def read(self, where: str, given: Any, names: StudyNames) -> tuple[TestTable, ...]:
+        return tuple(self.test(name, it, names) for name, it in as_tables(where, given))
+
+    def test(self, where: str, given: Mapping[str, Any], names: StudyNames) -> TestTable:
+        """Read one of them."""
+        check_known(given, TEST, where)
+        for key in ("file", "columns"):
+            if key not in given:
+                raise InputError(f"{where} has no {key}: {TEST[key]}")
+        for key in ("file", "time"):
+            if key in given and not isinstance(given[key], str):
+                raise InputError(f"{where}.{key} = {shown(given[key])} is not text: {TEST[key]}")
+        columns = as_table(f"{where}.columns", given["columns"])
+        if not columns:
+            raise InputError(f'{where}.columns is empty; write "stroke [mm]" = {{quantity = "stroke"}} below it')
+        fields = as_table(f"{where}.scenario", given.get("scenario", {}))
+        replaced(names.scenario, fields, f"{where}.scenario.")  # checks them
+        return TestTable(
+            file=given["file"],
+            channels={name: _channel(f'{where}.columns."{name}"', it) for name, it in columns.items()},
+            time=given.get("time", "time [s]"),
+            fields=fields,
+            time_shift=given.get("time_shift", 0.0),
+        )
+
+    def schema(self, names: StudyNames) -> Schema:
+        quantity: Schema = {"type": "string", "description": COLUMN["quantity"]}
+        others = {key: ONE_OR_TWO | {"description": words} for key, words in COLUMN.items() if key != "quantity"}
+        column = object_schema({"quantity": quantity} | others, required=["quantity"])
+        test = object_schema(
+            {
+                "file": {"type": "string", "description": TEST["file"]},
+                "time": {"type": "string", "description": TEST["time"]},
+                "scenario": PartTable(lambda names: names.scenario).schema(names) | {"description": TEST["scenario"]},
+                "time_shift": ONE_OR_TWO | {"description": TEST["time_shift"]},
+                "columns": {
+                    "type": "object",
+                    "additionalProperties": {"anyOf": [quantity, column]},
+                    "description": TEST["columns"],
+                },
             },
-        },
-        required=["file", "columns"],
-    )
-    return {"type": "array", "items": test, "minItems": 1}
+            required=["file", "columns"],
+        )
+        return {"type": "array", "items": test, "minItems": 1}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -121,10 +127,7 @@ class FitTable:
         PARAMETERS, "what is fitted: [low, high] or [low, high, scale]; the search starts at the design's numbers"
     )
     tests: tuple[TestTable, ...] = subtable(
-        ValueKind(
-            lambda where, given, names: tuple(_read_test(name, it, names) for name, it in as_tables(where, given)),
-            _tests_schema,
-        ),
+        TestsKind(),
         "the measured tests, each under its own [[fit.tests]]",
         tuple,
     )
@@ -137,10 +140,16 @@ class FitTable:
         return [it.recording(design, scenario, folder) for it in self.tests]
 
 
-def _read_fit(where: str, given: Any, names: StudyNames) -> FitTable:
-    keys = declared(FitTable)
-    check_known(as_table(where, given), keys, where)
-    return FitTable(**read_keys(f"{where}.", given, keys, names))
+class FitKind(StudyTable):
+    """``[fit]``, of known keys alone."""
+
+    def read(self, where: str, given: Any, names: StudyNames) -> FitTable:
+        keys = declared(FitTable)
+        check_known(as_table(where, given), keys, where)
+        return FitTable(**read_keys(f"{where}.", given, keys, names))
+
+    def schema(self, names: StudyNames) -> Schema:
+        return keys_schema(declared(FitTable), names)
 
 
-FIT = ValueKind(_read_fit, lambda names: keys_schema(declared(FitTable), names))
+FIT = FitKind()

@@ -24,7 +24,7 @@ from ..tuning.tolerances import read_tolerances
 from ..tuning.variable import Variable
 from .own_quantities import OWN, NamedQuantity
 from .parts_toml import ROUNDING
-from .tables import Keys, KeyTable, PartTable, PathTable, StudyNames, keys_schema, read_keys, subtable
+from .tables import Keys, KeyTable, PartTable, PathTable, StudyNames, StudyTable, keys_schema, read_keys, subtable
 from .values import (
     BOUNDS,
     DISTRIBUTION,
@@ -99,25 +99,25 @@ def _limits(names: StudyNames, sides: dict[str, Any], keys: dict[str, Any]) -> L
 
 VARIABLES = PathTable(BOUNDS, "design", example="buffer.k_A = [100, 2000]")
 LIMITS = KeyTable(_limits, limit_keys, LIMIT, first=True)
-
-
-def _read_grid(where: str, given: Any, names: StudyNames) -> dict[str, list[Any]]:
-    """Read [problem.grid]: a scenario's fields by name, a design's by path."""
-    given, sections = as_table(where, given), {path.partition(".")[0] for path in paths(names.design) if "." in path}
-    # Quoted, a path has a point; else TOML reads it as a table in a table.
-    of_design = {name: it for name, it in given.items() if "." in name or name in sections}
-    of_scenario = {name: it for name, it in given.items() if name not in of_design}
-    return GRID_SCENARIO.read(where, of_scenario, names) | GRID_DESIGN.read(where, of_design, names)
-
-
-def _grid_schema(names: StudyNames) -> dict[str, Any]:
-    both, of_design = GRID_SCENARIO.schema(names), GRID_DESIGN.schema(names)
-    patterns = {"patternProperties": of_design["patternProperties"]} if "patternProperties" in of_design else {}
-    return both | {"properties": of_design["properties"] | both["properties"]} | patterns
-
-
 GRID_SCENARIO = PathTable(SEVERAL, "scenario", numbers=False)
 GRID_DESIGN = PathTable(SEVERAL, "design", numbers=False, words=SPAN)
+
+
+class GridKind(StudyTable):
+    """``[problem.grid]``: a scenario's fields by name, a design's by path."""
+
+    def read(self, where: str, given: Any, names: StudyNames) -> dict[str, list[Any]]:
+        given = as_table(where, given)
+        sections = {path.partition(".")[0] for path in paths(names.design) if "." in path}
+        # Quoted, a path has a point; else TOML reads it as a table in a table.
+        of_design = {name: it for name, it in given.items() if "." in name or name in sections}
+        of_scenario = {name: it for name, it in given.items() if name not in of_design}
+        return GRID_SCENARIO.read(where, of_scenario, names) | GRID_DESIGN.read(where, of_design, names)
+
+    def schema(self, names: StudyNames) -> Schema:
+        both, of_design = GRID_SCENARIO.schema(names), GRID_DESIGN.schema(names)
+        patterns = {"patternProperties": of_design["patternProperties"]} if "patternProperties" in of_design else {}
+        return both | {"properties": of_design["properties"] | both["properties"]} | patterns
 
 
 @dataclasses.dataclass(frozen=True)
@@ -128,7 +128,7 @@ class ProblemTable:
         VARIABLES, 'what jaxbuffer tune may change: [low, high] or [low, high, "linear"]'
     )
     grid: Mapping[str, list[Any]] | None = subtable(
-        ValueKind(_read_grid, _grid_schema),
+        GridKind(),
         "for every combination of these values, of fields of the scenario and, by path, of the design",
     )
     sample: Scatter | None = subtable(
@@ -158,14 +158,28 @@ class ProblemTable:
         return any(getattr(self, field.name) is not None for field in dataclasses.fields(self))
 
 
-def _read_problem(where: str, given: Any, names: StudyNames) -> ProblemTable:
-    keys = declared(ProblemTable)
-    check_known(as_table(where, given), keys, where)
-    # First, since objectives and limits may name them.
-    own = read_keys(f"{where}.", given, {"quantities": keys.pop("quantities")}, names)
-    # Price and mass are among the own ones already, where the study has parts.
-    names = names._replace(own={**names.own, **{name: it.unit for name, it in own.get("quantities", {}).items()}})
-    return ProblemTable(**own, **read_keys(f"{where}.", given, keys, names))
+class ProblemKind(StudyTable):
+    """``[problem]``: only a study with quantities of its own has other names than ours in it."""
+
+    def read(self, where: str, given: Any, names: StudyNames) -> ProblemTable:
+        keys = declared(ProblemTable)
+        check_known(as_table(where, given), keys, where)
+        # First, since objectives and limits may name them.
+        own = read_keys(f"{where}.", given, {"quantities": keys.pop("quantities")}, names)
+        # Price and mass are among the own ones already, where the study has parts.
+        names = names._replace(own={**names.own, **{name: it.unit for name, it in own.get("quantities", {}).items()}})
+        return ProblemTable(**own, **read_keys(f"{where}.", given, keys, names))
+
+    def schema(self, names: StudyNames) -> Schema:
+        whole = keys_schema(declared(ProblemTable), names)
+        named = {name: known["table"] for name, known in declared(ProblemTable).items()}
+        of_quantities = [
+            name for name, kind in named.items() if isinstance(kind, KeyTable) and kind.quantity is not None
+        ]
+        closed = {
+            name: {"propertyNames": {"enum": list(whole["properties"][name]["properties"])}} for name in of_quantities
+        }
+        return whole | {"if": {"not": {"required": ["quantities"]}}, "then": {"properties": closed}}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -188,27 +202,24 @@ def _sample(names: StudyNames, quantities: dict[str, Any], keys: dict[str, Any])
     return read
 
 
-def _read_sweep(where: str, given: Any, names: StudyNames) -> dict[str, Any]:
-    if read := SPANNED.read(where, given, names):
-        grid(read, names.design, names.scenario)  # checks it
-    return read
-
-
-def _problem_schema(names: StudyNames) -> Schema:
-    """Return the schema of [problem], in which only a study with quantities of its own has other names than ours."""
-    whole = keys_schema(declared(ProblemTable), names)
-    named = {name: known["table"] for name, known in declared(ProblemTable).items()}
-    of_quantities = [name for name, kind in named.items() if isinstance(kind, KeyTable) and kind.quantity is not None]
-    closed = {
-        name: {"propertyNames": {"enum": list(whole["properties"][name]["properties"])}} for name in of_quantities
-    }
-    return whole | {"if": {"not": {"required": ["quantities"]}}, "then": {"properties": closed}}
-
-
-PROBLEM = ValueKind(_read_problem, _problem_schema)
-SAMPLE = KeyTable(_sample, lambda mechanism: declared(SampleTable), hint="; ranges go under [sample.ranges]")
 SPANNED = PathTable(SWEPT, "both", numbers=False, words=SPAN)
-SWEEP = ValueKind(_read_sweep, SPANNED.schema)
+
+
+class SweepKind(StudyTable):
+    """``[sweep]``: fields by address, each with its values."""
+
+    def read(self, where: str, given: Any, names: StudyNames) -> dict[str, Any]:
+        if read := SPANNED.read(where, given, names):
+            grid(read, names.design, names.scenario)  # checks it
+        return read
+
+    def schema(self, names: StudyNames) -> Schema:
+        return SPANNED.schema(names)
+
+
+PROBLEM = ProblemKind()
+SAMPLE = KeyTable(_sample, lambda mechanism: declared(SampleTable), hint="; ranges go under [sample.ranges]")
+SWEEP = SweepKind()
 ROUNDINGS = PathTable(ROUNDING, "design", example='buffer.k_A = "E24"')
 TOLERANCE_PATHS = PathTable(TOLERANCE, "both")
 TOLERANCES = ValueKind(

@@ -16,8 +16,8 @@ from ..fields.units import check_unit
 from ..files import user_path
 from ..mechanisms.mechanism import Mechanism
 from ..tuning.custom_quantity import CustomQuantity, check_custom_quantities, check_name, line_in, raised
-from .tables import StudyNames
-from .values import Schema, ValueKind, key_schema, object_schema
+from .tables import StudyNames, StudyTable
+from .values import Schema, key_schema, object_schema
 
 EXAMPLE = '{function = "objectives.py:effort", unit = "N m"}'
 
@@ -45,20 +45,20 @@ KEYS = declared(NamedQuantity)
 REQUIRED = tuple(name for name, known in KEYS.items() if known["default"] is dataclasses.MISSING)
 
 
-def _read_quantities(where: str, given: Any, names: StudyNames) -> dict[str, NamedQuantity]:
-    """Read the own quantities of a ``[problem]``, without looking at their files."""
-    if not isinstance(given, dict):
-        raise InputError(f"{where} = {shown(given)} is not a table; write effort = {EXAMPLE} below it")
-    return {name: _named(where, name, entry, names.mechanism) for name, entry in given.items()}
+class OwnQuantitiesKind(StudyTable):
+    """``[problem.quantities]``, read without looking at their files."""
+
+    def read(self, where: str, given: Any, names: StudyNames) -> dict[str, NamedQuantity]:
+        if not isinstance(given, dict):
+            raise InputError(f"{where} = {shown(given)} is not a table; write effort = {EXAMPLE} below it")
+        return {name: _named(where, name, entry, names.mechanism) for name, entry in given.items()}
+
+    def schema(self, names: StudyNames) -> Schema:
+        properties = {name: key_schema(name, known) for name, known in KEYS.items()}
+        return {"type": "object", "additionalProperties": object_schema(properties, required=list(REQUIRED))}
 
 
-OWN_SCHEMA: Schema = {
-    "type": "object",
-    "additionalProperties": object_schema(
-        {name: key_schema(name, known) for name, known in KEYS.items()}, required=list(REQUIRED)
-    ),
-}
-OWN = ValueKind(_read_quantities, lambda names: OWN_SCHEMA)
+OWN = OwnQuantitiesKind()
 
 
 def _named(table: str, name: str, entry: Any, mechanism: Mechanism) -> NamedQuantity:

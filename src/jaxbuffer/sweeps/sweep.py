@@ -123,7 +123,9 @@ def sweep(
     settings = SweepSettings(np.asarray(rtol, float), np.asarray(stabilisation, float), solver, trust)
     spec = SweepSpec(design, scenarios, duration, axes, settings)
     result = Sweep(mechanism, {}, design, scenarios, axes, spec.identity)  # type: ignore[arg-type]
-    with Pool(executor, _workers(workers)) as pool:
+    # An accelerator works on the runs of one large call in parallel.
+    at_once = workers or (cores() if jax.default_backend() == "cpu" else 1)
+    with Pool(executor, at_once) as pool:
         _run(result, spec, pool, counted(progress, mechanism.view.run_name), folder, resume)
     _check_some_run(result, spec)
     if save and folder is not None:
@@ -137,13 +139,6 @@ def _check_some_run(result: Sweep, spec: SweepSpec) -> None:
         first, _ = spec.batches[0].chunk(0, 1)
         design, scenario = jax.tree.map(lambda column: float(column[0]), first[:2])
         check_assembly(result.mechanism, design, scenario)
-
-
-def _workers(given: int | None) -> int:
-    """Return how many calls are computed at a time: an accelerator works on the runs of one large call in parallel."""
-    if given is not None:
-        return given
-    return cores() if jax.default_backend() == "cpu" else 1
 
 
 def _run(

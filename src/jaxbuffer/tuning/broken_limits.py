@@ -127,6 +127,18 @@ class Influence(NamedTuple):
     up: bool
     at_bound: bool
 
+    def value_at_limit(self, reached: Reached) -> float | None:
+        """Return where the variable brings the quantity to its limit, if the quantity goes as a power of it.
+
+        **Returns:** None for what has no sign of its own, and beyond a factor of `FARTHEST`.
+        """
+        if reached.value * reached.limit <= 0.0 or self.value <= 0.0:
+            return None
+        # A weak variable overflows, which the comparison below takes for too far.
+        with np.errstate(over="ignore"):
+            times = float(np.exp(0.01 * reached.value * np.log(reached.limit / reached.value) / self.change))
+        return self.value * times if 1.0 / FARTHEST <= times <= FARTHEST else None
+
 
 def helpful_variables(problem: Problem, scaled: Float[np.ndarray, " variables"], reached: Reached) -> list[Influence]:
     """Return the variables that bring a quantity nearer to its limit to first order, the strongest first; ``scaled``:
@@ -175,19 +187,6 @@ def _words(problem: Problem, reached: Reached, it: Influence) -> str:
         return f"{'more' if it.up else 'less'} {path} {effect}"
     bound = with_unit(*problem.shown(path, it.variable.high if it.up else it.variable.low))
     far = ""
-    if (enough := _enough(reached, it)) is not None:
+    if (enough := it.value_at_limit(reached)) is not None:
         far = f", {'to' if it.up else 'down to'} about {with_unit(*problem.shown(path, enough), 2)}"
     return f"{path} {'above' if it.up else 'below'} its bound of {bound}{far} {effect}"
-
-
-def _enough(reached: Reached, it: Influence) -> float | None:
-    """Return the variable's value at which the quantity would reach its limit if it went as a power of the variable.
-
-    **Returns:** None for what has no sign of its own, and beyond a factor of `FARTHEST`.
-    """
-    if reached.value * reached.limit <= 0.0 or it.value <= 0.0:
-        return None
-    # A weak variable overflows, which the comparison below takes for too far.
-    with np.errstate(over="ignore"):
-        times = float(np.exp(0.01 * reached.value * np.log(reached.limit / reached.value) / it.change))
-    return it.value * times if 1.0 / FARTHEST <= times <= FARTHEST else None

@@ -6,13 +6,12 @@ from typing import Any
 
 from ...errors import InputError
 from ...experiments.indices import sobol_indices
-from ...experiments.points import METHODS, Points, points
+from ...experiments.points import METHODS, points
 from ...experiments.ranges import ranges, typed
 from ...experiments.sample import Sample, sample_at
 from ...experiments.surface import response_surface
 from ...mechanisms.quantity import check_quantities
 from ...output.swept_files import sample_files, sample_text, swept_json
-from ...study.config import Config
 from ...sweeps.store import STORE
 from ..exits import INTERRUPTED
 from .output import Output
@@ -37,8 +36,15 @@ def sample(
     """Simulate the runs of a sample, and find indices and response surfaces if they are asked for."""
     study = request.study()
     # Before anything is computed or written: mistakes of the command line are found at once.
-    points = _points(study, over or [], count, method, seed, indices)
-    study = request.varying(study, [axis.path for axis in points.axes], "this sample")
+    section, given = study.sample, each_once(over or [], typed, "keep one")
+    bounds = {**(section.ranges or {}), **given} or study.mechanism.variables(study.design)
+    drawn = points(
+        ranges(bounds, study.design, study.scenario),
+        section.count if count is None else _whole("count", count),
+        method or section.method or ("saltelli" if indices else METHODS[0]),
+        section.seed if seed is None else _whole("seed", seed),
+    )
+    study = request.varying(study, [axis.path for axis in drawn.axes], "this sample")
     parts = {"indices": indices, "surface": surface}
     names = check_quantities(study.mechanism.quantities, of or study.mechanism.defaults_for(study.design).mapped[:1])
     for name in names:
@@ -47,9 +53,9 @@ def sample(
     file_names = [f"sample.{kind}" for kind in ("csv", "png", "txt", "nc", "json")]
     file_names += [f"{name}.{kind}" for name, chosen in parts.items() if chosen for kind in ("csv", "png")]
     files = request.files(*file_names, resumable=(STORE,), resume=resume)
-    work = partial(sample_at, points, study.design, study.scenario, study.options.duration)
+    work = partial(sample_at, drawn, study.design, study.scenario, study.options.duration)
     result, interrupted = computed_runs(
-        work, len(points), request, study, scheduler=scheduler, resume=resume, trust=trust
+        work, len(drawn), request, study, scheduler=scheduler, resume=resume, trust=trust
     )
     # Interrupted before its first run: there is nothing to save.
     if not result.done.any():
@@ -59,18 +65,6 @@ def sample(
         files.save_and_show(lambda: sample_files(result, made), result, lambda: swept_json(result))
         return INTERRUPTED
     return _finish(result, names, (indices, surface), files, made)
-
-
-def _points(
-    study: Config, over: list[str], count: str | None, method: str | None, seed: str | None, indices: bool
-) -> Points:
-    section = study.sample
-    bounds = {**(section.ranges or {}), **each_once(over, typed, "keep one")}
-    chosen = method or section.method or ("saltelli" if indices else METHODS[0])
-    number = _whole("count", count) if count is not None else section.count
-    start = _whole("seed", seed) if seed is not None else section.seed
-    axes = ranges(bounds or study.mechanism.variables(study.design), study.design, study.scenario)
-    return points(axes, number, chosen, start)
 
 
 def _whole(name: str, text: str) -> int:

@@ -27,7 +27,9 @@ def drawing(design: Design3D, bodies: tuple[str, ...] = ()) -> Drawing:
     wide, cone = mouth(shown)[1], design.cone
     # The frames along the axis stand behind all others: that of the cone, that of the tip, and those of parts.
     count = side.frames(_at_rest(bodies)).shape[1]
-    parts = _end_on(design, count + 2)
+    parts = list[DrawnPart]()
+    for part in parts_of(design):
+        parts.append(part.end_on(design, count + 2 + sum(it.frames for it in parts)))
 
     def frames(history: Any) -> Float[np.ndarray, "steps frames 3"]:
         flat = side.frames(SimpleNamespace(position=from_the_side(history), others=history.others, state=None))
@@ -58,15 +60,6 @@ def drawing(design: Design3D, bodies: tuple[str, ...] = ()) -> Drawing:
         frames=frames,
         arrows=lambda history: arrows(design, history, front),
     )
-
-
-def _end_on(design: Design3D, first: int) -> list[DrawnPart]:
-    """Return the parts of a design as they are seen along the axis. ``first``: number of the first frame that is a
-    part's own."""
-    drawn = list[DrawnPart]()
-    for part in parts_of(design):
-        drawn.append(part.end_on(design, first + sum(it.frames for it in drawn)))
-    return drawn
 
 
 def _at_rest(bodies: tuple[str, ...]) -> Any:

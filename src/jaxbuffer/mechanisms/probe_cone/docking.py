@@ -64,10 +64,15 @@ def docking(
     known = jnp.where(cross.occurred, 1.0, jnp.nan)
     latched = jnp.where(end.since_crossing > 0.0, 1.0, jnp.nan)
     push = (end.passive_velocity - start.passive_velocity) * mechanism.parts.design.passive.mass
+    # The largest force of the latches over their strength. Of torn ones it is above 1: with the force to which the mass
+    # that they hold would have stretched them, had they held. Its slope leads out of 1, where they just tear.
+    holder, share = holder_in(mechanism), jnp.zeros(())
+    if holder is not None and holder.strength is not None:
+        share = jnp.where(code == Outcome.torn, end.stretched, latch_force) / holder.strength
     return kind(
         latch_time=cross.time * latched,
         settling_time=(log.time[last] - cross.time) * jnp.where(code == Outcome.held, 1.0, jnp.nan),
-        latch_share=_latch_share(mechanism, end, latch_force, code == Outcome.torn),
+        latch_share=share,
         relative_energy=end.relative_energy / start.relative_energy,
         energy_left=end.relative_energy,
         arrest_stroke=arrest_stroke(mechanism, end.relative_energy),
@@ -103,18 +108,6 @@ def arrest_stroke(mechanism: Assembled, energy: Float[Array, ""]) -> Float[Array
     above = jax.lax.fori_loop(0, DOUBLINGS, lambda _, s: jnp.where(stored(s) < energy, 2.0 * s, s), jnp.asarray(1e-9))
     root = jax.lax.fori_loop(0, NEWTON_STEPS, step, jax.lax.stop_gradient(above))
     return step(0, jax.lax.stop_gradient(root))  # whose derivative is that of the root
-
-
-def _latch_share(mechanism: Assembled, end: CaptureReading, largest: Scalar, torn: Bool[Array, ""]) -> Float[Array, ""]:
-    """Return the largest force of the latches over their strength [-].
-
-    Of torn ones it is above 1: with the force to which the mass that they hold would have stretched them, had they
-    held. It is 1 where they just tear, and its slope leads out of that.
-    """
-    holder = holder_in(mechanism)
-    if holder is None or holder.strength is None:
-        return jnp.zeros(())
-    return jnp.where(torn, end.stretched, largest) / holder.strength
 
 
 def _last(log: Log) -> Int[Array, ""]:

@@ -5,7 +5,7 @@ from typing import Any
 import jax
 import numpy as np
 
-from ...elements import Buffer, Element
+from ...elements import Buffer
 from ...elements.buffer import extension_text
 from ...elements.telling import when
 from ...labelled.record import heading
@@ -20,6 +20,8 @@ from .parts import part_of_element, parts_of
 from .sanity_checks import cautions
 from .vehicle_forces import larger_than_contact
 
+Row = tuple[str, str]  # heading and text; a line without a heading goes on with the one above
+
 
 def summary(capture: Capture) -> str:
     """Return a capture in a dozen lines, units included."""
@@ -30,27 +32,56 @@ def summary(capture: Capture) -> str:
     b = jax.tree.map(np.asarray, capture.balance)
     at = capture.maximum_times
     of_parts = "".join(part.buffer_text(capture) for part in parts_of(capture.design, capture.scenario))
-    lines = [
-        f"{view.title}: {outcome.reason}",
-        f"  scenario             {view.label(capture.scenario)}",
-        f"  end time             {float(capture.end_time):.6g} s, in contact {float(capture.contact_time):.4g} s",
-        f"  peak contact force   {_peak(capture)}",
-        *(f"                       {text}" for text in (larger_than_contact(capture),) if text),
-        *_first_impact(capture),
-        f"  peak hinge force     {_force(capture, 'hinge_force', at)}",
-        f"  peak buffer force    {_force(capture, 'buffer_force', at)}{of_parts}",
-        f"  stroke               {_stroke(capture, at)}",
-        *(f"  extension            {text}" for text in (extension_text(capture),) if text),
-        f"  hinge angle          {np.degrees(float(capture.hinge_angle)):.6g} deg{when(at['hinge_angle'])}",
-        *(line for element in capture.elements for line in _of_part(capture, element)),
-        f"  penetration          at most {1e6 * float(capture.penetration):.3g} µm into a {view.contact}",
-        f"  capture margin       {_margin(capture)}",
-        *_energies(capture),
-        f"  numerical balance    energy {float(b.energy):.1e}, momentum {float(b.linear_momentum):.1e} linear,"
-        f" {float(b.angular_momentum):.1e} angular, constraint drift {float(b.drift):.1e} m",
-        f"  steps                {int(capture.accepted)} accepted of {int(capture.attempts)}",
+    rows: list[Row] = [
+        ("scenario", view.label(capture.scenario)),
+        ("end time", f"{float(capture.end_time):.6g} s, in contact {float(capture.contact_time):.4g} s"),
+        *_contact_rows(capture),
+        ("peak hinge force", _force(capture, "hinge_force", at)),
+        ("peak buffer force", f"{_force(capture, 'buffer_force', at)}{of_parts}"),
+        ("stroke", _stroke(capture, at)),
+        *(("extension", text) for text in (extension_text(capture),) if text),
+        ("hinge angle", f"{np.degrees(float(capture.hinge_angle)):.6g} deg{when(at['hinge_angle'])}"),
     ]
-    return "\n".join([*lines, *(f"  {line}" for line in [*warnings(capture), *cautions(capture.design)])])
+    for element in capture.elements:
+        # The lines of the buffer are lines of the whole, above.
+        if not isinstance(element, Buffer):
+            part = part_of_element(element.name)
+            rows += element.report.summary(capture) if part is None else part.summary(capture, element)
+    rows += [
+        ("penetration", f"at most {1e6 * float(capture.penetration):.3g} µm into a {view.contact}"),
+        ("capture margin", _margin(capture)),
+        *_energy_rows(capture),
+        (
+            "numerical balance",
+            f"energy {float(b.energy):.1e}, momentum {float(b.linear_momentum):.1e} linear,"
+            f" {float(b.angular_momentum):.1e} angular, constraint drift {float(b.drift):.1e} m",
+        ),
+        ("steps", f"{int(capture.accepted)} accepted of {int(capture.attempts)}"),
+    ]
+    lines = [*(f"{name:20} {text}" for name, text in rows), *warnings(capture), *cautions(capture.design)]
+    return "\n".join([f"{view.title}: {outcome.reason}", *(f"  {line}" for line in lines)])
+
+
+def _contact_rows(capture: Capture) -> list[Row]:
+    """Return the largest contact force, what is larger than it, and the first impact beside its closed form."""
+    count, contact = int(capture.impact_count), capture.mechanism.view.contact
+    larger = [("", text) for text in (larger_than_contact(capture),) if text]
+    if not count:
+        return [("peak contact force", f"none: the tip touched no {contact}"), *larger]
+    listed, which = int(capture.impacts.count), int(capture.peak_impact) + 1
+    impact = f"impact {which} of {count}"
+    if count > listed:
+        impact = f"impact {which or f'after the {listed}th'} of {count}, the first {listed} of which are listed"
+    largest = f"{float(capture.peak_force):.6g} N at {float(capture.peak_time):.6g} s"
+    peak = f"{largest}, {_contact(capture, capture.peak_contact)}, {impact}"
+    first, force = capture.first_impact, float(np.asarray(capture.impacts.peak_force)[0])
+    text = (
+        f"{force:.6g} N; closed form {_predicted(capture)} ({float(first.elastic_peak):.4g} N without loss):"
+        f" effective mass {float(first.effective_mass):.4g} kg, energy {float(first.effective_energy):.4g} J"
+    )
+    if capture.scenario.start == "free":
+        text = f"{force:.6g} N, {_contact(capture, capture.impacts.contact[0])}"
+    return [("peak contact force", peak), *larger, ("first impact", text)]
 
 
 def _force(capture: Capture, name: str, at: dict[str, float]) -> str:
@@ -66,48 +97,15 @@ def _stroke(capture: Capture, at: dict[str, float]) -> str:
     return f"0 mm{of}" if stroke < NEGLIGIBLE["m"] else f"{1e3 * stroke:.6g} mm{of}{when(at['stroke'])}"
 
 
-def _peak(capture: Capture) -> str:
-    if not int(capture.impact_count):
-        return f"none: the tip touched no {capture.mechanism.view.contact}"
-    count, listed, which = int(capture.impact_count), int(capture.impacts.count), int(capture.peak_impact) + 1
-    impact = f"impact {which} of {count}"
-    if count > listed:
-        impact = f"impact {which or f'after the {listed}th'} of {count}, the first {listed} of which are listed"
-    when = f"{float(capture.peak_force):.6g} N at {float(capture.peak_time):.6g} s"
-    return f"{when}, {_contact(capture, capture.peak_contact)}, {impact}"
-
-
 def _contact(capture: Capture, number: Any) -> str:
     """Return a contact in words: "upper flank"; "cone" of the only one."""
     view = capture.mechanism.view
     return view.contact_in_words(view.names(capture.design).contact(int(number)))
 
 
-def _first_impact(capture: Capture) -> list[str]:
-    first, peak = capture.first_impact, float(np.asarray(capture.impacts.peak_force)[0])
-    if not int(capture.impact_count):
-        return []
-    if capture.scenario.start == "free":
-        return [f"  first impact         {peak:.6g} N, {_contact(capture, capture.impacts.contact[0])}"]
-    return [
-        f"  first impact         {peak:.6g} N; closed form {_predicted(capture)} ({float(first.elastic_peak):.4g} N"
-        f" without loss): effective mass {float(first.effective_mass):.4g} kg,"
-        f" energy {float(first.effective_energy):.4g} J"
-    ]
-
-
-def _of_part(capture: Capture, element: Element) -> list[str]:
-    """Return the lines of one part; those of the buffer are lines of the whole."""
-    if isinstance(element, Buffer):
-        return []
-    part = part_of_element(element.name)
-    lines = element.report.summary(capture) if part is None else part.summary(capture, element)
-    return [f"  {heading:20} {text}" for heading, text in lines]
-
-
-def _energies(capture: Capture) -> list[str]:
-    """Return a line on the energy of relative motion left and the stroke that it may still take, and one on the energy
-    at the start, what parts put in and where it went."""
+def _energy_rows(capture: Capture) -> list[Row]:
+    """Return the energy of relative motion left with the stroke that it may still take, and the energy at the start,
+    what parts put in and where it went."""
     docking, longest = capture.docking, float(capture.design.buffer.longest_stroke)
     begin = float(docking.energy_left) / float(docking.relative_energy)
     share, needed = percent_text(float(docking.relative_energy), ".3g"), float(docking.arrest_stroke)
@@ -120,11 +118,13 @@ def _energies(capture: Capture) -> list[str]:
     more = "".join(f", {value:.6g} J put in by {name}" for name, value in put_in.items() if value)
     others = "".join(f", {it.place} {float(energy.lost[it.names[-1]]):.3g}" for it in energy_shares(capture))
     return [
-        f"  energy left          {left}; it may take up to {1e3 * needed:.4g} mm of stroke{beyond}",
-        f"  energy               {begin:.6g} J of relative motion at the start{more}, dissipated"
-        f" {float(energy.dissipated):.6g} J (axial damper {float(energy.axial_damper):.3g}, torsional"
-        f" {float(energy.torsional_damper):.3g}, contact {float(energy.hysteresis):.3g}, friction"
-        f" {float(energy.friction):.3g}{others})",
+        ("energy left", f"{left}; it may take up to {1e3 * needed:.4g} mm of stroke{beyond}"),
+        (
+            "energy",
+            f"{begin:.6g} J of relative motion at the start{more}, dissipated {float(energy.dissipated):.6g} J (axial"
+            f" damper {float(energy.axial_damper):.3g}, torsional {float(energy.torsional_damper):.3g}, contact"
+            f" {float(energy.hysteresis):.3g}, friction {float(energy.friction):.3g}{others})",
+        ),
     ]
 
 

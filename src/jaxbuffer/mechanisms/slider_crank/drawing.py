@@ -68,7 +68,7 @@ def drawing(design: SliderCrank, bodies: tuple[str, ...] = ()) -> Drawing:
         Disc(seat, float(design.piston_pin.radius), part="pins"),
         Disc(at_crank, float(design.crank_pin.radius)),
     )
-    touches = (*_piston_touches(design, front), *_crank_touches(design, at_crank, rear))
+    touches = _touches(design, front, at_crank, rear)
     names = (Named(Spot(GROUND), "shaft"), Named(at_crank, "crank pin"), Named(seat, "piston pin"))
     frames = bent(design)
     if not touches:
@@ -115,20 +115,18 @@ def _pins(design: SliderCrank) -> tuple[PinInBush, PinInBush]:
     return design.piston_pin, design.crank_pin
 
 
-def _piston_touches(design: SliderCrank, front: Spot) -> tuple[Touch, ...]:
-    pin = design.piston_pin
-    if pin.joint != "clearance":
-        return ()
-    radius = float(pin.radius)
-    if pin.by_components:
-        return tuple(Touch(front, _seat(design), flank, -1.0, radius) for flank in flanks(float(pin.bush_radius)))
-    return (Touch(_seat(design), front, Hole(0.0, 0.0, float(pin.bush_radius)), 1.0, radius),)
-
-
-def _crank_touches(design: SliderCrank, at_crank: Spot, rear: Spot) -> tuple[Touch, ...]:
-    pin = design.crank_pin
-    hole = Hole(0.0, 0.0, float(pin.bush_radius))
-    return (Touch(at_crank, rear, hole, 1.0, float(pin.radius)),) if pin.joint == "clearance" else ()
+def _touches(design: SliderCrank, front: Spot, at_crank: Spot, rear: Spot) -> tuple[Touch, ...]:
+    """Return where pins with play touch their bushes, the piston pin's first; ``front``, ``rear``: the rod's ends."""
+    seat, touches, (small, large) = _seat(design), list[Touch](), _pins(design)
+    if small.joint == "clearance":
+        bush, pin = float(small.bush_radius), float(small.radius)
+        if small.by_components:
+            touches += [Touch(front, seat, flank, -1.0, pin) for flank in flanks(bush)]
+        else:
+            touches.append(Touch(seat, front, Hole(0.0, 0.0, bush), 1.0, pin))
+    if large.joint == "clearance":
+        touches.append(Touch(at_crank, rear, Hole(0.0, 0.0, float(large.bush_radius)), 1.0, float(large.radius)))
+    return tuple(touches)
 
 
 def closer(pin: PinInBush, touch: Touch, motion: Motion, magnified: int) -> tuple[Detail, Motion]:

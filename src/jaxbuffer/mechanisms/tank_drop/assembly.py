@@ -75,7 +75,7 @@ def assembled(design: TankDrop, scenario: TankDropScenario) -> TankModel:
     above = _above(design, mesh, under)
     bodies = jnp.stack([jnp.stack([jnp.zeros(()), jnp.asarray(above, float)]), jnp.zeros(2)])
     positions = jnp.concatenate([mesh.positions, bodies])
-    material = _material(design)
+    material, strength = _material(design)
     quads, density = Quads.of(positions, mesh.sets.corners, ACROSS), material.density
     if len(mesh.numbers.ribs):
         quads, density = _with_ribs(design, quads)
@@ -95,23 +95,21 @@ def assembled(design: TankDrop, scenario: TankDropScenario) -> TankModel:
     # The section carries its share of the slider (M166).
     slider_inverse = jnp.stack([jnp.zeros(()), factor / jnp.asarray(design.slider.mass, float)])
     inverse = jnp.concatenate([inverse, slider_inverse[None], jnp.zeros((1, 2))])
+    support = _support(design, mesh, baffle)
+    layers = (_cushion(design, mesh, under),) if design.cushion.kind == "layer" else ()
     system = FiniteElementSystem(
         positions,
         inverse,
-        (wall,),
-        (_support(design, mesh, baffle), *([] if design.cushion.kind == "layer" else [_strike(design, mesh, under)])),
-        (_cushion(design, mesh, under),) if design.cushion.kind == "layer" else (),
-        jnp.stack([jnp.zeros(()), -jnp.asarray(scenario.gravity, float)]),
-        None,
-        liquid,
-        static,
-        # A full tank has no air: the volume that its pressure depends on would be zero.
-        _air(design, mesh) if design.contents.air == "trapped" and not mesh.numbers.full else None,
+        elements=(wall,),
+        contacts=(support,) if layers else (support, _pressed(design, mesh, mesh.sets.pressed, under)),
+        layers=layers,
+        gravity=jnp.stack([jnp.zeros(()), -jnp.asarray(scenario.gravity, float)]),
+        liquid=liquid,
+        static_pressure=static,
+        gas=_air(design, mesh),
     )
-    half = None
-    if whole:
-        half = assembled(replace(design, {"mesh.extent": "half"}), replace(scenario, {"angle": 0.0}))
-    return TankModel(system, mesh, wall, material, _strength(design), slider, factor, angle, half)
+    half = assembled(replace(design, {"mesh.extent": "half"}), replace(scenario, {"angle": 0.0})) if whole else None
+    return TankModel(system, mesh, wall, material, strength, slider, factor, angle, half)
 
 
 def _above(design: TankDrop, mesh: Section, under: RigidPlane) -> Scalar:
@@ -125,18 +123,20 @@ def _above(design: TankDrop, mesh: Section, under: RigidPlane) -> Scalar:
     return (soft - jnp.min(sideways * x + downwards * y)) / -downwards
 
 
-def _material(design: TankDrop) -> Plastic | Orthotropic:
+def _material(design: TankDrop) -> tuple[Plastic | Orthotropic, Scalar]:
+    """Return the wall's material and the size of stresses that matter [Pa]."""
     if design.material.kind == "composite":
-        return equivalent(design.composite)
+        return equivalent(design.composite), design.composite.along_compression
     material = design.material
-    return Plastic(
-        material.density,
-        material.young_modulus,
-        material.poisson_ratio,
-        material.yield_stress,
-        material.hardening,
-        material.failure_strain,
+    plastic = Plastic(
+        density=material.density,
+        young=material.young_modulus,
+        poisson=material.poisson_ratio,
+        yield_stress=material.yield_stress,
+        hardening=material.hardening,
+        failure_strain=material.failure_strain,
     )
+    return plastic, material.yield_stress
 
 
 def _with_ribs(design: TankDrop, quads: Quads) -> tuple[Quads, Float[Array, " elements"]]:
@@ -152,28 +152,24 @@ def _with_ribs(design: TankDrop, quads: Quads) -> tuple[Quads, Float[Array, " el
     return quads._replace(weight=quads.weight * depth[:, None]), density
 
 
-def _strength(design: TankDrop) -> Scalar:
-    return design.composite.along_compression if design.material.kind == "composite" else design.material.yield_stress
-
-
 def _support(design: TankDrop, mesh: Section, baffle: int) -> NodeContact:
     """Return the contact of the outside, up to the level, with the baffle."""
-    slaves = mesh.sets.support
-    # With a share of the area's stiffness for each node's strip (M167) the support is as soft on any mesh.
+    return _pressed(design, mesh, mesh.sets.support, RigidPlane(baffle, (0.0, 1.0)))
+
+
+def _pressed(design: TankDrop, mesh: Section, slaves: np.ndarray, plane: RigidPlane) -> NodeContact:
+    """Return the contact of the outside's nodes with a plane by the method of the support: that of the slider, too,
+    where it has no cushion."""
+    # With a share of the area's stiffness for each node's strip (M167) the contact is as soft on any mesh.
     strips = jnp.linalg.norm(boundary_areas(mesh.positions[slaves]), axis=1)
-    return NodeContact(slaves, RigidPlane(baffle, (0.0, 1.0)), design.support.method, design.support.stiffness * strips)
+    return NodeContact(slaves, plane, design.support.method, design.support.stiffness * strips)
 
 
-def _strike(design: TankDrop, mesh: Section, under: RigidPlane) -> NodeContact:
-    """Return the contact of the slider without a cushion with the outside from the level on, by the method of the
-    support."""
-    slaves = mesh.sets.pressed
-    strips = jnp.linalg.norm(boundary_areas(mesh.positions[slaves]), axis=1)
-    return NodeContact(slaves, under, design.support.method, design.support.stiffness * strips)
-
-
-def _air(design: TankDrop, mesh: Section) -> Gas:
-    """Return the air that is shut in above the liquid."""
+def _air(design: TankDrop, mesh: Section) -> Gas | None:
+    """Return the air that is shut in above the liquid, if any."""
+    # A full tank has no air: the volume that its pressure depends on would be zero.
+    if design.contents.air != "trapped" or mesh.numbers.full:
+        return None
     wall = mesh.positions[mesh.sets.inner]
     below = 0.0 if design.contents.kind == "none" else enclosed(mesh.liquid[mesh.sets.wet])
     return Gas(mesh.sets.inner, enclosed(wall) - below, enclosed(wall), design.contents.air_pressure)
@@ -188,11 +184,11 @@ def _cushion(design: TankDrop, mesh: Section, under: RigidPlane) -> Layer:
     return Layer(
         slaves,
         under,
-        width,
-        soft.thickness,
-        soft.stiffness,
-        soft.damping,
-        SOLID * soft.stiffness,
+        width=width,
+        thickness=soft.thickness,
+        stiffness=soft.stiffness,
+        damping=soft.damping,
+        solid=SOLID * soft.stiffness,
     )
 
 

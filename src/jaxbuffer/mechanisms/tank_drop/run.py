@@ -5,7 +5,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Int
+from jaxtyping import Array
 
 from ..._types import Scalar
 from ..energy import Balance, Energy
@@ -14,7 +14,7 @@ from ..impacts import Impacts
 from .assembly import TankModel, assembled
 from .design import TankDrop, TankDropScenario
 from .outcome import FORMS, TankOutcome
-from .section import Section, wall_mass
+from .section import wall_mass
 from .stepping import SMOOTH, Dropped, HistoryRow
 from .tank_run import TankRun
 
@@ -26,7 +26,7 @@ def run_of(parameters: tuple[TankDrop, TankDropScenario, Scalar], duration: Scal
     tally, factor, limit = drop.tally, parts.factor, parts.strength
     (history,) = drop.state.histories
     deleted = jnp.sum(jnp.all(parts.material.failed(history), axis=1))
-    code = _code(drop, deleted)
+    code = drop.outcome(deleted)
     # Failures have the highest codes. As a factor NaN reaches the derivatives of a failed run as well.
     known = jnp.where(code < int(TankOutcome.failed_steps), 1.0, jnp.nan)
     before, after = -jnp.sqrt(2.0 * scenario.gravity * scenario.height), drop.state.velocity[parts.slider, 1]
@@ -110,24 +110,13 @@ def _of_every_run(
         "impacts": impacts,
         "energy": _energy(factor, tally.energies),
         "balance": balance,
-        "history": None if tally.rows is None else history_of(parts, _close_up(tally.rows)),
+        "history": None if tally.rows is None else history_of(parts, tally.rows.compacted()),
         "attempts": drop.steps,
         "accepted": drop.steps,
         "stabilisation": jnp.asarray(stabilisation, float),
         "_located": None,  # no event is located
         "_observed": (),
     }
-
-
-def _code(drop: Dropped, deleted: Int[Array, ""]) -> Int[Array, ""]:
-    finite = jnp.all(jnp.isfinite(drop.state.displacement)) & jnp.isfinite(drop.tally.stress)
-    finite = finite & jnp.isfinite(drop.step)  # a mesh that is folded has no stable step
-    # Each line takes precedence over those before it.
-    code = jnp.where(deleted > 0, int(TankOutcome.holed), int(TankOutcome.whole))
-    code = jnp.where(drop.crushed, int(TankOutcome.crushed), code)
-    code = jnp.where(finite, code, int(TankOutcome.failed_not_finite))
-    code = jnp.where(drop.too_many, int(TankOutcome.failed_steps), code)
-    return jnp.where(drop.allowed, code, int(TankOutcome.failed_input))
 
 
 def _energy(factor: Scalar, energies: Any) -> Energy:
@@ -155,11 +144,13 @@ def history_of(parts: TankModel, rows: HistoryRow) -> History:
         "peak_plastic_strain": jnp.max(rows.plastic_strain, axis=1),
         "wall_x": middle[..., 0],
         "wall_y": middle[..., 1],
-        **_plate(at, section),
         "stress": rows.stress,
         "plastic_strain": rows.plastic_strain,
         "displacement": rows.displacement,
     }
+    if len(section.sets.plate):
+        of_plate = jnp.mean(at[:, section.sets.plate], axis=2)
+        others |= {"plate_x": of_plate[..., 0], "plate_y": of_plate[..., 1]}
     if system.liquid is not None:
         assert system.static_pressure is not None
         wet = (rows.pressure + system.static_pressure[None])[:, system.liquid.wet]
@@ -182,27 +173,6 @@ def history_of(parts: TankModel, rows: HistoryRow) -> History:
         others=others,
         energy=_energy(1.0, whole),
     )
-
-
-def _plate(at: Array, section: Section) -> dict[str, Array]:
-    """Return how the plate moves, if there is one: its middle, row by row [m]. ``at``: (rows of the history, nodes, 2)
-    [m]."""
-    if not len(section.sets.plate):
-        return {}
-    middle = jnp.mean(at[:, section.sets.plate], axis=2)
-    return {"plate_x": middle[..., 0], "plate_y": middle[..., 1]}
-
-
-def _close_up(rows: HistoryRow) -> HistoryRow:
-    """Compact the filled rows; pad with the last one.
-
-    A run with fewer steps than rows, or one that ends early, leaves some empty; the first one always counts as filled.
-    """
-    places = np.arange(rows.time.shape[0])
-    filled = (rows.time > 0.0) | (places == 0)
-    order = jnp.argsort(jnp.where(filled, places, len(places) + places))
-    chosen = order[jnp.minimum(places, jnp.sum(filled) - 1)]
-    return jax.tree.map(lambda row: row[chosen], rows)
 
 
 def rows_of(run: TankRun) -> int:

@@ -27,6 +27,17 @@ class Unknowns(NamedTuple):
     bottom: np.ndarray
     nodes: int
 
+    @staticmethod
+    def of(parts: TankModel) -> "Unknowns":
+        """Return all unknowns of the wall, without those sideways in the middle of the section."""
+        numbers, nodes = parts.section.numbers, len(parts.system.positions)
+        free = np.ones((nodes, 2), bool)
+        # Slider and baffle, the last two nodes, do not take part.
+        free[parts.slider :] = False
+        free[numbers.middle, 0] = False
+        places = np.flatnonzero(free.ravel())
+        return Unknowns(places, np.searchsorted(places, 2 * numbers.outer[: numbers.flat + 1] + 1), nodes)
+
     def displacement(self, values: Float[Array, " unknowns"]) -> Float[Array, "nodes 2"]:
         """Return the displacement of all nodes [m]."""
         return jnp.zeros(2 * self.nodes).at[self.places].set(values).reshape(-1, 2)
@@ -48,24 +59,14 @@ def at_rest(parts: TankModel) -> State:
         half = at_rest(parts.half).displacement[: parts.half.slider]
         of_wall, _ = mirrors(parts.section.numbers)
         return parts.system.start()._replace(displacement=jnp.concatenate([of_wall.vectors(half), jnp.zeros((2, 2))]))
-    unknowns, count = _unknowns(parts), len(parts.section.numbers.outer[: parts.section.numbers.flat + 1])
+    unknowns = Unknowns.of(parts)
+    count = len(unknowns.bottom)
     # The whole bottom stands at first.
     first = jnp.zeros(len(unknowns.places)), jnp.ones(count, bool)
     solution, stands = jax.lax.fori_loop(0, ITERATIONS + count, lambda _, at: _better(parts, unknowns, *at), first)
     # A last step of Newton's method from the solution keeps it, and has the derivative of the equilibrium.
     values, _ = _better(parts, unknowns, jax.lax.stop_gradient(solution), stands)
     return parts.system.start()._replace(displacement=unknowns.displacement(values))
-
-
-def _unknowns(parts: TankModel) -> Unknowns:
-    """Return all unknowns of the wall, without those sideways in the middle of the section."""
-    mesh, nodes = parts.section, len(parts.system.positions)
-    free = np.ones((nodes, 2), bool)
-    # Slider and baffle, the last two nodes, do not take part.
-    free[parts.slider :] = False
-    free[mesh.numbers.middle, 0] = False
-    places = np.flatnonzero(free.ravel())
-    return Unknowns(places, np.searchsorted(places, 2 * mesh.numbers.outer[: mesh.numbers.flat + 1] + 1), nodes)
 
 
 def _better(parts: TankModel, unknowns: Unknowns, values: Array, stands: Array) -> tuple[Array, Bool[Array, " bottom"]]:

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax.scipy.special import logsumexp
 from jaxtyping import Array, Bool, Float, Int
 
@@ -16,7 +17,7 @@ from ...structures.system import SAFETY, Energies, Instant
 from .assembly import TankModel, assembled
 from .design import TankDrop, TankDropScenario
 from .laminate import least_reserve
-from .outcome import FORMS
+from .outcome import FORMS, TankOutcome
 from .start import falling
 
 # Tolerances above this use the stability limit; below it the step scales with √rtol.
@@ -50,6 +51,18 @@ class HistoryRow(NamedTuple):
     stress: Float[Array, " elements"]
     plastic_strain: Float[Array, " elements"]
     energies: Energies
+
+    def compacted(self) -> "HistoryRow":
+        """Compact the filled rows of a history; pad with the last one.
+
+        A run with fewer steps than rows, or one that ends early, leaves some empty; the first one always counts as
+        filled.
+        """
+        places = np.arange(self.time.shape[0])
+        filled = (self.time > 0.0) | (places == 0)
+        order = jnp.argsort(jnp.where(filled, places, len(places) + places))
+        chosen = order[jnp.minimum(places, jnp.sum(filled) - 1)]
+        return jax.tree.map(lambda row: row[chosen], self)
 
 
 class Tally(NamedTuple):
@@ -89,6 +102,48 @@ class Tally(NamedTuple):
     energies: Energies
     rows: HistoryRow | None
 
+    @staticmethod
+    def empty(parts: TankModel, start: State, history: bool) -> "Tally":
+        """Return the tally of a run that has not begun; ``history``: whether it keeps one."""
+        zero, most = jnp.zeros(()), jnp.asarray(jnp.inf)
+        energies = Energies(*(zero,) * len(Energies._fields))
+        rows = None
+        if history:
+            of_elements = jnp.zeros((ROWS, len(parts.section.sets.corners)))
+            column = jnp.zeros(ROWS)
+            rows = HistoryRow(
+                time=column,
+                displacement=jnp.zeros((ROWS, *start.displacement.shape)),
+                speed=column,
+                force=column,
+                support=column,
+                pressure=jnp.zeros((ROWS, *start.pressure.shape)),
+                stress=of_elements,
+                plastic_strain=of_elements,
+                energies=Energies(*(column,) * len(energies)),
+            )
+        return Tally(
+            force=zero,
+            force_time=zero,
+            impulse=zero,
+            released=zero,
+            in_contact=zero,
+            stress=zero,
+            stress_element=jnp.asarray(0),
+            sharpened=-most,
+            reserve=most,
+            deflection=zero,
+            travel=zero,
+            compression=zero,
+            failures=jnp.full(len(FORMS), jnp.inf),
+            highest=-most,
+            lowest=most,
+            first=zero,
+            off=zero,
+            energies=energies,
+            rows=rows,
+        )
+
 
 class Dropped(NamedTuple):
     """A run as it was stepped.
@@ -106,6 +161,17 @@ class Dropped(NamedTuple):
     crushed: Bool[Array, ""]
     too_many: Bool[Array, ""]
     allowed: Bool[Array, ""]
+
+    def outcome(self, deleted: Int[Array, ""]) -> Int[Array, ""]:
+        """Return the outcome's number. ``deleted``: how many elements failed altogether."""
+        finite = jnp.all(jnp.isfinite(self.state.displacement)) & jnp.isfinite(self.tally.stress)
+        finite = finite & jnp.isfinite(self.step)  # a mesh that is folded has no stable step
+        # Each line takes precedence over those before it.
+        code = jnp.where(deleted > 0, int(TankOutcome.holed), int(TankOutcome.whole))
+        code = jnp.where(self.crushed, int(TankOutcome.crushed), code)
+        code = jnp.where(finite, code, int(TankOutcome.failed_not_finite))
+        code = jnp.where(self.too_many, int(TankOutcome.failed_steps), code)
+        return jnp.where(self.allowed, code, int(TankOutcome.failed_input))
 
 
 def dropped(
@@ -135,7 +201,7 @@ def dropped(
     step = duration / (BLOCK * blocks)
     # A folded mesh has no stable step, and its number of blocks is not finite, which no integer can be.
     count = jnp.where(jnp.asarray(allowed) & ~too_many & jnp.isfinite(blocks), blocks, 0.0).astype(int)
-    first = _empty_tally(parts, start, options.keep > 0)
+    first = Tally.empty(parts, start, options.keep > 0)
 
     crushed = CRUSHED * (design.tank.height - design.wall.bottom - design.wall.top)
 
@@ -151,24 +217,6 @@ def dropped(
     return Dropped(state, tally, steps, step, until(tally), too_many, jnp.asarray(allowed))
 
 
-def _empty_tally(parts: TankModel, start: State, history: bool) -> Tally:
-    zero = jnp.zeros(())
-    energies = Energies(*(zero,) * len(Energies._fields))
-    rows = None
-    if history:
-        elements = len(parts.section.sets.corners)
-        room = lambda *shape: jnp.zeros((ROWS, *shape))  # noqa: E731
-        rows = HistoryRow(
-            *(room(), room(*start.displacement.shape), room(), room(), room(), room(*start.pressure.shape)),
-            *(room(elements), room(elements), Energies(*(room() for _ in energies))),
-        )
-    most = jnp.asarray(jnp.inf)
-    never = jnp.full(len(FORMS), jnp.inf)
-    return Tally(
-        *(zero,) * 6, jnp.asarray(0), -most, most, *(zero,) * 3, never, -most, most, zero, zero, energies, rows
-    )
-
-
 def _next_tally(
     parts: TankModel, design: TankDrop, step: Scalar, duration: Scalar, tally: Tally, instant: Instant
 ) -> Tally:
@@ -176,8 +224,7 @@ def _next_tally(
     (wall,) = instant.resistances
     force = parts.force(instant)
     stress = jnp.max(mises(at_faces(wall.stress)), axis=1)
-    highest_stress = jnp.max(stress)
-    limit = parts.strength
+    highest_stress, limit = jnp.max(stress), parts.strength
     # In logarithms, because the exponential of a stress far beyond the yield stress overflows.
     sharpened = logsumexp((stress - limit) / (limit / SMOOTH), b=step * parts.wall.quads.area)
     higher, lower = tally.highest, tally.lowest
@@ -188,9 +235,10 @@ def _next_tally(
     total = sum(instant.energies, jnp.zeros(()))
     # What is known of an instant takes its step (`Instant`): only the loop itself meets the first energies.
     first = jnp.where(instant.time == 0.0, total, tally.first)
-    moved = system.positions + instant.displacement
-    compressed = jnp.max(parts.compression(moved))
-    reserve = _reserve(parts, design, wall.stress)
+    compressed = jnp.max(parts.compression(system.positions + instant.displacement))
+    reserve = jnp.asarray(jnp.inf)  # of a plastic wall the largest stress tells it in the end
+    if isinstance(parts.material, Orthotropic):
+        reserve = least_reserve(design.composite, design.mesh.refinement, wall.stress, parts.material)
     happens = jnp.stack([
         # Of a composite the limit is a size of stress alone; whether a ply fails is told by its reserve.
         (highest_stress >= limit) & (design.material.kind == "plastic") | (reserve < 1.0),
@@ -199,33 +247,26 @@ def _next_tally(
         jnp.any(parts.material.failed(wall.history)),
     ])  # fmt: skip
     return Tally(
-        jnp.maximum(tally.force, force),
-        jnp.where(force > tally.force, instant.time, tally.force_time),
-        tally.impulse + step * force,
-        jnp.where(force > 0.0, instant.time, tally.released),
-        tally.in_contact + step * (force > 0.0),
-        jnp.maximum(tally.stress, highest_stress),
-        jnp.where(highest_stress > tally.stress, jnp.argmax(stress), tally.stress_element),
-        jnp.logaddexp(tally.sharpened, sharpened),
-        jnp.minimum(tally.reserve, reserve),
-        jnp.maximum(tally.deflection, -instant.displacement[section.numbers.outer[-1], 1]),
-        jnp.maximum(tally.travel, -instant.displacement[parts.slider, 1]),
-        jnp.maximum(tally.compression, compressed),
-        jnp.where(happens & jnp.isinf(tally.failures), instant.time, tally.failures),
-        higher,
-        lower,
-        first,
-        jnp.maximum(tally.off, jnp.abs(total - first)),
-        instant.energies,
-        None if tally.rows is None else _with_row(parts, duration, tally.rows, instant, force, stress),
+        force=jnp.maximum(tally.force, force),
+        force_time=jnp.where(force > tally.force, instant.time, tally.force_time),
+        impulse=tally.impulse + step * force,
+        released=jnp.where(force > 0.0, instant.time, tally.released),
+        in_contact=tally.in_contact + step * (force > 0.0),
+        stress=jnp.maximum(tally.stress, highest_stress),
+        stress_element=jnp.where(highest_stress > tally.stress, jnp.argmax(stress), tally.stress_element),
+        sharpened=jnp.logaddexp(tally.sharpened, sharpened),
+        reserve=jnp.minimum(tally.reserve, reserve),
+        deflection=jnp.maximum(tally.deflection, -instant.displacement[section.numbers.outer[-1], 1]),
+        travel=jnp.maximum(tally.travel, -instant.displacement[parts.slider, 1]),
+        compression=jnp.maximum(tally.compression, compressed),
+        failures=jnp.where(happens & jnp.isinf(tally.failures), instant.time, tally.failures),
+        highest=higher,
+        lowest=lower,
+        first=first,
+        off=jnp.maximum(tally.off, jnp.abs(total - first)),
+        energies=instant.energies,
+        rows=None if tally.rows is None else _with_row(parts, duration, tally.rows, instant, force, stress),
     )
-
-
-def _reserve(parts: TankModel, design: TankDrop, stress: Array) -> Array:
-    """Return the reserve of a composite's plies now; of a plastic wall the largest stress tells it in the end."""
-    if not isinstance(parts.material, Orthotropic):
-        return jnp.asarray(jnp.inf)
-    return least_reserve(design.composite, design.mesh.refinement, stress, parts.material)
 
 
 def _with_row(
@@ -235,14 +276,14 @@ def _with_row(
     (wall,) = instant.resistances
     place = jnp.clip(jnp.floor(instant.time / duration * ROWS).astype(int), 0, ROWS - 1)
     row = HistoryRow(
-        jnp.asarray(instant.time),
-        instant.displacement,
-        instant.velocity[parts.slider, 1],
-        force,
-        jnp.sum(instant.contacts[0].normal),
-        instant.pressure,
-        stress,
-        jnp.max(wall.history.equivalent, axis=1),
-        instant.energies,
+        time=jnp.asarray(instant.time),
+        displacement=instant.displacement,
+        speed=instant.velocity[parts.slider, 1],
+        force=force,
+        support=jnp.sum(instant.contacts[0].normal),
+        pressure=instant.pressure,
+        stress=stress,
+        plastic_strain=jnp.max(wall.history.equivalent, axis=1),
+        energies=instant.energies,
     )
     return jax.tree.map(lambda values, new: values.at[place].set(new), rows, row)

@@ -188,7 +188,11 @@ class LatchPart(ProbePart):
         return {"torn": torn, "tip at the latches": tip}, first
 
     def drawn(self, design: Any, first: int) -> DrawnPart:
-        travel = _tooth(design)[2]
+        x, y, travel = _tooth(design)
+        grip = GRIP * float(design.probe.tip_radius)
+        # Teeth that close behind the ball: M175 says what the latches exert, not what they are.
+        tooth = np.array([[x, y], [x, y + travel], [x - grip, y + travel], [x - grip, y]])
+        shapes = Outline(first, tooth, part="latch"), Outline(first + 1, tooth * [1.0, -1.0])
 
         def with_teeth(frames: np.ndarray, history: Any) -> Float[np.ndarray, "steps frames 3"]:
             # Behind the frames come those of the upper and the lower latch: the passive vehicle's, as far beside it as
@@ -201,26 +205,23 @@ class LatchPart(ProbePart):
             ]
             return np.concatenate([frames, np.stack(teeth, axis=1)], axis=1)
 
-        return DrawnPart(_teeth(design, first), 2, with_teeth)
+        return DrawnPart(shapes, 2, with_teeth)
 
     def end_on(self, design: Any, first: int) -> DrawnPart:
-        return DrawnPart(_teeth_end_on(design, first), 2, lambda frames, history: _opened(frames, history, design))
+        half, (_, y, travel) = float(design.probe.tip_radius), _tooth(design)
+        # As wide as the ball, which the teeth would hide if they were filled.
+        tooth = np.array([[-half, y], [half, y], [half, y + travel], [-half, y + travel], [-half, y]])
+        upper = Outline(first, tooth, filled=False, part="latch")
+        lower = Outline(first + 1, tooth * [1.0, -1.0], filled=False)
 
+        def with_teeth(frames: np.ndarray, history: Any) -> Float[np.ndarray, "steps frames 3"]:
+            # Behind the frames come those of the upper and the lower latch, in axes in which the cone stands still.
+            none = np.zeros(len(frames))
+            away = travel * (1.0 - np.asarray(history.others.get("latch_closed", none)))
+            teeth = [np.stack([none, side * away, none], axis=-1) for side in (1.0, -1.0)]
+            return np.concatenate([frames, np.stack(teeth, axis=1)], axis=1)
 
-def _teeth_end_on(design: Any, first: int) -> tuple[Outline, Outline]:
-    """Return the outlines of the teeth as they are seen along the cone's axis, as wide as the ball, which they would
-    hide if they were filled."""
-    half, (_, y, travel) = float(design.probe.tip_radius), _tooth(design)
-    tooth = np.array([[-half, y], [half, y], [half, y + travel], [-half, y + travel], [-half, y]])
-    return Outline(first, tooth, filled=False, part="latch"), Outline(first + 1, tooth * [1.0, -1.0], filled=False)
-
-
-def _opened(frames: np.ndarray, history: Any, design: Any) -> Float[np.ndarray, "steps frames 3"]:
-    """Return frames, and behind them those of the upper and the lower latch in axes in which the cone stands still."""
-    none = np.zeros(len(frames))
-    away = _tooth(design)[2] * (1.0 - np.asarray(history.others.get("latch_closed", none)))
-    teeth = [np.stack([none, side * away, none], axis=-1) for side in (1.0, -1.0)]
-    return np.concatenate([frames, np.stack(teeth, axis=1)], axis=1)
+        return DrawnPart((upper, lower), 2, with_teeth)
 
 
 def _tooth(design: Any) -> tuple[float, float, float]:
@@ -231,15 +232,6 @@ def _tooth(design: Any) -> tuple[float, float, float]:
     y = 0.5 * ROD_WIDTH * tip
     reach = min(max(GRIP * tip - float(cone.offset) - x, 0.0), float(cone.length) * math.cos(angle))
     return x, y, float(cone.throat_radius) + reach * math.tan(angle) - y
-
-
-def _teeth(design: Any, first: int) -> tuple[Outline, Outline]:
-    """Return teeth that close behind the ball, from the frame ``first`` on (M175 says what they exert, not what they
-    are)."""
-    x, y, travel = _tooth(design)
-    grip = GRIP * float(design.probe.tip_radius)
-    tooth = np.array([[x, y], [x, y + travel], [x - grip, y + travel], [x - grip, y]])
-    return Outline(first, tooth, part="latch"), Outline(first + 1, tooth * [1.0, -1.0])
 
 
 LATCH = LatchPart(
