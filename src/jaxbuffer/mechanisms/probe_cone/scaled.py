@@ -154,5 +154,7 @@ def _latch(task: VehiclesToDock, scale: Scale) -> Iterator[ScaledNumber]:
     yield ScaledNumber("latch.turn_stiffness", turning, (0.2, 5.0), rule)
     yield ScaledNumber("latch.turn_damping", turn_damping, (0.2, 2.0), "μ v λ of the slow approach")
     yield ScaledNumber("latch.closing_time", 0.1 * length / speed, (0.3, 3.0), "0.1 s, with λ/v of the slow approach")
-    strength = 200.0 * mass * scale.fast**2 / length
-    yield ScaledNumber("latch.strength", strength, (0.5, 5.0), "μ v²/λ of the fast approach; take your own")
+    strength = 10.0 * mass * scale.fast**2 / length
+    yield ScaledNumber(
+        "latch.strength", strength, (0.5, 5.0), "μ v²/λ of the fast approach, some five times what it bears here"
+    )
