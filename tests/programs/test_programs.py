@@ -19,7 +19,6 @@ from jax._src import compilation_cache
 from jaxbuffer.programs import cache, identity
 from jaxbuffer.programs import store as program_files
 from jaxbuffer.programs.cache import Static, stored
-from jaxbuffer.programs.process import PACKAGES, kind
 from jaxbuffer.programs.store import store_in
 
 CACHE = ("jax_compilation_cache_dir", "jax_persistent_cache_min_compile_time_secs")
@@ -139,64 +138,6 @@ def test_jax_keeps_no_code_of_a_program(folder, traced):
     traced[0]()(*inputs())
     assert len(files(folder)) == 1 and not list(folder.glob("*-cache"))
     assert jax.config.jax_persistent_cache_min_compile_time_secs == 0.0
-
-
-@pytest.fixture
-def shipped(folder, traced, tmp_path, monkeypatch):
-    """The folder of a package that came with the program of `traced`, on a machine of another processor."""
-    fresh, traces = traced
-    monkeypatch.setenv(cache.EXPORT, "1")
-    fresh()(*inputs())
-    monkeypatch.delenv(cache.EXPORT)
-    traces[:] = [1]  # exporting has traced it once more
-    into = tmp_path / "shipped"
-    program_files.ship(folder, into)
-    monkeypatch.setattr(program_files, "SHIPPED", into)
-    monkeypatch.setattr(cache, "_made_from", lambda: b"another processor")
-    return into
-
-
-def test_a_program_of_the_package_is_not_traced(folder, traced, shipped):
-    fresh, traces = traced
-    (one,) = files(shipped)
-    before = one.read_bytes()
-    for _ in range(2):  # the second is read from the folder
-        result, _ = fresh()(*inputs((5.0, 4.0, 6.0), 1.0))
-        np.testing.assert_array_equal(result.coefficients, [16.0, 25.0, 36.0])
-    assert len(traces) == 1 and len(files(folder)) == 2
-    assert one.read_bytes() == before and len(list(shipped.iterdir())) == 1
-
-
-@pytest.mark.parametrize("harm", ["another version", "cut", "wrong", "of nobody"])
-def test_a_program_of_the_package_that_is_none_of_these_versions_or_damaged_is_ignored(
-    folder, traced, shipped, harm, monkeypatch
-):
-    fresh, traces = traced
-    (one,) = files(shipped)
-    content = one.read_bytes()
-    if harm == "another version":
-        monkeypatch.setattr(cache, "_traced_from", lambda: b"another version of JAX")
-    elif harm == "cut":
-        one.write_bytes(content[:-9])
-    elif harm == "wrong":
-        one.write_bytes(content[:-9] + b"#" + content[-8:])
-    else:  # a right checksum of what no JAX reads
-        stored = program_files.read_shipped(one.name)
-        program_files.write(one, stored._replace(exported=[b"nothing"]))
-    there = one.read_bytes()
-    result, _ = fresh()(*inputs())
-    np.testing.assert_array_equal(result.coefficients, [4.0, 16.0, 36.0])
-    assert len(traces) == 2 and one.read_bytes() == there
-
-
-def test_what_the_package_came_with_is_for_any_processor_but_no_other_version(monkeypatch):
-    def traced_from(**others):
-        monkeypatch.setattr(cache, "kind", lambda: kind() | others)
-        return cache._traced_from.__wrapped__()
-
-    assert traced_from() == traced_from(processor="another") == traced_from(Python="3.11.99")
-    versions = (*PACKAGES, "jaxbuffer", "backend", "XLA")
-    assert len({traced_from(), *(traced_from(**{name: "another"}) for name in versions)}) == 1 + len(versions)
 
 
 @pytest.mark.parametrize("content", [b"", b"\x80\x04K\x01.", b"garbage"])

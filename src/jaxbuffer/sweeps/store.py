@@ -20,7 +20,6 @@ from ..files import Lock, naming, remove_all_drafts, whole_folder, write_all
 from ..hybrid import name_of
 from ..mechanisms.dataset import attributes
 from ..mechanisms.mechanism import Mechanism
-from ..programs.identity import unrecognised
 from ..run.trust import VERDICTS
 from ..version import version
 from . import zarr_format
@@ -89,8 +88,7 @@ class SweepStore(BlockStore[int]):
 
     def _refusal(self, identity: Identity, parts: list[str]) -> str:
         remedy = "repeat the study, the options and the same --over of the first, or choose another --output"
-        cause = unrecognised(self.head.identity.get(CODE), identity.get(CODE)) if CODE in parts else ""
-        return f"{self.path} holds another sweep, differing in {in_words(parts)}{cause}; {remedy}; it is left as it is"
+        return f"{self.path} holds another sweep, differing in {in_words(parts)}; {remedy}; it is left as it is"
 
 
 def fill(store: SweepStore, columns: Mapping[str, np.ndarray]) -> None:

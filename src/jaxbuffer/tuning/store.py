@@ -23,7 +23,6 @@ from ..block_store import Arrays, BlockError, BlockStore, Head, Identity, Missin
 from ..errors import InputError
 from ..fields import as_displayed
 from ..files import Lock, naming, write, write_beside
-from ..programs.identity import unrecognised
 from ..value_text import percent_text, with_unit
 from .evaluation import Evaluation
 from .goal import Goal
@@ -75,8 +74,7 @@ class StateStore(BlockStore[str]):
         words = {
             STUDY: "its study is another one (design, scenarios, [problem] or options)",
             OPTIMIZER: "its optimizer is another one",
-            CODE: "the code of its mechanism, laws or solver has changed"
-            + unrecognised(known.get(CODE), identity.get(CODE)),
+            CODE: "the code of its mechanism, laws or solver has changed",
         }
         differ = [words.get(name, f"{name} is {known.get(name)} there, {identity.get(name)} here") for name in parts]
         remedy = "repeat the study and the options of the first run, or choose another --output"
