@@ -18,6 +18,7 @@ from ..cluster.extra import require
 from ..errors import InputError
 from ..files import Lock, naming, remove_all_drafts, whole_folder, write_all
 from ..hybrid import name_of
+from ..labelled.record import amount
 from ..mechanisms.dataset import attributes
 from ..mechanisms.mechanism import Mechanism
 from ..run.trust import VERDICTS
@@ -195,9 +196,9 @@ def _arrays(folder: Path, spec: SweepSpec, cut: Cut, types: Mapping[str, str]) -
 def _settings(spec: SweepSpec) -> dict[str, Any]:
     settings, (*_, duration) = spec.settings, spec.first()
     return {
-        "rtol [-]": float(settings.rtol),
-        "stabilisation [1/s]": float(settings.stabilisation),
-        "duration [s]": duration,
+        "rtol": amount(settings.rtol, "-"),
+        "stabilisation": amount(settings.stabilisation, "1/s"),
+        "duration": amount(duration, "s"),
         "solver": name_of(settings.solver),
         "trust": settings.trust,
     }
