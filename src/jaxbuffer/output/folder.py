@@ -10,8 +10,8 @@ import numpy as np
 
 from .._types import Dataset
 from ..block_store import described_identity, differing
+from ..choosing.store import BEGUN as CHOICE_BEGUN
 from ..choosing.store import FOLDER as CHOICE
-from ..choosing.store import HEAD
 from ..errors import InputError
 from ..fields import Part, paths
 from ..files import user_path
@@ -40,7 +40,7 @@ BEGUN = {  # what a command keeps while it runs, and the files of its results
     "tuning": ("log.jsonl", ("tuned.json",)),
     "sweep or sample": (STORE, ("sweep.nc", "sample.json")),
     "front": ("least-*/log.jsonl", ("pareto.json",)),
-    "choice": (f"{CHOICE}/{HEAD}", ("choice.json",)),
+    "choice": (f"{CHOICE}/{CHOICE_BEGUN}", ("choice.json",)),
 }
 # Entries that have other names by now: a page would leave them out and so say less than the result.
 RENAMED = ("must_succeed", "asked", "rows_asked", "shown_in", "borne_out", "standing")
