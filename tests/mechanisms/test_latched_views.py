@@ -115,9 +115,10 @@ def test_latches_are_drawn_open_before_and_closed_after(latched):
 def test_the_page_has_stroke_angle_and_latch_force_to_the_end(latched):
     more = force_record({"capture": latched}, "0.1 m/s")["more"]
     assert [chart["axis"] for chart in more] == ["stroke [mm]", "hinge angle [°]", "latch force [N]"]
+    assert [chart["unit"] for chart in more] == ["mm", "°", "N"]
     for chart in more:
         (curve,) = chart["curves"]
-        assert curve["time [s]"][-1] == pytest.approx(TAIL) and len(curve["time [s]"]) == len(curve[chart["axis"]])
+        assert curve["time"][-1] == pytest.approx(TAIL) and len(curve["time"]) == len(curve["values"])
     assert force_record({"capture": made_up_capture()}, "")["more"] == []
 
 

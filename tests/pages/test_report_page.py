@@ -105,6 +105,7 @@ def test_it_says_what_the_records_hold(page, folder):
     text = " ".join(page.text)
     assert f"{record['peak_force']['value']:.4g}" in text
     assert record["outcome"] in text
+    assert {"release time [s]", "effective energy [J]", "energy [-]", "constraint drift [m]"} <= set(page.text)
     assert "how far the bar falls" in text or "height" in text
     derived = json.loads((folder / "sensitivity.json").read_text())
     assert f"{derived['derivatives'][0]['elasticity']['value']:.4g}" in text
@@ -555,7 +556,7 @@ def test_forces_of_compared_runs_are_in_one_figure(folders):
     (chart,) = forces.curves
     beside = 0.5 * END / (STEPS - 1)  # the made-up pulse's middle lies between two of its steps
     highest = 250.0 * np.cos(np.pi * beside / PULSE)
-    assert [max(curve["force [N]"]) for curve in chart["curves"]] == pytest.approx([highest, highest], rel=1e-5)
+    assert [max(curve["values"]) for curve in chart["curves"]] == pytest.approx([highest, highest], rel=1e-5)
     _, _, rows = section_text(page, "Designs where they differ")
     assert rows == [["buffer.k_A", "N/m", "500", "750 (+50 %)"]]
     assert sum("Limits" in section.title for section in page.sections) == 2
