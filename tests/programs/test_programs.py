@@ -458,6 +458,32 @@ def test_a_class_redefined_under_its_name_is_another_program_in_memory(folder):
     assert not files(folder), "it is in memory"
 
 
+def applied(x, function):
+    return function.value(x)
+
+
+@pytest.mark.parametrize("name", ["__main__", "mine"])
+def test_a_function_of_the_users_that_has_changed_is_another_program_in_memory(folder, tmp_path, name):
+    """Typed, or of a file that was edited and run again, as a notebook's cell or a module."""
+    file = tmp_path / "mine.py"
+    for place in ("<stdin>", str(file)):
+        for factor in (2.0, 5.0):
+            code, names = f"def times(x): return {factor} * x", {"__name__": name}
+            file.write_text(code)
+            exec(compile(code, place, "exec"), names)
+            assert float(stored(applied)(3.0, Static(names["times"]))) == 3.0 * factor
+    assert not files(folder), "it is in memory"
+
+
+def test_a_packages_lambda_is_known_by_its_code_and_the_numbers_around_it(folder):
+    times = lambda factor: (lambda x: factor * x, lambda x: factor / x)  # noqa: E731 # classes here are ours
+    for _ in range(2):  # the second time they are read
+        for factor in (2.0, 5.0):
+            for function, value in zip(times(factor), (3.0 * factor, factor / 3.0), strict=True):
+                assert float(stored(applied)(3.0, Static(function))) == pytest.approx(value)
+    assert len(files(folder)) == 4
+
+
 def test_watched_is_called_where_a_program_is_compiled(folder, traced):
     fresh, _ = traced
     calls = []
