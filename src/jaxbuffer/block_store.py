@@ -7,17 +7,21 @@ files a block lies.
 
 import dataclasses
 import hashlib
+import io
 import json
 from collections.abc import Mapping
-from typing import Any, Generic, NamedTuple, TypeVar
+from pathlib import Path
+from typing import Any, Generic, NamedTuple, Self, TypeVar
 
 import numpy as np
 
 from .errors import InputError
+from .files import write
 
 B = TypeVar("B")  # what names a block
 Arrays = Mapping[str, np.ndarray]
 Identity = Mapping[str, str]  # what makes a computation the one it is, a text for each part of it
+HEAD, CHECKSUM = "head", "checksum"  # arrays of an archive beside a block's own
 IDENTITY, TOKEN = "identity", "token"  # where the description of a store has them, that of a result the first one
 
 
@@ -111,6 +115,47 @@ class BlockStore(Generic[B]):
             content.update(f"{name} {values.dtype.str} {values.shape}\n".encode())
             content.update(np.ascontiguousarray(values).tobytes())
         return int.from_bytes(content.digest(), "little") or 1  # 0 is what a missing number is read as
+
+
+@dataclasses.dataclass(frozen=True)
+class ArchiveStore(BlockStore[str]):
+    """A store in a ``folder`` whose blocks are named by their files, NumPy archives that also say what they are of."""
+
+    folder: Path
+
+    @classmethod
+    def of(cls, folder: Path, block: str) -> Self:
+        """Return the store that a block is of. **Raises:** `BlockError` where that cannot be read."""
+        try:
+            description = json.loads(str(_archive(folder / block)[HEAD]))
+        except ValueError:
+            raise BlockError("is damaged") from None
+        return cls(Head.of(description), folder)
+
+    def _write_files(self, block: str, arrays: Arrays, checksum: int) -> None:
+        content, head = io.BytesIO(), json.dumps(self.head.described())
+        all_arrays: dict[str, Any] = {HEAD: head, **arrays, CHECKSUM: np.uint64(checksum)}
+        np.savez(content, **all_arrays)
+        write(self.folder / block, content.getvalue())
+
+    def _read_files(self, block: str) -> tuple[dict[str, np.ndarray], int]:
+        arrays = _archive(self.folder / block)
+        del arrays[HEAD]
+        return arrays, int(arrays.pop(CHECKSUM))
+
+
+def _archive(file: Path) -> dict[str, np.ndarray]:
+    """Return the arrays of a block. **Raises:** `BlockError` that says what is wrong with it."""
+    try:
+        with file.open("rb") as content, np.load(content, allow_pickle=False) as stored:
+            arrays = dict(stored)
+    except FileNotFoundError:
+        raise MissingBlock from None
+    except Exception:  # zip files and arrays fail in many ways; all mean the same
+        raise BlockError("is damaged") from None
+    if not {HEAD, CHECKSUM} <= arrays.keys():
+        raise BlockError("is of another version of jaxbuffer")
+    return arrays
 
 
 def identity_text(identity: Identity) -> str:

@@ -45,7 +45,7 @@ def test_a_choice_is_saved_and_read_again(study, capsys):
     record = json.loads((study / "out" / "choice.json").read_text())
     assert record["feasible"] and record["tally"]["priced_out"] == 1, "S2 with D45 alone costs more than 40"
     assert record["ranking"][0]["parts"] == {"spring": "S1", "damper": "D14"}
-    assert record["ranking"][0]["price [EUR]"] == 35.0
+    assert record["ranking"][0]["price"]["value"] == 35.0
     assert jb.get(load(study / "out" / "design.toml").design, "buffer.k_A") == 200.0
     assert 'k_A = "0.2 kN/m"' in (study / "out" / "design.toml").read_text()
     found = jb.load(study / "out")

@@ -12,7 +12,7 @@ def computed_part(file):
         return content
     made = record.pop(MADE)
     assert set(made) == {
-        *("command", "study", "settings", "wall_time [s]", "resumed", "finished", "versions", "machine", "units"),
+        *("command", "study", "settings", "wall_time", "resumed", "finished", "versions", "machine", "units"),
     }
     assert json.dumps({**record, MADE: made}, indent=2, ensure_ascii=False) + "\n" == content.decode(), "made is last"
     return json.dumps(record, indent=2, ensure_ascii=False).encode()

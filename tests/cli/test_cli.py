@@ -21,6 +21,7 @@ from jaxbuffer.cli.entry import main, run
 from jaxbuffer.cli.overrides import fields_text, quantities_text, split
 from jaxbuffer.cli.quick import prepare
 from jaxbuffer.fields import paths, unit
+from jaxbuffer.labelled.record import amount
 from jaxbuffer.mechanisms import all_mechanisms
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 from jaxbuffer.mechanisms.probe_cone.quantities import QUANTITIES as CATALOGUE
@@ -105,11 +106,11 @@ def test_simulate_writes_numbers_history_and_figure(computed, capsys, tmp_path):
         f"wrote {os.path.join('a', 'b', name)}" for name in SIMULATED
     ]
     record = json.loads((folder / "capture.json").read_text())
-    assert (record["outcome"], record["peak_force [N]"], record["peak_flank"]) == ("captured", 250.0, "upper")
-    assert record["design"]["buffer.k_A [N/m]"] == 500.0 and record["design"]["buffer.damping"] == "published"
-    assert record["design"]["contact.stiffness [N/m^1.5]"] is None
+    assert (record["outcome"], record["peak_force"]["value"], record["peak_flank"]) == ("captured", 250.0, "upper")
+    assert record["design"]["buffer.k_A"]["value"] == 500.0 and record["design"]["buffer.damping"] == "published"
+    assert record["design"]["contact.stiffness"]["value"] is None
     (impact,) = record["impacts"]
-    assert (impact["number"], impact["peak_force [N]"], impact["release_time [s]"]) == (1, 250.0, None)
+    assert (impact["number"], impact["peak_force"]["value"], impact["release_time"]["value"]) == (1, 250.0, None)
     rows = list(csv.DictReader(io.StringIO((folder / "history.csv").read_text())))
     assert len(rows) == 400 and all(re.search(r" \[[^]]+\]$", name) for name in rows[0])
     assert max(float(row["contact_force upper [N]"]) for row in rows) == pytest.approx(250.0, rel=1e-2)
@@ -133,15 +134,20 @@ def test_sensitivity_prints_tables_and_writes_files(computed, no_figures, capsys
     assert arguments["wrt"] == ("buffer.k_A", "scenario.approach_speed")
     assert (arguments["quantities"], arguments["certify"]) == (PROBE_CONE.defaults.differentiated, "quick")
     record = json.loads((tmp_path / "out" / "sensitivity.json").read_text())
-    assert record["peak_force [N]"] == 250.0
+    assert record["peak_force"]["value"] == 250.0
     rows = list(csv.DictReader(io.StringIO((tmp_path / "out" / "sensitivity.csv").read_text())))
     assert len(rows) == len(record["derivatives"]) == 10
     assert rows[1]["gradient_unit"] == "N/(m/s)"
     assert rows[0]["estimated_error [-]"] == "1e-05" and rows[0]["verdict"] == "trusted"
     stored = record["certificate"]
     assert (stored["verdict"], stored["reason"]) == ("trusted", "made up in a test")
-    assert stored["estimated_error [-]"]["stroke"]["buffer.k_A"] == 1e-5
-    assert stored["active_peak"] == {"force [N]": 250.0, "time [s]": 0.02, "flank": "upper", "impact": 1}
+    assert stored["estimated_error"]["stroke"]["buffer.k_A"] == 1e-5
+    assert stored["active_peak"] == {
+        "force": amount(250.0, "N"),
+        "time": amount(0.02, "s"),
+        "flank": "upper",
+        "impact": 1,
+    }
     assert stored["runner_up"]["impact"] == 3 and stored["runner_up"]["swapped_by"] == "buffer.c_A"
 
 
@@ -198,7 +204,7 @@ def test_tune_prints_before_and_after_and_writes_files(computed, capsys, tmp_pat
     assert len(rows) == 5 and float(rows[-1]["buffer.k_A [N/m]"]) == pytest.approx(300.0)
     assert rows[0]["worst peak_force [N]"] == "350.0"
     record = json.loads((tmp_path / "out" / "tuned.json").read_text())
-    assert record["objective_after"] == 280.0 and record["scenarios"][1]["after"]["peak_force [N]"] == 240.0
+    assert record["objective_after"] == 280.0 and record["scenarios"][1]["after"]["peak_force"]["value"] == 240.0
     assert (tmp_path / "out" / "tune.png").read_bytes().startswith(PNG)
 
 
@@ -435,7 +441,7 @@ def test_a_real_capture_from_another_process(tmp_path):
         errors,
     )
     record = json.loads((tmp_path / "out" / "capture.json").read_text())
-    assert record["outcome"] == "captured" and record["scenario"]["approach_speed [m/s]"] == 0.2
+    assert record["outcome"] == "captured" and record["scenario"]["approach_speed"]["value"] == 0.2
     with _started(tmp_path, *words, "--force", JAX_LOG_COMPILES="1") as process:
         again, errors = process.communicate(timeout=300)
     assert process.returncode == 0 and again == shown

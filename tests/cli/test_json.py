@@ -10,8 +10,8 @@ from jaxbuffer.cli.entry import run
 @pytest.mark.parametrize(
     ("command", "key", "value"),
     [
-        ("simulate", "peak_force [N]", 250.0),
-        ("sensitivity", "peak_force [N]", 250.0),
+        ("simulate", "peak_force", {"value": 250.0, "unit": "N"}),
+        ("sensitivity", "peak_force", {"value": 250.0, "unit": "N"}),
         ("tune", "feasible", True),
         ("sweep", "runs", None),
     ],
@@ -31,4 +31,4 @@ def test_a_broken_limit_leaves_the_record_on_stdout(computed, capsys, tmp_path):
     (tmp_path / "study.toml").write_text("[problem.constraints]\nstroke = '5 mm'")
     assert run(["simulate", "study.toml", "--json"]) == 1
     shown = capsys.readouterr()
-    assert json.loads(shown.out)["stroke [m]"] == 0.0075 and "not kept: stroke" in shown.err
+    assert json.loads(shown.out)["stroke"]["value"] == 0.0075 and "not kept: stroke" in shown.err

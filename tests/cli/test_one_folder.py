@@ -82,4 +82,4 @@ def test_of_two_at_once_one_is_refused_and_the_other_s_files_are_its_own(tmp_pat
     winner = heights[codes.index(0)]
     record = json.loads((tmp_path / "out" / "drop.json").read_text())
     assert f"--scenario.height {winner}" in record["made"]["command"]
-    assert jb.load(tmp_path / "out").run.attrs["scenario"].startswith(f'{{"height [m]": {winner},')
+    assert jb.load(tmp_path / "out").run.attrs["scenario"].startswith(f'{{"height": {{"value": {winner},')

@@ -16,6 +16,7 @@ import jaxbuffer as jb
 from jaxbuffer import InputError
 from jaxbuffer.cluster.connect import connected
 from jaxbuffer.hybrid import AUTOMATIC
+from jaxbuffer.labelled.record import amount
 from jaxbuffer.mechanisms.bar_drop import BAR_DROP
 from jaxbuffer.sweeps import sweep as module
 from jaxbuffer.sweeps.chunk import SweepSettings, task_size
@@ -90,10 +91,10 @@ def test_the_store_is_labelled_and_says_what_it_is(executor, tmp_path, solved):
     np.testing.assert_array_equal(data.trust.values, found.shaped("trust"))
     here = data.peak_force.sel({"impact.law": "adams"}).values
     np.testing.assert_array_equal(here, whole().peak_force.reshape(43, 2)[:, 1])
-    assert json.loads(data.design)["impact.exponent [-]"] == 1.5 and data.jaxbuffer
+    assert json.loads(data.design)["impact.exponent"]["value"] == 1.5 and data.jaxbuffer
     assert json.loads(data.settings) == {
-        **{"duration [s]": 0.01, "rtol [-]": 1e-06},
-        **{"solver": "automatic", "stabilisation [1/s]": 20.0, "trust": True},
+        **{"duration": amount(0.01, "s"), "rtol": amount(1e-06, "-")},
+        **{"solver": "automatic", "stabilisation": amount(20.0, "1/s"), "trust": True},
     }
     assert set(json.loads(data.made_on)) >= {"jaxbuffer", "Python", "jaxlib", "processor", "XLA"}
 

@@ -32,7 +32,7 @@ def test_the_pages_curves_reach_the_largest_values():
     """To the six digits that a page has: evenly spread times alone would miss a short latch force by parts in a
     thousand."""
     run = docked()
-    curves = {chart["axis"]: chart["curves"][0][chart["axis"]] for chart in force_record({"capture": run}, "")["more"]}
+    curves = {chart["axis"]: chart["curves"][0]["values"] for chart in force_record({"capture": run}, "")["more"]}
     stroke = curves["stroke [mm]"]
     assert max(stroke) == pytest.approx(1e3 * float(run.stroke), rel=2e-6)
     assert min(stroke) == pytest.approx(-1e3 * float(run.extension), rel=2e-6)

@@ -1,13 +1,12 @@
 """`jb.load`, `load_design` and `save_design`: what is written is read back, and damage is told in a line."""
 
-import json
-
 import jax
 import pytest
 
 import jaxbuffer as jb
 from computed import stand_in
 from jaxbuffer.cli.entry import run
+from jaxbuffer.labelled.record import Record
 from made_up import made_up_capture
 
 
@@ -28,10 +27,10 @@ def test_a_folder_as_one_object(folder):
     found = jb.load(folder)
     assert found.run.attrs["kind"] == "probe_cone" and found.run.sizes["step"] > 10
     assert found.sweep is None and found.tuned is None
-    assert found.sensitivity == json.loads((folder / "sensitivity.json").read_text())
+    assert found.sensitivity == Record.from_json((folder / "sensitivity.json").read_text())
     assert found.design == jb.replace(jb.table2(), {"buffer.c_A": 7.0})
     made = made_up_capture(jb.Scenario(approach_speed=0.15), design=found.design)
-    assert float(found.run.peak_force) == float(made.peak_force) == found.sensitivity["peak_force [N]"]
+    assert float(found.run.peak_force) == float(made.peak_force) == found.sensitivity["peak_force"]
     shown = repr(found)
     assert "captured; " in shown and "derivatives" in shown and "tuned" not in shown
     assert "<table>" in found._repr_html_()

@@ -7,7 +7,7 @@ import pytest
 
 import jaxbuffer as jb
 from jaxbuffer.labelled.netcdf import content, read
-from jaxbuffer.labelled.record import part_from_json
+from jaxbuffer.labelled.record import amount, part_from_json
 
 PEAK, CONTACT = 1831.464, 0.2114478  # N, s: the bar drop's peak of mechanisms.md, section 1, by SciPy
 
@@ -78,7 +78,7 @@ def test_a_file_holds_the_same_and_stands_on_its_own(drop):
     back = read_back(data)
     assert back.identical(data)
     assert part_from_json(jb.BarDrop(), back.attrs["design"]) == drop_design()
-    assert json.loads(back.attrs["scenario"]) == {"height [m]": 0.194, "gravity [m/s²]": 9.81}
+    assert json.loads(back.attrs["scenario"]) == {"height": amount(0.194, "m"), "gravity": amount(9.81, "m/s²")}
 
 
 def drop_design():

@@ -55,7 +55,14 @@ def test_what_an_earlier_run_left_is_refused_as_its_own_files_are(tmp_path):
 
 @pytest.mark.parametrize(
     ("name", "entry"),
-    [("tuned", '"variables": [{"shown_in": "mm"}]'), ("choice", '"combinations": 4'), ("fit", '"parameters": {}')],
+    [
+        ("tuned", '"variables": [{"shown_in": "mm"}]'),
+        ("tuned", '"design": {"buffer.k_A [N/m]": 500.0}'),
+        ("sensitivity", '"peak_force [N]": 250.0'),
+        ("sweep", '"made": {"wall_time [s]": 2.5}'),
+        ("choice", '"combinations": 4'),
+        ("fit", '"parameters": {}'),
+    ],
 )
 def test_a_record_of_an_earlier_version_is_refused(tmp_path, name, entry):
     (tmp_path / f"{name}.json").write_text(f'{{"kind": "probe_cone", {entry}}}')

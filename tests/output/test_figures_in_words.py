@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
-from jaxbuffer.labelled.record import Record
+from jaxbuffer.labelled.record import Record, amount
 from jaxbuffer.mechanisms import all_mechanisms
 from jaxbuffer.mechanisms.probe_cone.panels import panels
 from jaxbuffer.output.sensitivity_figure import drawn, sensitivity_figure
@@ -72,7 +72,13 @@ class Sampled:
             "ranges": [{"path": "buffer.k_A"}, {"path": "buffer.c_A"}],
             "surfaces": [{"quantity": "peak_force", "trusted": trusted}],
             "indices": [
-                {"quantity": "peak_force", "number": n, "first_order [-]": s, "total [-]": t, "from": source}
+                {
+                    "quantity": "peak_force",
+                    "number": n,
+                    "first_order": amount(s, "-"),
+                    "total": amount(t, "-"),
+                    "from": source,
+                }
                 for n, s, t in rows
             ],
         }

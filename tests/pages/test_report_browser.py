@@ -8,6 +8,7 @@ import pytest
 
 import jaxbuffer as jb
 from jaxbuffer.output.folder import load
+from jaxbuffer.output.page_data import FORCE, chart
 from jaxbuffer.pages.compare import comparison
 from jaxbuffer.pages.page import Page, PageSection
 from jaxbuffer.pages.review import review
@@ -178,7 +179,7 @@ def test_forces_are_read_off_by_keyboard(browser, pages):
     browser.open(pages / "comparison.html")
     data = json.loads(browser.run("document.querySelector('.curves script').textContent"))
     told = browser.run("document.querySelector('.curves .clock').textContent")
-    highest = max(data[-1]["force [N]"])
+    highest = max(data[-1]["values"])
     assert f"{highest:.4g}" in told.replace(",", "")
     browser.run("document.querySelector('.curves .time').focus()")
     browser.press("ArrowRight")
@@ -186,14 +187,14 @@ def test_forces_are_read_off_by_keyboard(browser, pages):
     time = float(again.split()[0])
     assert time > float(told.split()[0])
     curve = data[0]
-    known = np.interp(time, curve["time [s]"], curve["force [N]"])
+    known = np.interp(time, curve["time"], curve["values"])
     said = float(again.split(" · ")[1].rpartition(": ")[2].removesuffix(" N"))
     assert said == pytest.approx(known, rel=2e-3, abs=1e-3 * highest)
     browser.run("document.querySelector('.curves .closer').focus()")
     for _ in range(3):  # 4³ times closer: less than the pulse of 3 ms in 40 ms
         browser.press("Enter")
     length = "(() => { const it = document.querySelector('.curves polyline'); return it.points.length; })()"
-    assert 0 < browser.run(length) < len(curve["force [N]"])
+    assert 0 < browser.run(length) < len(curve["values"])
     assert not [event for event in browser.events if event[0] == "Runtime.exceptionThrown"]
 
 
@@ -211,11 +212,11 @@ def test_a_run_is_played_by_keyboard(browser, pages):
 def test_early_impacts_are_shown_first(browser, tmp_path):
     """Impacts in the first tenth of a run, then a lasting push: the view ends soon after the last touchdown, and the
     reading begins at the last curve's peak; the whole run is a button away."""
-    one = {"name": "one", "time [s]": [0.0, 0.01, 0.02, 0.03, 1.0], "force [N]": [0.0, 300.0, 0.0, 50.0, 90.0]}
-    other = {**one, "name": "other", "force [N]": [0.0, 100.0, 0.0, 120.0, 0.0]}
-    chart = {"caption": "Contact force", "axis": "force [N]", "curves": [one, other]}
+    one = {"name": "one", "time": [0.0, 0.01, 0.02, 0.03, 1.0], "values": [0.0, 300.0, 0.0, 50.0, 90.0]}
+    other = {**one, "name": "other", "values": [0.0, 100.0, 0.0, 120.0, 0.0]}
+    made = chart("Contact force", FORCE, [one, other])
     file = tmp_path / "page.html"
-    file.write_text(Page("Forces", "", [], [PageSection("Forces", curves=[chart])]).html(), encoding="utf-8")
+    file.write_text(Page("Forces", "", [], [PageSection("Forces", curves=[made])]).html(), encoding="utf-8")
     browser.open(file)
     clock = browser.run("document.querySelector('.clock').textContent")
     assert clock.startswith("0.03") and clock.endswith("other: 120 N")

@@ -15,6 +15,7 @@ from markupsafe import escape
 import jaxbuffer as jb
 from jaxbuffer.cli.entry import run as command
 from jaxbuffer.files import write
+from jaxbuffer.labelled.record import amount
 from jaxbuffer.output.folder import load
 from jaxbuffer.output.provenance import made
 from jaxbuffer.output.run_files import run_files, sensitivity_files
@@ -102,11 +103,12 @@ def test_everyone_can_read_it(page):
 def test_it_says_what_the_records_hold(page, folder):
     record = json.loads((folder / "drop.json").read_text())
     text = " ".join(page.text)
-    assert f"{record['peak_force [N]']:.4g}" in text
+    assert f"{record['peak_force']['value']:.4g}" in text
     assert record["outcome"] in text
+    assert {"release time [s]", "effective energy [J]", "energy [-]", "constraint drift [m]"} <= set(page.text)
     assert "how far the bar falls" in text or "height" in text
     derived = json.loads((folder / "sensitivity.json").read_text())
-    assert f"{derived['derivatives'][0]['elasticity [-]']:.4g}" in text
+    assert f"{derived['derivatives'][0]['elasticity']['value']:.4g}" in text
     assert derived["certificate"]["verdict"] in text
 
 
@@ -124,12 +126,12 @@ def test_a_run_moves_as_its_history_does(folder):
 
 
 def tuned_record(worst, feasible):
-    case = {"outcome": "captured", "impacts": 3, "peak_force [N]": 100.0, "stroke [m]": worst}
+    case = {"outcome": "captured", "impacts": 3, "peak_force": amount(100.0, "N"), "stroke": amount(worst, "m")}
     scenario = {
-        "approach_speed [m/s]": 0.1,
-        "contact_distance [m]": 0.0435,
-        "misalignment [rad]": 0.05,
-        "passive_rate [rad/s]": 0.0,
+        "approach_speed": amount(0.1, "m/s"),
+        "contact_distance": amount(0.0435, "m"),
+        "misalignment": amount(0.05, "rad"),
+        "passive_rate": amount(0.0, "rad/s"),
     }
     return {
         "kind": "probe_cone",
@@ -141,14 +143,14 @@ def tuned_record(worst, feasible):
         "objective_unit": "N",
         "objective_before": 250.0,
         "objective_after": 100.0,
-        "first_order_residual [-]": 1e-6,
-        "gradient_error [-]": 1e-5,
-        "above_lower_bound [-]": 0.01,
+        "first_order_residual": amount(1e-6, "-"),
+        "gradient_error": amount(1e-5, "-"),
+        "above_lower_bound": amount(0.01, "-"),
         "captures": 100,
         "variables": [{"path": "buffer.k_A", "low": 100.0, "high": 900.0, "before": 500.0, "value": 100.0}],
         "limits": {"stroke": 0.025},
         "scenarios": [{**scenario, "factors": {}, "before": case, "after": case}],
-        "design": {"buffer.k_A [N/m]": 100.0},
+        "design": {"buffer.k_A": amount(100.0, "N/m")},
         "jaxbuffer": "0.1.0",
     }
 
@@ -177,7 +179,7 @@ def test_designs_side_by_side(folder, tmp_path, capsys):
     other = tmp_path / "harder"
     other.mkdir()
     record = json.loads((folder / "drop.json").read_text())
-    record["design"]["impact.damping [N s/m]"] = 7.5
+    record["design"]["impact.damping"] = amount(7.5, "N s/m")
     (other / "drop.json").write_text(json.dumps(record))
     assert command(["compare", str(folder), str(other)]) == 0
     assert "7.5" in capsys.readouterr().out
@@ -229,7 +231,7 @@ def test_an_objective_is_never_a_fault(tmp_path, before, stroke_before, worst, m
     record = tuned_record(worst, worst <= 0.025)
     record["objective_before"] = before
     (case,) = record["scenarios"]
-    case["before"] = {**case["before"], "stroke [m]": stroke_before}
+    case["before"] = {**case["before"], "stroke": amount(stroke_before, "m")}
     (tmp_path / "tuned.json").write_text(json.dumps(record))
     badges = {badge.text: badge.mark for badge in review([load(tmp_path)]).verdicts}
     (objective,) = (text for text in badges if "→" in text)
@@ -469,8 +471,8 @@ def test_a_run_is_held_against_its_studys_limits(folders):
 def test_lower_limits_have_margins_too(tmp_path, value, verdict, margin):
     record = tuned_record(0.02, True)
     record["lower_limits"] = {"end_time": 0.5}
-    record["scenarios"][0]["after"]["end_time [s]"] = value
-    record["scenarios"][0]["before"]["end_time [s]"] = value
+    record["scenarios"][0]["after"]["end_time"] = amount(value, "s")
+    record["scenarios"][0]["before"]["end_time"] = amount(value, "s")
     (tmp_path / "tuned.json").write_text(json.dumps(record))
     _, _, rows = section_text(review([load(tmp_path)]), "Limits")
     assert ["end time", "s", table_text(value), "≥ 0.5", margin, verdict] in without_scenario(rows)
@@ -488,11 +490,11 @@ def test_what_held_a_run_back(folders, tmp_path):
     (tmp_path / "sensitivity.json").write_text(json.dumps(derived))
     _, _, rows = section_text(review([load(tmp_path)]), "Why not captured")
     assert rows[1][1].startswith("k_A +3 %")
-    derived["scenario"]["approach_speed [m/s]"] *= 1.01
+    derived["scenario"]["approach_speed"]["value"] *= 1.01
     (tmp_path / "sensitivity.json").write_text(json.dumps(derived))
     _, _, rows = section_text(review([load(tmp_path)]), "Why not captured")
     assert rows[1][1] == "'jaxbuffer sensitivity' says it"
-    latch = {"latch.stiffness [N/m]": 2e4, "latch.damping [N s/m]": 100.0}
+    latch = {"latch.stiffness": amount(2e4, "N/m"), "latch.damping": amount(100.0, "N s/m")}
     (tmp_path / "capture.json").write_text(json.dumps(record | {"design": record["design"] | latch}))
     assert section_text(review([load(tmp_path)]), "Why not latched")[2][0] == ["way left", "12 mm"]
 
@@ -502,8 +504,8 @@ def test_records_say_how_they_came_about(folders):
     for name, stem in {**files, "front": "pareto"}.items():
         made = json.loads((folders[name] / f"{stem}.json").read_text())["made"]
         assert made["command"].startswith(f"jaxbuffer {COMMANDS[name][0]} ")
-        assert made["study"] == STUDY and made["wall_time [s]"] > 0.0
-        assert made["settings"] == {"solver": "automatic", "rtol [-]": 1e-6, "duration [s]": 8.0}
+        assert made["study"] == STUDY and made["wall_time"]["value"] > 0.0
+        assert made["settings"] == {"solver": "automatic", "rtol": amount(1e-6, "-"), "duration": amount(8.0, "s")}
         assert datetime.fromisoformat(made["finished"]).utcoffset() == timedelta(0)
         assert made["versions"]["JAX"] == jax.__version__
         assert set(made["machine"]) == {"processor", "cores", "system"}
@@ -554,7 +556,7 @@ def test_forces_of_compared_runs_are_in_one_figure(folders):
     (chart,) = forces.curves
     beside = 0.5 * END / (STEPS - 1)  # the made-up pulse's middle lies between two of its steps
     highest = 250.0 * np.cos(np.pi * beside / PULSE)
-    assert [max(curve["force [N]"]) for curve in chart["curves"]] == pytest.approx([highest, highest], rel=1e-5)
+    assert [max(curve["values"]) for curve in chart["curves"]] == pytest.approx([highest, highest], rel=1e-5)
     _, _, rows = section_text(page, "Designs where they differ")
     assert rows == [["buffer.k_A", "N/m", "500", "750 (+50 %)"]]
     assert sum("Limits" in section.title for section in page.sections) == 2
@@ -580,7 +582,7 @@ def held(tmp_path, folders, first, second):
 def test_compared_folders_say_which_limits_they_keep(folders, tmp_path):
     """The first breaks one of two limits; the second has none of its own and is held against those."""
     first = {"limits": {"stroke": 0.005, "peak_force": 300.0}, "limited": {"stroke": 0.0075, "peak_force": 250.0}}
-    page, tables = held(tmp_path, folders, first, {"limits": {}, "limited": {}, "stroke [m]": 0.004})
+    page, tables = held(tmp_path, folders, first, {"limits": {}, "limited": {}, "stroke": amount(0.004, "m")})
     assert [table.caption.rpartition("/")[2] for table in tables] == [
         "first: The run against the limits of its study",
         "first",
@@ -594,7 +596,12 @@ def test_compared_folders_say_which_limits_they_keep(folders, tmp_path):
 
 def test_badges_of_several_runs_name_their_folders(folders, tmp_path):
     first = {"limits": {"stroke": 0.005}, "limited": {"stroke": 0.0075}}
-    held(tmp_path, folders, first, {"limits": {"stroke": 0.005}, "limited": {"stroke": 0.004}, "stroke [m]": 0.004})
+    held(
+        tmp_path,
+        folders,
+        first,
+        {"limits": {"stroke": 0.005}, "limited": {"stroke": 0.004}, "stroke": amount(0.004, "m")},
+    )
     every = [load(tmp_path / "first"), load(tmp_path / "second")]
     texts = [badge.text.rpartition("/")[2] for badge in review(every).verdicts]
     assert texts[0].startswith("first: captured, 1 limit broken") and texts[1].startswith(
@@ -613,12 +620,15 @@ def test_a_value_at_its_limit_is_told(folders, tmp_path):
 def test_differences_are_told_so_that_they_can_be_read(folders, tmp_path):
     """Thirty times as much is told as a multiple; a peak that comes later is no merit."""
     run = captured_record(folders, {})
-    changes = {"stroke [m]": 30 * run["stroke [m]"], "peak_time [s]": 2.0 * run["peak_time [s]"]}
+    changes = {
+        "stroke": amount(30 * run["stroke"]["value"], "m"),
+        "peak_time": amount(2.0 * run["peak_time"]["value"], "s"),
+    }
     page, _ = held(tmp_path, folders, {}, changes)
     _, _, rows = section_text(page, "Runs")
     told = {row[0]: row[-1] for row in rows}
     assert told["buffer stroke"] == "225 (× 30)"
-    assert told["time of the peak"] == table_text(2.0 * run["peak_time [s]"])
+    assert told["time of the peak"] == table_text(2.0 * run["peak_time"]["value"])
 
 
 def test_runs_of_different_scenarios_are_not_compared_in_per_cent(tmp_path, folders):
@@ -626,8 +636,8 @@ def test_runs_of_different_scenarios_are_not_compared_in_per_cent(tmp_path, fold
     for name, speed in (("one", 0.1), ("two", 0.2)):
         (tmp_path / name).mkdir()
         record = json.loads((folders["run"] / "capture.json").read_text())
-        record["scenario"]["approach_speed [m/s]"] = speed
-        record["peak_force [N]"] *= speed
+        record["scenario"]["approach_speed"] = amount(speed, "m/s")
+        record["peak_force"]["value"] *= speed
         (tmp_path / name / "capture.json").write_text(json.dumps(record))
     (runs,) = [it for it in compared([load(tmp_path / name) for name in ("one", "two")]) if "Runs" in it.caption]
     assert "of different scenarios" in runs.caption
@@ -639,8 +649,8 @@ def test_broken_limits_are_in_one_box_and_a_table(tmp_path):
     record = tuned_record(0.02, False)
     for speed, stroke in ((0.2, 0.03), (0.3, 0.04)):
         (case, *_) = record["scenarios"]
-        after = {**case["after"], "stroke [m]": stroke}
-        record["scenarios"].append({**case, "approach_speed [m/s]": speed, "after": after})
+        after = {**case["after"], "stroke": amount(stroke, "m")}
+        record["scenarios"].append({**case, "approach_speed": amount(speed, "m/s"), "after": after})
     record |= {"converged": False, "ended": "limit_of_steps"}
     (tmp_path / "tuned.json").write_text(json.dumps(record))
     page = review([load(tmp_path)])
@@ -678,8 +688,8 @@ def several(strokes, outcomes, feasible):
     record["scenarios"] = [
         {
             **case,
-            "approach_speed [m/s]": 0.1 * (k + 1),
-            "after": {**case["after"], "stroke [m]": stroke, "outcome": end},
+            "approach_speed": amount(0.1 * (k + 1), "m/s"),
+            "after": {**case["after"], "stroke": amount(stroke, "m"), "outcome": end},
         }
         for k, (stroke, end) in enumerate(zip(strokes, outcomes, strict=True))
     ]
@@ -712,7 +722,7 @@ def test_what_is_kept_but_not_for_certain_is_amber(tmp_path):
 def test_the_farthest_from_capture_is_named(tmp_path):
     record = several((0.02,) * 3, ("captured", "timeout", "timeout"), False)
     for case, margin in zip(record["scenarios"], (0.3, -0.1, -3.0), strict=True):
-        case["after"]["capture_share [-]"] = margin
+        case["after"]["capture_share"] = amount(margin, "-")
     _, _, rows = told_of(tmp_path, record)
     assert rows[0][2:5] == ["1", "0.3 m/s, +2.865°", "of 3"]
 
@@ -725,8 +735,8 @@ def test_what_breaks_a_limit_first(folders, tmp_path):
     seen = {"stroke": 0, "peak_force": 0}
     for row in given:
         k = seen[row["quantity"]]
-        row["elasticity [-]"], seen[row["quantity"]] = elasticity.get((row["quantity"], k), 1e-6), k + 1
-    record |= {"derivatives": given, "stroke [m]": 0.02, "peak_force [N]": 310.0}
+        row["elasticity"]["value"], seen[row["quantity"]] = elasticity.get((row["quantity"], k), 1e-6), k + 1
+    record |= {"derivatives": given, "stroke": amount(0.02, "m"), "peak_force": amount(310.0, "N")}
     (tmp_path / "sensitivity.json").write_text(json.dumps(record))
     section, text, _ = section_text(review([load(tmp_path), load(folders["run"])]), "Sensitivity")
     assert text[0].startswith("At ") and text[0].endswith("; captured.")
@@ -763,7 +773,7 @@ def test_limits_of_a_tuned_scenario_are_told_once(folders, tmp_path, speed, show
     run, record = captured_record(folders, {}), tuned_record(0.0075, True)
     record |= {"design": run["design"], "limits": run["limits"]}
     record["scenarios"] = [{**record["scenarios"][0], **run["scenario"]}]
-    run["scenario"]["approach_speed [m/s]"] *= speed / 0.1
+    run["scenario"] |= {"approach_speed": amount(speed, "m/s")}
     for name, content in (("tuned", record), ("capture", run)):
         (tmp_path / name).mkdir()
         (tmp_path / name / f"{name}.json").write_text(json.dumps(content))
@@ -774,7 +784,7 @@ def test_limits_of_a_tuned_scenario_are_told_once(folders, tmp_path, speed, show
 
 
 def test_equal_margins_are_told_once(folders, tmp_path):
-    run = captured_record(folders, {"stroke_margin [m]": 0.1, "capture_margin [m]": 0.1})
+    run = captured_record(folders, {"stroke_margin": amount(0.1, "m"), "capture_margin": amount(0.1, "m")})
     (tmp_path / "capture.json").write_text(json.dumps(run))
     _, _, rows = section_text(review([load(tmp_path)]), "Capture")
     assert [row[0] for row in rows if row[0].endswith("margin")] == ["stroke margin"]
@@ -785,7 +795,7 @@ def test_tunings_under_different_limits_side_by_side(tmp_path):
     first = several((0.02, 0.01), ("captured",) * 2, True)
     second = several((0.018, 0.009), ("captured",) * 2, False) | {"limits": {"stroke": 0.015, "peak_force": 500.0}}
     for case in second["scenarios"]:
-        case["after"]["peak_force [N]"] = 90.0
+        case["after"]["peak_force"] = amount(90.0, "N")
     for name, record in (("first", first), ("second", second)):
         (tmp_path / name).mkdir()
         (tmp_path / name / "tuned.json").write_text(json.dumps(record))
@@ -803,4 +813,4 @@ def test_tunings_under_different_limits_side_by_side(tmp_path):
 def test_a_tunings_record_has_the_margin_of_each_scenario(folders):
     """Made up with a margin of 1 in every scenario: by it the page finds the farthest from capture."""
     record = json.loads((folders["tuned"] / "tuned.json").read_text())
-    assert all(case["after"]["capture_share [-]"] == 1.0 for case in record["scenarios"])
+    assert all(case["after"]["capture_share"]["value"] == 1.0 for case in record["scenarios"])

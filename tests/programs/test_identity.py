@@ -17,7 +17,7 @@ import pytest
 import jaxbuffer as jb
 from jaxbuffer.contact.laws import LAWS
 from jaxbuffer.hybrid import DiagonallyImplicit, Options
-from jaxbuffer.programs.identity import NO_SOURCE, Description, known, source_hash
+from jaxbuffer.programs.identity import Description, code_hash, known, skeleton, user_code
 
 SOURCE = """
     import functools, math
@@ -96,7 +96,7 @@ def description(tmp_path, monkeypatch):
             monkeypatch.delitem(sys.modules, name, raising=False)
         with monkeypatch.context() as patched:
             patched.syspath_prepend(folder)
-            return source_hash(importlib.import_module(names[0]).Mine)
+            return code_hash(importlib.import_module(names[0]).Mine)
 
     return described
 
@@ -132,28 +132,77 @@ def test_a_change_that_can_be_seen_is_seen(description, change):
 
 
 def test_what_changes_nothing_changes_no_hash(description):
+    """So that a script in which ``resume=True`` is added below a law goes on with what it has begun."""
     first = description()
     assert description() == first
-    for change in (("UNUSED = 14.0", "UNUSED = 15.0"), ("import functools, math", "import functools, math\n\n# moved")):
+    moved = ("import functools, math", "import functools, math\n\n# moved")
+    added = ("        return OTHER\n", "        return OTHER\n\nprint('resume=True')\n")
+    for change in (("UNUSED = 14.0", "UNUSED = 15.0"), moved, added):
         assert description(change) == first
 
 
-def test_code_without_source_is_known_in_this_process_alone():
-    def typed():
-        names = {}
-        exec("class Mine:\n    def force(self, depth):\n        return 2.0 * depth", names)
-        return names["Mine"]
+TYPED = """
+rate = {rate}
+class Mine:
+    def force(self, depth):
+        return {factor} * depth + rate
 
-    one, other = typed(), typed()
-    assert source_hash(one) == source_hash(one) != source_hash(other)
-    assert source_hash(one).startswith(NO_SOURCE) and not source_hash(test_values_are_told_apart).startswith(NO_SOURCE)
+    def __call__(self, depth):
+        return self.force(depth) {sign} {factor}
+"""
+
+
+def typed(rate=1.0, factor=2.0, sign="+"):
+    """A class as at a prompt, of which there is no file."""
+    names = {"__name__": "__main__"}
+    exec(TYPED.format(rate=rate, factor=factor, sign=sign), names)
+    return names["Mine"]
+
+
+def test_code_without_a_file_is_known_by_what_it_computes():
+    assert code_hash(typed()) == code_hash(typed())
+    every = [typed(), typed(rate=1.5), typed(factor=2.5), typed(factor=2), typed(sign="-")]
+    assert len({code_hash(it) for it in every}) == len(every)
+
+
+def test_functions_of_one_line_are_told_apart():
+    pair = lambda factor: (lambda x: 2.0 * x, lambda x: 3.0 * x, lambda x: factor * x, lambda y: 2.0 * y)  # noqa: E731
+    assert len({code_hash(it) for it in (*pair(1.0), pair(4.0)[2])}) == 5
+    assert [code_hash(it) for it in pair(1.0)] == [code_hash(it) for it in pair(1.0)]
+
+
+def test_a_global_that_is_set_anew_changes_the_functions_that_read_it():
+    names = {"factor": 2.0}
+    exec("def double(x): return factor * x\ndef plain(x): return x", names)
+    before = code_hash(names["double"]), code_hash(names["plain"])
+    names["factor"] = 3.0
+    assert code_hash(names["double"]) != before[0] and code_hash(names["plain"]) == before[1]
+
+
+def test_the_code_of_a_user_is_that_of_the_classes_in_a_tree_and_not_its_numbers():
+    class Mine(eqx.Module):
+        size: jax.Array | float
+        kind: str = eqx.field(static=True, default="even")
+
+    assert user_code(jb.table2(), {"a": 1.0}) == "" != user_code(Mine(1.0))
+    assert user_code(jb.table2(), Mine(1.0)) == user_code(Mine(2.0))
+    structure = jax.tree.structure([Mine(1.0), {"a": 2.0}, None])
+    assert jax.tree.structure(skeleton(structure)) == structure
 
 
 OF_A_PROCESS = """
 import logging, threading, types
+import equinox as eqx
 import numpy as np
 from scipy.interpolate import PchipInterpolator
-from jaxbuffer.programs.identity import source_hash
+from jaxbuffer.programs.identity import code_hash, user_code
+
+class Part(eqx.Module):
+    size: float
+    names: frozenset = eqx.field(static=True, default=frozenset({"a", "b", "c"}))
+
+    def __call__(self, x):
+        return self.size * spline(x)
 
 class Table:
     def __init__(self, factor):
@@ -164,7 +213,8 @@ class Table:
 
 for last, factor in ((3.0, 2.0), (4.0, 2.0), (3.0, 2.5)):
     spline = PchipInterpolator([0.0, 1.0, 2.0], [0.0, 1.0, last])
-    print(source_hash(Table(factor), {"b", "a", "c"}, object()))
+    print(code_hash(Table(factor), {"b", "a", "c"}, object()))
+print(user_code(Part(1.0)))
 """
 
 
@@ -180,7 +230,7 @@ def test_every_process_has_the_same_hash_of_code_and_of_the_objects_that_it_read
 
     first = printed("1")
     assert first == printed("2")
-    assert [len(told) for told in first.split()] == [16] * 3 and len(set(first.split())) == 3
+    assert [len(told) for told in first.split()] == [16] * 4 and len(set(first.split())) == 4
 
 
 WRAPPED = {
@@ -196,7 +246,7 @@ WRAPPED = {
 
 @pytest.mark.parametrize("wrapper", WRAPPED)
 def test_a_rate_inside_a_wrapper_tells_optimizers_apart(wrapper):
-    one, same, other = (source_hash(WRAPPED[wrapper](rate)) for rate in (0.1, 0.1, 0.2))
+    one, same, other = (code_hash(WRAPPED[wrapper](rate)) for rate in (0.1, 0.1, 0.2))
     assert one == same != other
 
 
@@ -209,8 +259,8 @@ def test_optimizers_that_differ_in_a_schedule_far_ahead_are_told_apart():
         )
 
     every = [*optimizers(0.5), *optimizers(0.6), optax.adam(0.1), optax.adam(0.2), optax.lbfgs(0.1)]
-    assert len({source_hash(it) for it in every}) == len(every)
-    assert [source_hash(it) for it in optimizers(0.5)] == [source_hash(it) for it in optimizers(0.5)]
+    assert len({code_hash(it) for it in every}) == len(every)
+    assert [code_hash(it) for it in optimizers(0.5)] == [code_hash(it) for it in optimizers(0.5)]
 
 
 @pytest.mark.parametrize(
@@ -219,7 +269,7 @@ def test_optimizers_that_differ_in_a_schedule_far_ahead_are_told_apart():
 )
 def test_values_are_told_apart(one, other):
     """Python or NumPy find them alike."""
-    assert source_hash(one) != source_hash(other)
+    assert code_hash(one) != code_hash(other)
 
 
 def test_the_packages_own_code_is_known_by_name_and_anything_else_is_not():

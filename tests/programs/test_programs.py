@@ -19,7 +19,6 @@ from jax._src import compilation_cache
 from jaxbuffer.programs import cache, identity
 from jaxbuffer.programs import store as program_files
 from jaxbuffer.programs.cache import Static, stored
-from jaxbuffer.programs.process import PACKAGES, kind
 from jaxbuffer.programs.store import store_in
 
 CACHE = ("jax_compilation_cache_dir", "jax_persistent_cache_min_compile_time_secs")
@@ -139,64 +138,6 @@ def test_jax_keeps_no_code_of_a_program(folder, traced):
     traced[0]()(*inputs())
     assert len(files(folder)) == 1 and not list(folder.glob("*-cache"))
     assert jax.config.jax_persistent_cache_min_compile_time_secs == 0.0
-
-
-@pytest.fixture
-def shipped(folder, traced, tmp_path, monkeypatch):
-    """The folder of a package that came with the program of `traced`, on a machine of another processor."""
-    fresh, traces = traced
-    monkeypatch.setenv(cache.EXPORT, "1")
-    fresh()(*inputs())
-    monkeypatch.delenv(cache.EXPORT)
-    traces[:] = [1]  # exporting has traced it once more
-    into = tmp_path / "shipped"
-    program_files.ship(folder, into)
-    monkeypatch.setattr(program_files, "SHIPPED", into)
-    monkeypatch.setattr(cache, "_made_from", lambda: b"another processor")
-    return into
-
-
-def test_a_program_of_the_package_is_not_traced(folder, traced, shipped):
-    fresh, traces = traced
-    (one,) = files(shipped)
-    before = one.read_bytes()
-    for _ in range(2):  # the second is read from the folder
-        result, _ = fresh()(*inputs((5.0, 4.0, 6.0), 1.0))
-        np.testing.assert_array_equal(result.coefficients, [16.0, 25.0, 36.0])
-    assert len(traces) == 1 and len(files(folder)) == 2
-    assert one.read_bytes() == before and len(list(shipped.iterdir())) == 1
-
-
-@pytest.mark.parametrize("harm", ["another version", "cut", "wrong", "of nobody"])
-def test_a_program_of_the_package_that_is_none_of_these_versions_or_damaged_is_ignored(
-    folder, traced, shipped, harm, monkeypatch
-):
-    fresh, traces = traced
-    (one,) = files(shipped)
-    content = one.read_bytes()
-    if harm == "another version":
-        monkeypatch.setattr(cache, "_traced_from", lambda: b"another version of JAX")
-    elif harm == "cut":
-        one.write_bytes(content[:-9])
-    elif harm == "wrong":
-        one.write_bytes(content[:-9] + b"#" + content[-8:])
-    else:  # a right checksum of what no JAX reads
-        stored = program_files.read_shipped(one.name)
-        program_files.write(one, stored._replace(exported=[b"nothing"]))
-    there = one.read_bytes()
-    result, _ = fresh()(*inputs())
-    np.testing.assert_array_equal(result.coefficients, [4.0, 16.0, 36.0])
-    assert len(traces) == 2 and one.read_bytes() == there
-
-
-def test_what_the_package_came_with_is_for_any_processor_but_no_other_version(monkeypatch):
-    def traced_from(**others):
-        monkeypatch.setattr(cache, "kind", lambda: kind() | others)
-        return cache._traced_from.__wrapped__()
-
-    assert traced_from() == traced_from(processor="another") == traced_from(Python="3.11.99")
-    versions = (*PACKAGES, "jaxbuffer", "backend", "XLA")
-    assert len({traced_from(), *(traced_from(**{name: "another"}) for name in versions)}) == 1 + len(versions)
 
 
 @pytest.mark.parametrize("content", [b"", b"\x80\x04K\x01.", b"garbage"])
@@ -515,6 +456,32 @@ def test_a_class_redefined_under_its_name_is_another_program_in_memory(folder):
         assert float(function(weight(factor), 3.0)) == float(stored(weighed)(weight(factor), 3.0)) == 6.0 * factor
         assert float(jax.vmap(function, (None, 0))(weight(factor), jnp.ones(2))[1]) == 2.0 * factor
     assert not files(folder), "it is in memory"
+
+
+def applied(x, function):
+    return function.value(x)
+
+
+@pytest.mark.parametrize("name", ["__main__", "mine"])
+def test_a_function_of_the_users_that_has_changed_is_another_program_in_memory(folder, tmp_path, name):
+    """Typed, or of a file that was edited and run again, as a notebook's cell or a module."""
+    file = tmp_path / "mine.py"
+    for place in ("<stdin>", str(file)):
+        for factor in (2.0, 5.0):
+            code, names = f"def times(x): return {factor} * x", {"__name__": name}
+            file.write_text(code)
+            exec(compile(code, place, "exec"), names)
+            assert float(stored(applied)(3.0, Static(names["times"]))) == 3.0 * factor
+    assert not files(folder), "it is in memory"
+
+
+def test_a_packages_lambda_is_known_by_its_code_and_the_numbers_around_it(folder):
+    times = lambda factor: (lambda x: factor * x, lambda x: factor / x)  # noqa: E731 # classes here are ours
+    for _ in range(2):  # the second time they are read
+        for factor in (2.0, 5.0):
+            for function, value in zip(times(factor), (3.0 * factor, factor / 3.0), strict=True):
+                assert float(stored(applied)(3.0, Static(function))) == pytest.approx(value)
+    assert len(files(folder)) == 4
 
 
 def test_watched_is_called_where_a_program_is_compiled(folder, traced):

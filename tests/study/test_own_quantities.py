@@ -70,7 +70,7 @@ def test_a_tuning_and_its_files(computed, study, tmp_path):
     assert computed.asked("tune")["problem"].names[-1] == "effort"
     told = json.loads((tmp_path / "out" / "tuned.json").read_text())
     assert told["quantities"]["effort"]["function"] == "effort(peak_force, stroke)"
-    assert told["limits"]["effort"] == 9.0 and "effort [N m]" in told["scenarios"][0]["after"]
+    assert told["limits"]["effort"] == 9.0 and told["scenarios"][0]["after"]["effort"]["unit"] == "N m"
     assert "worst effort [N m]" in (tmp_path / "out" / "history.csv").read_text()
     assert run(["report", "out"]) == 0
     assert {path.name for path in (tmp_path / "studies").iterdir()} == {"study.toml", "objectives.py"}

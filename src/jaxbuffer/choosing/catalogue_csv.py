@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 from ..errors import InputError, shown
 from ..files import user_path
 from ..labelled.csv_table import CsvTable, read_table
-from ..labelled.record import parts as name_and_unit
 
 NAMES = ("name", "part")  # headings of the column of names
 NUMBER = re.compile(r"[-+]?[\d.,]*\d[\d.,]*")  # what looks like one, with any marks
@@ -64,7 +63,7 @@ def read_csv(path: Path) -> list[tuple[str, dict[str, CatalogueCell]]]:
 
 def _headings(table: CsvTable) -> list[tuple[str, str]]:
     """Return name and unit of each column."""
-    split, where = [name_and_unit(text) for text in table.headings], f"{table.file}, line {table.header}"
+    split, where = [_name_and_unit(text) for text in table.headings], f"{table.file}, line {table.header}"
     names = [name for name, _ in split]
     for name in names:
         if not name:
@@ -75,6 +74,13 @@ def _headings(table: CsvTable) -> list[tuple[str, str]]:
         hint = table.in_comment(NAMES) or f"; found {', '.join(table.headings)}"
         raise InputError(f"{where}: no column is called name{hint}")
     return split
+
+
+def _name_and_unit(heading: str) -> tuple[str, str]:
+    """Return the name and the unit, "" for none, of a heading such as "k_A [kN/m]"."""
+    # A curve's point has a bracket too, "force[2]", but no space before it.
+    name, _, symbol = heading.partition(" [")
+    return name, symbol.removesuffix("]")
 
 
 def _typed(where: str, text: str, symbol: str) -> Any:

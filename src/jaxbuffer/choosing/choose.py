@@ -13,7 +13,7 @@ from ..block_store import short_hash
 from ..cluster.pool import Pool
 from ..errors import InputError, check_flag, check_type, check_whole
 from ..hybrid import Solver, name_of, solver_named
-from ..programs.structure import user_code
+from ..programs.identity import user_code
 from ..progress import counted
 from ..tuning.corner_search import with_corners, worse_corners
 from ..tuning.evaluation import Evaluator

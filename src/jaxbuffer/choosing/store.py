@@ -1,19 +1,20 @@
-"""The runs of a choice on disk: sealed files, from which it goes on after whatever ended it, to the same bits."""
+"""The runs of a choice on disk: blocks, from which it goes on after whatever ended it, to the same bits."""
 
-import io
-import json
-from collections.abc import Sequence
+import contextlib
+import dataclasses
+import uuid
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
 
-from ..block_store import IDENTITY, Identity, described_identity, differing, identity_text
+from ..block_store import ArchiveStore, BlockError, Head, Identity
 from ..errors import InputError
-from ..files import remove_all_drafts, sealed, unsealed, whole_folder, write, write_all
+from ..files import remove_all_drafts, whole_folder
 
-FOLDER, HEAD = "choose.runs", "choose.json"
+FOLDER, BEGUN = "choose.runs", "begun.npz"
 Key = tuple[int, int]  # a combination's number and a load case's place
 Row = tuple[int, int, np.ndarray]  # code, impacts, values
 
@@ -32,8 +33,19 @@ class Columns(NamedTuple):
     values: Float[np.ndarray, "runs quantities"]
 
 
+@dataclasses.dataclass(frozen=True)
+class _Blocks(ArchiveStore):
+    """The archives of one choice: an empty one that is begun with, and numbered ones of runs."""
+
+    def _refusal(self, identity: Identity, parts: list[str]) -> str:
+        return (
+            f"{self.folder} holds another choice, differing in {', '.join(parts)}; repeat the study and the options of"
+            " the first, or choose another --output; it is left as it is"
+        )
+
+
 class ChoiceStore:
-    """The store of one choice: numbered files of runs, each whole and with a checksum or not counted.
+    """The runs of one choice that are done, and those that wait to be written, in blocks.
 
     **Arguments:** ``path``: its folder; ``identity``: of the choice; ``resume``: whether to go on with what is there.
 
@@ -41,49 +53,38 @@ class ChoiceStore:
     """
 
     def __init__(self, path: Path, identity: Identity, resume: bool) -> None:
-        self.path, self.identity = path, identity
         self._rows: dict[tuple[Key, float], Row] = {}
-        self._waiting: list[tuple[list[Key], float, Columns]] = []
-        self.damaged, self._next = 0, 0
+        self._waiting: list[dict[str, np.ndarray]] = []
+        self._next = 0
         # A choice of roundings tunes first: one that was ended by then has no runs yet.
         if resume and path.exists():
-            self._resume()
-        else:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            with whole_folder(path) as draft:
-                write(draft / HEAD, json.dumps({IDENTITY: identity_text(identity)}))
+            self._blocks = self._resumed(path, identity)
+            return
+        head = Head(identity, uuid.uuid4().hex)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with whole_folder(path) as draft:
+            _Blocks(head, draft).write(BEGUN, {})
+        self._blocks = _Blocks(head, path)
 
-    def _resume(self) -> None:
-        head = self.path / HEAD
+    def _resumed(self, path: Path, identity: Identity) -> _Blocks:
         try:
-            before = described_identity(json.loads(head.read_text(encoding="utf-8")))
-        except (OSError, ValueError):
-            before = None
-        if before is None:
-            raise InputError(f"{head} is damaged and cannot be resumed; it is left as it is")
-        if parts := differing(self.identity, before):
-            raise InputError(
-                f"{self.path} holds another choice, differing in {', '.join(parts)}; repeat the study and the options"
-                " of the first, or choose another --output; it is left as it is"
-            )
-        remove_all_drafts(self.path)
-        for file in sorted(self.path.glob("*.npz")):
-            # A damaged file counts too: it stays, and no new one takes its name.
+            blocks = _Blocks.of(path, BEGUN)
+            blocks.read(BEGUN)
+        except BlockError as error:
+            raise InputError(f"{path / BEGUN} {error} and cannot be resumed; it is left as it is") from None
+        blocks.check_identity(identity)
+        remove_all_drafts(path)
+        for file in sorted(path.glob("[0-9]*.npz")):
+            # A damaged block counts too: it stays, and no new one takes its name.
             self._next = max(self._next, int(file.stem) + 1)
-            self._read(file)
+            with contextlib.suppress(BlockError):  # its runs are computed again
+                self._take(blocks.read(file.name))
+        return blocks
 
-    def _read(self, file: Path) -> None:
-        """Read a file of runs; those of one that is damaged are computed again."""
-        try:
-            content = unsealed(file.read_bytes())
-            if content is None:
-                raise ValueError("it has no checksum")
-            with np.load(io.BytesIO(content)) as arrays:
-                keys, rtol = arrays["keys"].tolist(), float(arrays["rtol"])
-                rows = zip(arrays["code"].tolist(), arrays["impacts"].tolist(), arrays["values"], strict=True)
-                self._rows |= {((key[0], key[1]), rtol): row for key, row in zip(keys, rows, strict=True)}
-        except (ValueError, KeyError, OSError, EOFError):
-            self.damaged += 1
+    def _take(self, block: Mapping[str, np.ndarray]) -> None:
+        keys, rtol = block["keys"].tolist(), float(block["rtol"])
+        rows = zip(block["code"].tolist(), block["impacts"].tolist(), block["values"], strict=True)
+        self._rows |= {((key[0], key[1]), rtol): row for key, row in zip(keys, rows, strict=True)}
 
     def row(self, key: Key, rtol: float) -> Row | None:
         """Return the numbers of a run that is done, at a tolerance of ``rtol`` [-]; None of any other."""
@@ -91,16 +92,12 @@ class ChoiceStore:
 
     def add(self, keys: Sequence[Key], rtol: float, columns: Columns) -> None:
         """Take runs that are done, which the next `save` writes."""
-        self._waiting.append((list(keys), rtol, columns))
+        self._waiting.append({"keys": np.array(keys, np.int64), "rtol": np.array(rtol), **columns._asdict()})
 
     def save(self) -> None:
         """Write the runs that wait."""
-        files: dict[Path, bytes] = {}
-        for keys, rtol, columns in self._waiting:
-            content = io.BytesIO()
-            arrays: dict[str, Any] = columns._asdict()
-            np.savez(content, keys=np.array(keys, np.int64), rtol=rtol, **arrays)
-            files[self.path / f"{self._next:06d}.npz"] = sealed(content.getvalue())
+        while self._waiting:
+            self._blocks.write(f"{self._next:06d}.npz", self._waiting[0])
+            # After it is written: an error in between has it written again.
+            del self._waiting[0]
             self._next += 1
-        self._waiting.clear()
-        write_all(files)

@@ -20,7 +20,7 @@ def simulate(scenario_number: ScenarioNumber = None, trust: Trust = "on") -> Non
 
     \b
     Files in DIR, of a capture:
-      capture.json  every number, its unit in the name, and every impact
+      capture.json  every number with its unit, and every impact
       history.csv   forces, gaps, motion and energies at each step
       capture.png  contact force, gap, stroke, hinge angle, energies over time
       motion.png   the mechanism at a few telling times, contact forces as arrows

@@ -1,16 +1,19 @@
-"""Records and table headings, which have each number's unit behind its name: "stroke [m]". Written and read here."""
+"""Records, in which a number is ``{"value": 0.02, "unit": "m"}``, written and read here; headings of tables."""
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from types import MappingProxyType
 from typing import Any, TypeVar
 
 import equinox as eqx
 
+from ..errors import InputError
 from ..fields import Curve, get, paths, replace, unit
 from .arrays import Labelled
 
 T = TypeVar("T", bound=eqx.Module)
+AMOUNT = {"value", "unit"}  # the keys of a number
 
 
 def heading(name: str, symbol: str) -> str:
@@ -18,16 +21,22 @@ def heading(name: str, symbol: str) -> str:
     return f"{name} [{symbol}]" if symbol else name
 
 
-def parts(text: str) -> tuple[str, str]:
-    """Return the name and the unit, "" for none, of what `heading` put together."""
-    # A curve's point has a bracket too, "force[2]", but no space before it.
-    name, _, symbol = text.partition(" [")
-    return name, symbol.removesuffix("]")
-
-
 def headings(units: Mapping[str, str]) -> list[str]:
     """Return a heading for each name. ``units``: by name."""
     return [heading(name, symbol) for name, symbol in units.items()]
+
+
+def amount(value: Any, symbol: str) -> Any:
+    """Return a value with its unit, as a record has it; without a unit the value as it is.
+
+    Of a number that is not finite, which JSON lacks, the value is None.
+    """
+    return {"value": _plain(value), "unit": symbol} if symbol else value
+
+
+def amounts(units: Mapping[str, str], values: Iterable[Any]) -> dict[str, Any]:
+    """Return values by name, each with its unit. ``units``: by name, in the values' order."""
+    return {name: amount(value, symbol) for (name, symbol), value in zip(units.items(), values, strict=True)}
 
 
 def json_number(value: Any) -> float | None:
@@ -38,30 +47,35 @@ def json_number(value: Any) -> float | None:
     return real if math.isfinite(real) else None
 
 
-def numbers(table: Mapping[str, Labelled]) -> dict[str, float | None]:
+def numbers(table: Mapping[str, Labelled]) -> dict[str, Any]:
     """Return single numbers as a record."""
-    return {heading(name, it.unit): json_number(it.values) for name, it in table.items()}
+    return {name: amount(json_number(it.values), it.unit) for name, it in table.items()}
 
 
-def rows(table: Mapping[str, Labelled]) -> list[dict[str, float | None]]:
+def rows(table: Mapping[str, Labelled]) -> list[dict[str, Any]]:
     """Return arrays along one axis as records, one for each entry."""
+    units = {name: it.unit for name, it in table.items()}
     entries = zip(*(it.values for it in table.values()), strict=True)
-    keys = headings({name: it.unit for name, it in table.items()})
-    return [dict(zip(keys, map(json_number, entry), strict=True)) for entry in entries]
+    return [amounts(units, map(json_number, entry)) for entry in entries]
 
 
 class Record(dict[str, Any]):
-    """A record of a result file. It is asked by names: ``record["stroke"]`` is the number under "stroke [m]".
+    """A record of a result file as it is read: each number under its name, its unit under the same name in ``units``.
 
-    Its keys are those of the file, with units. Records inside it are `Record`s too.
+    Records inside it are `Record`s too.
 
     **Example:**
 
-    >>> from jaxbuffer.labelled.record import Record
-    >>> run = Record.of({"stroke [m]": 0.02, "impacts": [{"time [s]": 0.1}]})
-    >>> run["stroke"], run["impacts"][0]["time"], "end_time" in run
-    (0.02, 0.1, False)
+    >>> from jaxbuffer.labelled.record import Record, amount
+    >>> run = Record.of({"stroke": amount(0.02, "m"), "impacts": [{"time": amount(0.1, "s")}]})
+    >>> run["stroke"], run.units["stroke"], run["impacts"][0]["time"]
+    (0.02, 'm', 0.1)
     """
+
+    def __init__(self, record: Mapping[str, Any] = MappingProxyType({})) -> None:
+        of_numbers = {name: it for name, it in record.items() if isinstance(it, Mapping) and it.keys() == AMOUNT}
+        super().__init__({name: it["value"] if name in of_numbers else it for name, it in record.items()})
+        self.units: dict[str, str] = {name: it["unit"] for name, it in of_numbers.items()}
 
     @classmethod
     def of(cls, record: Mapping[str, Any]) -> "Record":
@@ -72,34 +86,17 @@ class Record(dict[str, Any]):
     @classmethod
     def from_json(cls, text: str) -> Any:
         """Return what JSON holds. **Raises:** `ValueError` for what is no JSON."""
+        # A number alone is a record of two entries until the record around it takes its unit.
         return json.loads(text, object_hook=cls)
-
-    def __missing__(self, name: str) -> Any:
-        # Asked for again under its own name, what no key has would come back here without end.
-        if (key := self._key(name)) == name:
-            raise KeyError(name)
-        return self[key]
-
-    def __contains__(self, name: object) -> bool:
-        # A dictionary's own `in` and `get` do not ask `__missing__`.
-        return super().__contains__(self._key(name))
-
-    def get(self, name: str, default: Any = None) -> Any:
-        """Return the value under a name, or ``default``."""
-        return super().get(self._key(name), default)
-
-    def _key(self, name: Any) -> Any:
-        """Return the key that has this name; the name itself where none has it."""
-        return name if super().__contains__(name) else next((key for key in self if parts(key)[0] == name), name)
 
 
 def part_record(part: eqx.Module) -> dict[str, Any]:
-    """Return every field by its dotted path with its unit: ``{"buffer.k_A [N/m]": 500.0, "contact.law": "hertz"}``.
+    """Return every field by its dotted path: ``{"buffer.k_A": {"value": 500.0, "unit": "N/m"}, "contact.law":
+    "hertz"}``.
 
     Numbers that are not finite, which JSON lacks, become None.
     """
-    units = {path: unit(part, path) for path in paths(part)}
-    return {heading(path, symbol): _plain(get(part, path), bool(symbol)) for path, symbol in units.items()}
+    return {path: amount(get(part, path), unit(part, path)) for path in paths(part)}
 
 
 def part_json(part: eqx.Module) -> str:
@@ -111,13 +108,22 @@ def part_from_json(default: T, text: str) -> T:
     """Return the design or scenario that `part_json` wrote. ``default``: any of its kind; fields it lacks keep its
     values.
 
-    **Raises:** `InputError` for fields that are unknown and values out of range; `ValueError` for what is no JSON.
+    **Raises:** `InputError` for fields that are unknown and values out of range, and for what an earlier version wrote;
+    `ValueError` for what is no JSON.
     """
-    record: Mapping[str, Any] = json.loads(text)
-    return replace(default, {parts(key)[0]: value for key, value in record.items()})
+    record = Record.from_json(text)
+    if has_headings(record):
+        raise InputError("it was written by an earlier version of jaxbuffer; make it again")
+    return replace(default, record)
 
 
-def _plain(value: Any, is_number: bool) -> Any:
+def has_headings(record: Mapping[str, Any]) -> bool:
+    """Return whether names of a record have units behind them, as in ``"stroke [m]"``, which earlier versions wrote."""
+    # A curve's point has a bracket too, "force[2]", but no space before it.
+    return any(" [" in name for name in record)
+
+
+def _plain(value: Any) -> Any:
     if isinstance(value, Curve):
-        return [[_plain(number, True) for number in point] for point in value.points()]
-    return json_number(value) if is_number else value
+        return [[json_number(number) for number in point] for point in value.points()]
+    return json_number(value)

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..choosing.alternatives import Alternative, reported
 from ..choosing.choice import Choice, beyond, lines, ranking_rows, set_by
-from ..labelled.record import heading, json_number, part_record
+from ..labelled.record import amount, json_number, part_record
 from ..study.tuned_toml import tuned_toml
 from ..tuning.evaluation import main_values
 from ..version import version
@@ -39,7 +39,7 @@ def choice_record(choice: Choice) -> dict[str, Any]:
         second = {
             "then": criterion.in_words(then.objective),
             "then_unit": then.objective.unit(criterion.catalogue),
-            heading("then_tolerance", "-"): then.tolerance,
+            "then_tolerance": amount(then.tolerance, "-"),
             "ceiling": json_number(choice.ceiling),
         }
     return {
@@ -51,14 +51,14 @@ def choice_record(choice: Choice) -> dict[str, Any]:
         "objective_unit": criterion.objective.unit(criterion.catalogue),
         **second,
         **limits_record(problem.limits, problem.quantities),
-        "limits_on_sums": {heading(it.name, criterion.catalogue[it.name].unit): it.bound for it in criterion.limits},
+        "limits_on_sums": {it.name: amount(it.bound, criterion.catalogue[it.name].unit) for it in criterion.limits},
         "tally": choice.tally._asdict() | {"spared": choice.tally.spared},
         # A page shows warnings in a place of their own, and would say them twice.
         "lines": [line for line in lines(choice) if line not in warnings],
         "warnings": warnings,
         **scatter_record(problem),
-        heading("rtol_of_check", "-"): choice.tight,
-        heading("accuracy", "-"): choice.accuracy,
+        "rtol_of_check": amount(choice.tight, "-"),
+        "accuracy": amount(choice.accuracy, "-"),
         "reordered": choice.reordered,
         "parts": {
             it.role: [
@@ -93,7 +93,7 @@ def _alternative(choice: Choice, it: Alternative) -> dict[str, Any]:
         "broken": list(it.broken),
         "objective": json_number(it.value),
         **({} if it.second is None else {"then": json_number(it.second)}),
-        **{heading(name, known[name].unit): value for name, value in it.totals.items()},
+        **{name: amount(value, known[name].unit) for name, value in it.totals.items()},
         "set_by": set_by(choice, it),
         "corners": None
         if not problem.corners
@@ -104,8 +104,8 @@ def _alternative(choice: Choice, it: Alternative) -> dict[str, Any]:
             {
                 "quantity": margin.limit.name,
                 "limit": margin.limit.line(known[margin.limit.name]),
-                heading("worst", known[margin.limit.name].unit): json_number(margin.value),
-                heading("left", "-"): json_number(margin.share),
+                "worst": amount(margin.value, known[margin.limit.name].unit),
+                "left": amount(margin.share, "-"),
                 "at": choice.label(margin.case),
             }
             for margin in it.margins

@@ -10,13 +10,13 @@ import numpy as np
 
 from .._types import Dataset
 from ..block_store import described_identity, differing
+from ..choosing.store import BEGUN as CHOICE_BEGUN
 from ..choosing.store import FOLDER as CHOICE
-from ..choosing.store import HEAD
 from ..errors import InputError
 from ..fields import Part, paths
 from ..files import user_path
 from ..labelled.netcdf import SUFFIX, read
-from ..labelled.record import Record, part_from_json
+from ..labelled.record import Record, has_headings, part_from_json
 from ..mechanisms import all_mechanisms, mechanism_named
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
@@ -26,6 +26,7 @@ from ..sweeps.zarr_format import attributes
 from ..tables import summary_html
 from ..tuning.pareto import begun_identity
 from ..tuning.store import stored_identity
+from .provenance import MADE
 
 DESIGN = "design.toml"
 TABLES = ("sweep.nc", "sample.nc")  # the runs of a sweep and of a sample
@@ -39,10 +40,10 @@ BEGUN = {  # what a command keeps while it runs, and the files of its results
     "tuning": ("log.jsonl", ("tuned.json",)),
     "sweep or sample": (STORE, ("sweep.nc", "sample.json")),
     "front": ("least-*/log.jsonl", ("pareto.json",)),
-    "choice": (f"{CHOICE}/{HEAD}", ("choice.json",)),
+    "choice": (f"{CHOICE}/{CHOICE_BEGUN}", ("choice.json",)),
 }
 # Entries that have other names by now: a page would leave them out and so say less than the result.
-RENAMED = ("must_succeed", "asked", "rows_asked", "shown_in", "borne_out", "standing", "above_floor [-]")
+RENAMED = ("must_succeed", "asked", "rows_asked", "shown_in", "borne_out", "standing")
 ADDED = {"choice.json": "warnings", "fit.json": "explained"}  # entries that the first records of these kinds lacked
 BESIDE = {
     "sweep": "sweep.json",
@@ -61,8 +62,8 @@ class Results:
     - ``sweep``: of `jaxbuffer sweep`, as `Sweep.to_xarray` made it.
     - ``records``: the JSON files by what they are of: "run", "tuned", "sensitivity", "sweep", "sample", "front",
       "choice", "fit"; "motion" and "force" over time of a run, or "force" of a tuning; "what_if": models around a tuned
-      design. They are asked with or without units:
-      ``found.records["run"]["peak_force"]``.
+      design. A number stands under its name, its unit in ``units``:
+      ``found.records["run"]["peak_force"]``, ``found.records["run"].units["peak_force"]``.
     - ``design``: the tuned one, or else that of the run, the sensitivities, the sweep, the sample or the front.
 
     **Example:**
@@ -292,7 +293,8 @@ def _record(file: Path) -> Record | None:
     if not isinstance(record, Record):
         raise InputError(f"{file} is damaged: it holds no record")
     lacks = file.name in ADDED and ADDED[file.name] not in record
-    if lacks or any(f'"{name}"' in text for name in RENAMED):
+    with_units = any(map(has_headings, (record, record.get("design", {}), record.get(MADE, {}))))
+    if lacks or with_units or any(f'"{name}"' in text for name in RENAMED):
         raise InputError(f"{file} was written by an earlier version of jaxbuffer; run its command again")
     return record
 

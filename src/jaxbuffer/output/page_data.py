@@ -15,7 +15,7 @@ from .motion import contact_names, scene
 from .pulses import TIMES, force_over_time, largest_times, last_contact
 from .sketch import INK, fills, is_filled, outline
 
-TIME, FORCE = heading("time", "s"), heading("force", "N")  # what curves of contact forces are drawn over and against
+FORCE = heading("force", "N")  # what curves of contact forces are drawn against
 DIGITS = 7  # of lengths [m], angles [rad] and times [s] after the point: a tenth of a micrometre or a microsecond
 SIGNIFICANT = 6  # digits of a force or a stroke
 
@@ -33,13 +33,18 @@ def force_record(runs: Mapping[str, Run], scenario: str) -> dict[str, Any]:
         # Times that lie between two others without any force are left out.
         idle = np.concatenate([[False], (force[:-2] == 0.0) & (force[1:-1] == 0.0) & (force[2:] == 0.0), [False]])
         shown = np.round(time[~idle], DIGITS).tolist()
-        curves.append({"name": name, TIME: shown, FORCE: _significant(force[~idle])})
+        curves.append({"name": name, "time": shown, "values": _significant(force[~idle])})
     more = [chart for name, run in runs.items() for chart in _to_end(name, run)] if len(runs) == 1 else []
     return {"scenario": scenario, "curves": curves, "more": more}
 
 
+def chart(caption: str, axis: str, curves: Sequence[Any]) -> dict[str, Any]:
+    """Return curves over the time in seconds, to be drawn against an ``axis`` with its unit, "stroke [mm]"."""
+    return {"caption": caption, "axis": axis, "unit": axis.rpartition(" [")[2].removesuffix("]"), "curves": curves}
+
+
 def _to_end(name: str, run: Run) -> list[dict[str, Any]]:
-    """Return curves of the mechanism's own over the whole run, each with its ``caption`` and its ``axis``."""
+    """Return a chart for each curve of the mechanism's own over the whole run."""
     panels = run.mechanism.view.panels
     if not any(panel.to_end for panel in panels(run)):
         return []
@@ -49,11 +54,11 @@ def _to_end(name: str, run: Run) -> list[dict[str, Any]]:
     time = np.unique(np.concatenate([*spread, largest_times(run)]))
     whole = eqx.tree_at(lambda it: it.history, run, at_times(run, time))
     return [
-        {
-            "caption": f"{panel.title}, to the end of the run",
-            "axis": panel.axis,
-            "curves": [{"name": name, TIME: _rounded(time), panel.axis: _significant(panel.curves[0].values)}],
-        }
+        chart(
+            f"{panel.title}, to the end of the run",
+            panel.axis,
+            [{"name": name, "time": _rounded(time), "values": _significant(panel.curves[0].values)}],
+        )
         for panel in panels(whole)
         if panel.to_end and not panel.stacked
     ]

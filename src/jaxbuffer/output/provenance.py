@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..files import home
-from ..labelled.record import heading
+from ..labelled.record import amount
 from ..version import version
 from .formats import Made, json_text
 
@@ -29,22 +29,23 @@ def made(
 
     - ``command``: the words as typed, without the program's name; the home folder becomes "~", which names no user.
     - ``study``: the text of the study (TOML), None where there was none.
-    - ``settings``: of the solver, each number's unit in its name.
+    - ``settings``: of the solver, numbers with their units (`amount`).
     - ``seconds``: from the command's start to the result [s], compilation included.
     - ``resumed``: whether the command went on with an earlier run, whose time is not in ``seconds``.
 
     **Example:**
 
+    >>> from jaxbuffer.labelled.record import amount
     >>> from jaxbuffer.output.provenance import made
-    >>> told = made(["simulate", "--buffer.k_A", "800"], None, {"rtol [-]": 1e-6}, 2.5)
-    >>> told["command"], told["wall_time [s]"]
-    ('jaxbuffer simulate --buffer.k_A 800', 2.5)
+    >>> told = made(["simulate", "--buffer.k_A", "800"], None, {"rtol": amount(1e-6, "-")}, 2.5)
+    >>> told["command"], told["wall_time"]
+    ('jaxbuffer simulate --buffer.k_A 800', {'value': 2.5, 'unit': 's'})
     """
     return {
         "command": " ".join(["jaxbuffer", *map(_quoted, command)]),
         "study": study,
         "settings": dict(settings),
-        heading("wall_time", "s"): round(seconds, 3),
+        "wall_time": amount(round(seconds, 3), "s"),
         "resumed": resumed,
         **_here(),
     }

@@ -1,4 +1,4 @@
-"""Runs and sensitivities as rows and records, each number with its unit in the name, as in ``"stroke [m]"``."""
+"""Runs and sensitivities as rows and records."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -7,13 +7,13 @@ import jax
 import numpy as np
 
 from ..labelled.arrays import Labelled
-from ..labelled.record import heading, json_number, numbers, part_record, rows
+from ..labelled.record import amount, amounts, json_number, numbers, part_record, rows
 from ..mechanisms.cautions import cautions
 from ..mechanisms.quantity import LOAD_UNITS, unit_of
 from ..mechanisms.run import Run
 from ..mechanisms.run_arrays import history_columns, run_quantities
 from ..run.trust import Trust
-from ..sensitivities.result import Sensitivity, advice, sensitivity_rows
+from ..sensitivities.result import COLUMNS, Sensitivity, advice, sensitivity_rows
 from ..tuning.custom_quantity import CustomQuantity
 from ..tuning.objective import Constraints, Limits
 from ..version import version
@@ -53,20 +53,17 @@ def run_record(
         f"peak_{mechanism.view.contact}": names.contact(int(run.peak_contact))
         if int(run.impacts.count) and int(run.peak_contact) >= 0
         else None,
-        "maximum_times": {heading(name, "s"): json_number(time) for name, time in run.maximum_times.items()},
+        "maximum_times": {name: amount(time, "s") for name, time in run.maximum_times.items()},
         "peak_impact": peak_impact + 1 if peak_impact >= 0 else None,
         "impacts": _impacts(run),
-        "energy_at_end": {heading(name, "J"): json_number(getattr(energy, name)) for name in energy.names},
+        "energy_at_end": {name: amount(getattr(energy, name), "J") for name in energy.names},
         "numerical_balance": {
-            heading("energy", "-"): json_number(balance.energy),
-            heading("linear_momentum", "-"): json_number(balance.linear_momentum),
-            heading("angular_momentum", "-"): json_number(balance.angular_momentum),
-            heading("constraint_drift", "m"): json_number(balance.drift),
+            "energy": amount(balance.energy, "-"),
+            "linear_momentum": amount(balance.linear_momentum, "-"),
+            "angular_momentum": amount(balance.angular_momentum, "-"),
+            "constraint_drift": amount(balance.drift, "m"),
         },
-        **{
-            name: {inner: json_number(value) for inner, value in values.items()}
-            for name, values in mechanism.view.record(run).items()
-        },
+        **mechanism.view.record(run),
         "steps_accepted": int(run.accepted),
         "steps_attempted": int(run.attempts),
         "design": part_record(run.design),
@@ -109,14 +106,14 @@ def run_history(run: Run) -> Table:
 
 def sensitivity_record(result: Sensitivity) -> dict[str, Any]:
     """Return the quantities, for each parameter its gradients and elasticities, and the certificate."""
-    header, rows = sensitivity_rows(result)
+    _, rows = sensitivity_rows(result)
     run, catalogue = result.run, result.run.mechanism.quantities
     units = [unit_of(catalogue, name) for name in result.quantities]
     return {
         "kind": run.mechanism.name,
         "outcome": run.outcome.name,
-        **{heading(n, u): json_number(x) for n, u, x in zip(result.quantities, units, result.results, strict=True)},
-        "derivatives": [dict(zip(header, row, strict=True)) for row in rows],
+        **amounts(dict(zip(result.quantities, units, strict=True)), result.results),
+        "derivatives": [amounts(COLUMNS, row) for row in rows],
         "certificate": None if result.certificate is None else certificate_record(result),
         "advice": [" ".join(line.split()) for line in advice(result)],
         "design": part_record(run.design),
@@ -131,7 +128,7 @@ def certificate_record(result: Sensitivity) -> dict[str, Any]:
     peaks, mechanism = certificate.peaks, result.run.mechanism
     names = mechanism.view.names(result.run.design)
     evidence = {
-        heading(name, "-"): {
+        name: {
             quantity: dict(zip(result.paths, map(json_number, getattr(certificate, field)[k]), strict=True))
             for k, quantity in enumerate(result.quantities)
         }
@@ -152,18 +149,18 @@ def certificate_record(result: Sensitivity) -> dict[str, Any]:
         "active_peak": None
         if peaks is None
         else {
-            heading("force", "N"): peaks.force,
-            heading("time", "s"): peaks.time,
+            "force": amount(peaks.force, "N"),
+            "time": amount(peaks.time, "s"),
             mechanism.view.contact: names.contact(peaks.contact),
             "impact": peaks.impact + 1,
         },
         "runner_up": None
         if peaks is None or peaks.runner_up_impact < 0
         else {
-            heading("force", "N"): peaks.runner_up_force,
+            "force": amount(peaks.runner_up_force, "N"),
             "impact": peaks.runner_up_impact + 1,
-            heading("margin", "-"): peaks.margin,
+            "margin": amount(peaks.margin, "-"),
             "swapped_by": peaks.swap_path or None,
-            heading("swapped_by_change", "-"): json_number(peaks.swap_change),
+            "swapped_by_change": amount(peaks.swap_change, "-"),
         },
     }

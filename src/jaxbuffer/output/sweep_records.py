@@ -1,4 +1,4 @@
-"""Sweeps and samples as records, each number with its unit in the name, and what a sample's fits are as rows."""
+"""Sweeps and samples as records, and what a sample's fits are as rows."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -10,7 +10,7 @@ from ..experiments.indices import Indices
 from ..experiments.rectangle import SafeRectangle
 from ..experiments.sample import Sample
 from ..experiments.surface import Surface
-from ..labelled.record import Record, heading, headings, part_record
+from ..labelled.record import Record, amount, headings, part_record
 from ..sweeps.columns import RunTable
 from ..sweeps.result import Sweep
 from ..version import version
@@ -73,11 +73,11 @@ def _indices(indices: Indices) -> list[dict[str, Any]]:
         {
             "quantity": name,
             "number": path,
-            heading("first_order", "-"): float(it.first[k]),
-            heading("first_order_interval", "-"): it.first_interval[:, k].tolist(),
-            heading("total", "-"): float(it.total[k]),
-            heading("total_interval", "-"): it.total_interval[:, k].tolist(),
-            heading("confidence", "-"): indices.confidence,
+            "first_order": amount(it.first[k], "-"),
+            "first_order_interval": it.first_interval[:, k].tolist(),
+            "total": amount(it.total[k], "-"),
+            "total_interval": it.total_interval[:, k].tolist(),
+            "confidence": amount(indices.confidence, "-"),
             "rows": it.rows,
             "requested_rows": indices.requested_rows,
             "from": "response surface" if name in indices.surfaces else "runs",

@@ -1,4 +1,4 @@
-"""A tuned design and a front as rows and records, each number with its unit in the name."""
+"""A tuned design and a front as rows and records."""
 
 import dataclasses
 from collections.abc import Sequence
@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from ..fields import get, unit
-from ..labelled.record import heading, headings, json_number, part_record
+from ..labelled.record import amount, amounts, headings, json_number, part_record
 from ..tuning.cases import Case
 from ..tuning.evaluation import Evaluation, main_values
 from ..tuning.front import Front, point_status
@@ -43,11 +43,11 @@ def tuned_record(tuned: Tuned) -> dict[str, Any]:
         "objective_unit": problem.objective.unit(problem.catalogue),
         "objective_before": json_number(start),
         "objective_after": json_number(end),
-        heading("first_order_residual", "-"): json_number(tuned.residual),
-        heading("gradient_error", "-"): json_number(tuned.gradient_error),
-        heading("rtol_of_check", "-"): tuned.tight,
-        heading("above_lower_bound", "-"): json_number(tuned.above_lower_bound),
-        heading("lowest_first_impact_within_bounds", "N"): json_number(lowest),
+        "first_order_residual": amount(tuned.residual, "-"),
+        "gradient_error": amount(tuned.gradient_error, "-"),
+        "rtol_of_check": amount(tuned.tight, "-"),
+        "above_lower_bound": amount(tuned.above_lower_bound, "-"),
+        "lowest_first_impact_within_bounds": amount(lowest, "N"),
         "first_impact_levers": [line.strip() for line in levers],
         "captures": tuned.captures,
         "settings": dataclasses.asdict(tuned.settings),
@@ -164,14 +164,14 @@ def _spread(tuned: Tuned) -> dict[str, Any]:
     }
 
 
-def _lower_bounds(tuned: Tuned) -> list[dict[str, float | None]]:
+def _lower_bounds(tuned: Tuned) -> list[dict[str, Any]]:
     """Return what is known of each case's first impact."""
     lower_bound = tuned.lower_bound
     if lower_bound is None:
         return [{} for _ in tuned.problem.cases]
-    names = headings({"lower_bound": "N", "closed_form_first_peak": "N", "T_c": "J"})
+    units = {"lower_bound": "N", "closed_form_first_peak": "N", "T_c": "J"}
     rows = zip(lower_bound.simulated, lower_bound.closed_form, lower_bound.energy, strict=True)
-    return [dict(zip(names, map(json_number, row), strict=True)) for row in rows]
+    return [amounts(units, row) for row in rows]
 
 
 def _cases(tuned: Tuned, point: Evaluation) -> list[dict[str, Any]]:
@@ -189,9 +189,9 @@ def case_records(
         {
             "outcome": problem.mechanism.outcomes(int(code)).name,
             "impacts": int(impacts),
-            **({} if problem.peak_quantity is None else {heading("first_peak", "N"): json_number(first)}),
-            **dict(zip(headings(units), map(json_number, row), strict=True)),
-            **({} if margin is None else {heading(margin, problem.catalogue[margin].unit): json_number(room)}),
+            **({} if problem.peak_quantity is None else {"first_peak": amount(first, "N")}),
+            **amounts(units, row),
+            **({} if margin is None else {margin: amount(room, problem.catalogue[margin].unit)}),
         }
         for code, impacts, first, row, room in zip(
             point.code, point.impacts, point.first, values, point.margin, strict=True
@@ -219,14 +219,15 @@ def tuned_comment(tuned: Tuned) -> str:
 
 def front_record(front: Front) -> dict[str, Any]:
     """Return the front's points, as in pareto.csv."""
-    header, rows = front_rows(front)
+    _, rows = front_rows(front)
+    units = _front_units(front)
     return {
         "kind": front.problem.mechanism.name,
         "identity": front.identity,
         "objectives": list(front.objectives),
         "scenarios": len(front.problem.cases),
         "samples": front.problem.samples,
-        "points": [dict(zip(header, row, strict=True)) for row in rows],
+        "points": [amounts(units, row) for row in rows],
         "design": part_record(front.problem.design),
         "jaxbuffer": version(),
     }
@@ -234,12 +235,7 @@ def front_record(front: Front) -> dict[str, Any]:
 
 def front_rows(front: Front) -> Table:
     """Return a row for each point."""
-    problem, catalogue = front.problem, front.problem.catalogue
-    units = {f"worst {name}": catalogue[name].unit for name in front.objectives}
-    units |= {f"limit of {name}": catalogue[name].unit for name in front.objectives[1:]}
-    units |= {"first_order_residual": "-", "gradient_error": "-", "converged": "", "status": ""}
-    units |= {v.path: unit(problem.design, v.path) for v in problem.variables}
-    header = ["point", *headings(units)]
+    problem = front.problem
     rows: list[Sequence[Any]] = []
     for k, (point, values, limits) in enumerate(zip(front.points, front.values, front.limits, strict=True)):
         # A point without a limit has an infinite one, which JSON lacks.
@@ -252,4 +248,16 @@ def front_rows(front: Front) -> Table:
         ]
         variables = [float(get(point.design, v.path)) for v in problem.variables]
         rows.append([k + 1, *map(float, values), *finite, *status, *variables])
-    return header, rows
+    return headings(_front_units(front)), rows
+
+
+def _front_units(front: Front) -> dict[str, str]:
+    """Return the unit of each column of a front's points, by name."""
+    problem, catalogue = front.problem, front.problem.catalogue
+    return {
+        "point": "",
+        **{f"worst {name}": catalogue[name].unit for name in front.objectives},
+        **{f"limit of {name}": catalogue[name].unit for name in front.objectives[1:]},
+        **{"first_order_residual": "-", "gradient_error": "-", "converged": "", "status": ""},
+        **{v.path: unit(problem.design, v.path) for v in problem.variables},
+    }

@@ -5,7 +5,7 @@ from typing import Any
 
 from ..choosing.catalogue import TOTALS
 from ..fields import as_typed, unit
-from ..labelled.record import Record, heading, parts
+from ..labelled.record import Record, heading
 from ..mechanisms.limit import IMPACTS, Limit
 from ..output.folder import Results
 from ..tuning.limit_rows import CLOSE, state_of
@@ -118,7 +118,7 @@ def asked_of_choice(results: Results) -> list[list[str]]:
     record = results.records["choice"]
     rows = [["objective", words(record["objective"]), "as small as possible"]]
     if "then" in record:
-        tolerance = percent_text(record[heading("then_tolerance", "-")])
+        tolerance = percent_text(record["then_tolerance"])
         rows.append(["then", words(record["then"]), f"of those within {tolerance} of the least objective"])
     rows += [["parts", role, f"one of {len(catalogue)}"] for role, catalogue in record["parts"].items()]
     return rows + [
@@ -132,7 +132,7 @@ def _limits_on_sums(record: Record) -> list[tuple[Limit, str]]:
 
 def _sums(record: Record) -> list[tuple[str, str, Any]]:
     """Return name, unit and value of price and mass, of those that a record has."""
-    return [(*parts(key), value) for key, value in record.items() if parts(key)[0] in TOTALS]
+    return [(name, record.units.get(name, ""), value) for name, value in record.items() if name in TOTALS]
 
 
 def _best(record: Record) -> Record | None:

@@ -11,6 +11,7 @@ from ..mechanisms.limit import Limit
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.quantity import PEAK_TIME
 from ..output.folder import Results
+from ..output.page_data import FORCE, chart
 from ..tuning.cases import numbered
 from ..value_text import percent_text, relative_change, table_text
 from .abstract import abstract
@@ -33,7 +34,7 @@ from .records import (
     words,
 )
 from .review import distinct
-from .runs import FORCE, once
+from .runs import once
 
 CONTENTS = {"run": "a run", "tuned": "a tuning", "sensitivity": "derivatives", "sample": "a sample", "front": "a front"}
 CONTENTS |= {"choice": "a choice", "fit": "a fit"}
@@ -70,7 +71,7 @@ def comparison(every: Sequence[Results]) -> Page:
     parts += sections
     if curves := _forces(every):
         caption = "Contact force over time, each curve by its folder"
-        parts.append(PageSection("Forces", curves=[{"caption": caption, "axis": FORCE, "curves": curves}]))
+        parts.append(PageSection("Forces", curves=[chart(caption, FORCE, curves)]))
     run = every[0].mechanism.view.run_name
     drawn = [(results, stem, words) for results in every for stem, words in ((run, run), ("tune", "the search"))]
     if figures := [it for results, stem, words in drawn for it in figure(results, stem, f"{results.folder}: {words}")]:

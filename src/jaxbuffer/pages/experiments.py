@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ..fields import as_typed, ends_as_typed, get
-from ..labelled.record import Record, heading, parts
+from ..labelled.record import Record, heading
 from ..mechanisms.mechanism import EndCount, Mechanism
 from ..output.folder import Results
 from ..value_text import degrees_text, percent_text, table_text, unit_text
@@ -215,7 +215,8 @@ def front(results: Results) -> PageSection | None:
     on_front = sum(point["status"] in ON_FRONT for point in points)
     rows: list[list[str | Cell]] = []
     names = [name for name in points[0] if name not in ("point", "status", "converged")]
-    headings, factors = zip(*(_front_column(results, name) for name in names), strict=True)
+    units = points[0].units
+    headings, factors = zip(*(_front_column(results, name, units.get(name, "")) for name in names), strict=True)
     for point in points:
         mark = STATUS.get(point["status"], "")
         numbers = zip((point[name] for name in names), factors, strict=True)
@@ -235,17 +236,16 @@ def front(results: Results) -> PageSection | None:
     return PageSection("Front", text, figure(results, "pareto", caption), [table])
 
 
-def _front_column(results: Results, name: str) -> tuple[str, float]:
+def _front_column(results: Results, name: str, symbol: str) -> tuple[str, float]:
     """Return a column's heading with the unit that people are shown, and how many of those its own unit is: of an
     objective or its limit, or of a variable."""
-    start, symbol = parts(name)
-    quantity = results.mechanism.quantities.get(start.removeprefix("worst ").removeprefix("limit of "))
+    quantity = results.mechanism.quantities.get(name.removeprefix("worst ").removeprefix("limit of "))
     display_unit, factor = symbol, 1.0
     if quantity is not None:
         display_unit, factor = quantity.in_figures
-    elif typed := units_of(results).get(start):
+    elif typed := units_of(results).get(name):
         factor, display_unit = as_typed(1.0, symbol, typed)
-    return heading(words(start), display_unit), factor
+    return heading(words(name), display_unit), factor
 
 
 def _outcomes(mechanism: Mechanism, counts: Mapping[str, int]) -> Table:

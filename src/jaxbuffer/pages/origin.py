@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from ..labelled.record import Record
+from ..labelled.record import Record, headings
 from ..output.folder import BESIDE, RECORDS, Results
 from ..output.provenance import MADE
 from ..value_text import table_text
@@ -30,11 +30,12 @@ def origin(every: Sequence[Results]) -> PageSection:
     balances = [(name, record["numerical_balance"]) for name, record in records if "numerical_balance" in record]
     if balances:
         conserved = list(balances[0][1])
+        shown = headings({words(name): balances[0][1].units.get(name, "") for name in conserved})
         errors = [
             [result, *("–" if balance.get(name) is None else f"{balance[name]:.1e}" for name in conserved)]
             for result, balance in balances
         ]
-        tables.append(Table("Numerical errors of what is conserved", ("result", *map(words, conserved)), errors))
+        tables.append(Table("Numerical errors of what is conserved", ("result", *shown), errors))
     missing = [name for name, record in records if not record.get(MADE)]
     warnings = differing(records)
     if missing:
@@ -70,17 +71,17 @@ def differing(records: Sequence[tuple[str, Record]]) -> list[str]:
 
 
 def _settings(records: Sequence[tuple[str, Record]]) -> Table:
-    names = list(dict.fromkeys(name for _, record in records for name in _made(record).get("settings", {})))
+    given = [_made(record).get("settings", Record({})) for _, record in records]
+    units = {name: settings.units.get(name, "") for settings in given for name in settings}
     rows: list[list[str | Cell]] = []
-    for result, record in records:
+    for (result, record), settings in zip(records, given, strict=True):
         made = _made(record)
-        settings = made.get("settings", {})
         time = _time(made["wall_time"]) if "wall_time" in made else UNRECORDED
         time += ", the rest of a run that was interrupted" if made.get("resumed") else ""
         # Without the offset, as the heading says that times are in UTC.
         finished = made.get("finished", UNRECORDED).partition("+")[0].replace("T", " ")
-        rows.append([result, finished, time, *(table_text(settings.get(name)) for name in names)])
-    return Table("When, how long, how exactly", ("result", "finished (UTC)", "wall time", *names), rows)
+        rows.append([result, finished, time, *(table_text(settings.get(name)) for name in units)])
+    return Table("When, how long, how exactly", ("result", "finished (UTC)", "wall time", *headings(units)), rows)
 
 
 def _time(seconds: float) -> str:

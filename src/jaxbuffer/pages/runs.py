@@ -4,10 +4,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ..fields import as_typed, unit
-from ..labelled.record import Record
+from ..labelled.record import Record, headings
 from ..mechanisms.limit import Limit, both_sides
 from ..output.folder import Results
-from ..output.page_data import FORCE
+from ..output.page_data import FORCE, chart
 from ..tuning.variable import Variable
 from ..value_text import percent_text, table_text
 from .designs import other_design
@@ -35,7 +35,8 @@ def run(results: Results, first: Results) -> PageSection | None:
     if hits:
         rows = [[table_text(value) for value in impact.values()] for impact in hits]
         caption = f"{len(hits)} impact{'s' if len(hits) > 1 else ''}"
-        tables.append(Table(caption, [words(name) for name in hits[0]], rows, folded=len(hits) > MANY))
+        columns = headings({words(name): hits[0].units.get(name, "") for name in hits[0]})
+        tables.append(Table(caption, columns, rows, folded=len(hits) > MANY))
     where = run_in_sentence(mechanism, record)
     text = [f"{words(record['outcome']).capitalize()}; {where}."]
     return PageSection(
@@ -65,7 +66,7 @@ def forces(results: Results, caption: str) -> list[dict[str, Any]]:
     # A tuning has no curves where its worst scenario could not be run again.
     if record is None or not record["curves"]:
         return []
-    return [{"caption": caption, "axis": FORCE, "curves": record["curves"]}, *record.get("more", ())]
+    return [chart(caption, FORCE, record["curves"]), *record.get("more", ())]
 
 
 def diagnosis(results: Results, every: Sequence[Results]) -> PageSection | None:

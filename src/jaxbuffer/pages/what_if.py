@@ -13,7 +13,7 @@ from ..experiments.what_if import what_if as fit_around
 from ..experiments.what_if_model import Endings, Model
 from ..fields import SCENARIO
 from ..files import user_path, write
-from ..labelled.record import Record, heading
+from ..labelled.record import Record, amounts
 from ..output.folder import BESIDE, DESIGN, RECORDS, Results
 from ..output.formats import compact_json
 from ..output.provenance import MADE, made, made_in_python
@@ -68,7 +68,7 @@ def make_what_if(
     """
     begun, problem = time.perf_counter(), tuned_problem(folder)
     found = fit_around(problem, runs, progress=progress)
-    settings = {heading("rtol", "-"): problem.rtol, heading("duration", "s"): problem.duration}
+    settings = amounts({"rtol": "-", "duration": "s"}, (problem.rtol, problem.duration))
     how = made_in_python() if command is None else made(command, None, settings, time.perf_counter() - begun)
     write(folder / BESIDE["what_if"], compact_json(found.record() | {MADE: how}))
     return folder / BESIDE["what_if"]

@@ -4,9 +4,6 @@ JAX's persistent cache spares the compilation only: tracing and lowering a captu
 longer than loading what it holds. Here the key is all that a program is made from: the structure of its arguments, our
 own source, the packages, the processor and JAX's settings. A program of code of the user's, a contact law say, stays in
 memory.
-
-A wheel may hold programs of its own (`store.SHIPPED`), exported by `jax.export`, which are the same for all processors:
-a machine that has compiled nothing yet compiles them at once instead of tracing first.
 """
 
 import contextlib
@@ -15,6 +12,7 @@ import gc
 import hashlib
 import logging
 import os
+import pickle
 import sys
 import threading
 import time
@@ -28,11 +26,10 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import export
 from jax.stages import Compiled
 
-from . import ahead, load, store, structure
-from .identity import Description
+from . import ahead, load, store
+from .identity import Description, skeleton
 from .process import check_ready, kind, trim
 
 R = TypeVar("R")
@@ -49,7 +46,6 @@ Watcher = Callable[[Compilation | None], None]
 
 UNKNOWN = 10.0  # s, a run's on two cores
 PROGRAM = "a program"
-EXPORT = "JAXBUFFER_EXPORT"  # the variable of the environment by which a build of a wheel has programs exported
 _log = logging.getLogger(__name__)
 _watcher: Watcher | None = None
 _compiling = threading.RLock()
@@ -140,22 +136,18 @@ class stored(Generic[R]):  # a decorator
         return program(leaves, given)
 
     def _program(self, tree: Any, kinds: tuple[Any, ...], given: list[Any]) -> _Program:
-        folder, described = store.folder(), Description(structure.nested(tree))
+        folder, described = store.folder(), Description(skeleton(tree))
         if folder is None or described.of_user:
             return self._compiled(tree, kinds, given)
-        parts = (repr(described.parts), str(kinds))
-        file = folder / self._file_name(_made_from(), *parts)
-        shipped = self._file_name(_traced_from(), *parts)
+        file = folder / self._file_name(repr(described.parts), str(kinds))
         if (program := self._read(file, given)) is not None:
             return program
         with store.being_made(file):  # of many processes that come at once, one compiles
-            if (program := self._read(file, given)) is not None:
-                return program
-            return self._shipped(shipped, given, file) or self._compiled(tree, kinds, given, file, shipped)
+            return self._read(file, given) or self._compiled(tree, kinds, given, file)
 
-    def _file_name(self, made_from: bytes, *parts: str) -> str:
+    def _file_name(self, *parts: str) -> str:
         """Return the name of a program's file: a hash of its parts and of everything else that it depends on."""
-        content = hashlib.sha256(made_from + b"".join(part.encode() + b"\0" for part in parts))
+        content = hashlib.sha256(_made_from() + b"".join(part.encode() + b"\0" for part in parts))
         return f"{self.last.__name__}-{content.hexdigest()[:32]}{store.SUFFIX}"
 
     def _read(self, file: Path, given: list[Any]) -> _Program | None:
@@ -167,33 +159,14 @@ class stored(Generic[R]):  # a decorator
                 return None
             with store.being_loaded(file):
                 parts = load.all_ready(stored.compiled) if ready is None else ready.parts
-                return _checked(stored.description, parts, given)
+                return _checked(stored, parts, given)
         except Exception as error:  # another machine's, another JAX's: whatever it is, compiling helps
             _log.info("%s cannot be used: %s", file, error)
             store.remove(file)
             return None
 
-    def _shipped(self, name: str, given: list[Any], file: Path) -> _Program | None:
-        """Compile the program that the package came with under this name, if any, and write it to a file."""
-        begin = time.monotonic()
-        try:
-            stored = store.read_shipped(name)
-            if stored is None:
-                return None
-            with _announced(Compilation(self.what, _expected(self.last.__name__, self.seconds))):
-                built = _built([export.deserialize(bytearray(it)).call for it in stored.exported], given, keep=True)
-                program = _checked(stored.description, built.parts, given)
-        except Exception as error:  # tracing helps
-            _log.info("%s, which the package came with, cannot be used: %s", name, error)
-            return None
-        program = program._replace(seconds=time.monotonic() - begin)
-        _write(file, program, built.codes, stored.exported, name)
-        return program
-
-    def _compiled(
-        self, tree: Any, kinds: tuple[Any, ...], given: list[Any], file: Path | None = None, shipped: str = ""
-    ) -> _Program:
-        """Trace and compile the program, and write it to a file, if any, with the name under which a wheel has it."""
+    def _compiled(self, tree: Any, kinds: tuple[Any, ...], given: list[Any], file: Path | None = None) -> _Program:
+        """Trace and compile the program, and write it to a file, if any."""
         between: list[Any] = []  # the structure of what the first part finds
         result: list[Any] = []
 
@@ -224,8 +197,7 @@ class stored(Generic[R]):  # a decorator
         trim()  # what only compiling needed is half of what the process then holds
         program = _Program(built.parts, result[0], result[1], time.monotonic() - begin)
         if file is not None and built.codes:
-            exported = _exported(functions, given) if EXPORT in os.environ else []
-            _write(file, program, built.codes, exported, shipped)
+            _write(file, program, built.codes)
         return program
 
 
@@ -310,22 +282,13 @@ def _built(functions: Sequence[Callable[..., list[Any]]], arguments: Sequence[An
         return _Built(parts, [])
 
 
-def _exported(functions: Sequence[Callable[..., list[Any]]], arguments: Sequence[Any]) -> list[bytes]:
-    """Export functions as `_built` compiles them."""
-    exported = []
-    for function in functions:
-        part = export.export(jax.jit(function))(*arguments)
-        exported.append(bytes(part.serialize()))
-        arguments = [*arguments, *(jax.ShapeDtypeStruct(it.shape, it.dtype) for it in part.out_avals)]
-    return exported
-
-
-def _checked(description: Any, parts: list[Compiled], given: list[Any]) -> _Program:
+def _checked(there: store.Stored, parts: list[Compiled], given: list[Any]) -> _Program:
     """Return the program with these parts. It is run once here, where one that this machine cannot run may still be
     compiled anew."""
     jax.block_until_ready(_run(parts, given))
-    output_structure = structure.read(description["structure"])
-    return _Program(parts, output_structure, tuple(description["sources"]), description["seconds"])
+    # Reading a pickle may run code, and so may the machine code in the same file: trust comes from the folder.
+    structure = jax.tree.structure(pickle.loads(there.example))
+    return _Program(parts, structure, tuple(there.description["sources"]), there.description["seconds"])
 
 
 def _run(parts: Sequence[Compiled], arguments: Sequence[Any]) -> list[Any]:
@@ -334,16 +297,16 @@ def _run(parts: Sequence[Compiled], arguments: Sequence[Any]) -> list[Any]:
     return parts[1](*arguments, *between) if len(parts) > 1 else between
 
 
-def _write(file: Path, program: _Program, codes: list[load.MachineCode], exported: list[bytes], shipped: str) -> None:
+def _write(file: Path, program: _Program, codes: list[load.MachineCode]) -> None:
+    """Write a program to a file, unless its result has classes of the user's."""
+    example = skeleton(program.structure)
+    if Description(example).of_user:
+        return
     try:
-        description = {
-            "shipped": shipped,
-            "structure": structure.written(program.structure),
-            "sources": program.sources,
-            "seconds": program.seconds,
-        }
-        store.write(file, store.Stored(description, codes, exported))
-    except (OSError, structure.CannotSay) as error:  # a full disk, a class of another package: it is in memory
+        description = {"sources": program.sources, "seconds": program.seconds}
+        store.write(file, store.Stored(description, pickle.dumps(example), codes))
+    except (OSError, pickle.PicklingError, AttributeError, TypeError) as error:
+        # The disk is full, or something has no pickle: the program is in memory.
         _log.info("%s cannot be written: %s", file, error)
 
 
@@ -363,10 +326,3 @@ def _expected(name: str, otherwise: float) -> float:
 def _made_from() -> bytes:
     """Hash our own source, the packages, the processor and JAX's settings."""
     return hashlib.sha256("\0".join([sys.version, *kind().values()]).encode()).digest()
-
-
-@functools.cache
-def _traced_from() -> bytes:
-    """Hash the same but for the processor and Python's patches: what tracing depends on."""
-    python = ".".join(map(str, sys.version_info[:2]))
-    return hashlib.sha256("\0".join({**kind(), "Python": python, "processor": ""}.values()).encode()).digest()

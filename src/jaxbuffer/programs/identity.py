@@ -2,7 +2,8 @@
 
 A program of packages' code is kept on disk by the code's `Description`. One of the user's code stays in memory, where a
 class is its own key, because a class that is defined again is another object. A sweep or a tuning that is resumed, in
-whatever process, knows the user's code by its `source_hash`.
+whatever process, knows the user's code by its `user_code`: by what Python has compiled, rather than by a file, so that
+it is the same where ``resume=True`` was added below it, and code that was typed at a prompt or in a notebook has one.
 """
 
 import contextlib
@@ -10,45 +11,60 @@ import dataclasses
 import enum
 import functools
 import hashlib
-import inspect
 import pickle
 import sys
-import tokenize
 import types
-import uuid
 from collections.abc import Hashable
 from pathlib import Path
 from typing import Any
 
 import jax
 import numpy as np
+from jax.tree_util import PyTreeDef
 
 from .process import PACKAGES
 
 OURS = frozenset({"jaxbuffer"})
-NO_SOURCE = "without source"
 SITES = ("site-packages", "dist-packages")  # folders of packages that are installed
+LEAF = ...  # stands for a number of a tree: JAX takes it for a leaf, and no static value is one
 _KNOWN = frozenset(sys.stdlib_module_names) | frozenset(PACKAGES)
 _CAN_CHANGE = 1 << 9  # a class's flag, `Py_TPFLAGS_HEAPTYPE`: made as the program runs, rather than part of Python
 _PLAIN = (type(None), bool, int, float, complex, str, bytes, type(Ellipsis), type(NotImplemented), range)
 # Where methods, properties, partial and compiled functions have the functions that they are made of.
 _INSIDE = ("__wrapped__", "__func__", "__self__", "fget", "fset", "fdel", "func", "args", "keywords")
-_PROCESS = uuid.uuid4().hex[:8]
-_without_source: dict[int, types.CodeType] = {}
 
 
-def source_hash(*things: Any) -> str:
-    """Return a hash of the source of classes and functions, with the user's code and the values that they use: the same
-    in every process. Code without source, typed at a prompt say, is known in this process alone, and its hash begins
-    with `NO_SOURCE`."""
-    description = Description(*things)
-    content = hashlib.sha256(repr(description.parts).encode(errors="backslashreplace")).hexdigest()[:16]
-    return content if description.complete else f"{NO_SOURCE} {content}"
+def code_hash(*things: Any) -> str:
+    """Return a hash of classes and functions, with the user's code and the values that they use: the same in every
+    process with this Python."""
+    return _hash(Description(*things).parts)
 
 
-def unrecognised(*hashes: str | None) -> str:
-    """Return what to say where one of two hashes that differ is of code without source; "" where both have it."""
-    return " (code without source cannot be recognised)" if any(NO_SOURCE in (it or "") for it in hashes) else ""
+def user_code(*things: Any) -> str:
+    """Return a hash of the user's code that numbers of these designs, mechanisms and classes depend on, the same in
+    every process with this Python; "" where the packages have all of it."""
+    structures = tuple(thing if isinstance(thing, type) else jax.tree.structure(thing) for thing in things)
+    return _hash(_described(structures).of_user) if _of_user(structures) else ""
+
+
+def skeleton(structure: PyTreeDef) -> Any:
+    """Return a tree of this structure, with its classes and static values, and `LEAF` in place of each number."""
+    return jax.tree.unflatten(structure, [LEAF] * structure.num_leaves)
+
+
+def _described(structures: tuple[Any, ...]) -> "Description":
+    return Description(*(it if isinstance(it, type) else skeleton(it) for it in structures))
+
+
+# Remembered, because looking takes over a quarter of a sweep of one run, and the code of the packages does not change.
+@functools.lru_cache(maxsize=64)
+def _of_user(structures: tuple[Any, ...]) -> bool:
+    """Return whether any of the user's code belongs to these structures and classes."""
+    return bool(_described(structures).of_user)
+
+
+def _hash(parts: Any) -> str:
+    return hashlib.sha256(repr(parts).encode(errors="backslashreplace")).hexdigest()[:16]
 
 
 def known(thing: Any) -> bool:
@@ -70,16 +86,15 @@ def known(thing: Any) -> bool:
 class Description:
     """Classes, functions and values, described by nested tuples of text that are the same in every process.
 
-    ``parts``: those tuples; ``of_user``: whether some of it is code that no package's version pins down; ``complete``:
-    whether the source of all was found.
+    ``parts``: those tuples; ``of_user``: those of code that no package's version pins down.
     """
 
     def __init__(self, *things: Any) -> None:
-        self.of_user, self.complete = False, True
+        self.of_user: list[Hashable] = []
         self._visited: dict[int, tuple[int, Any]] = {}  # by identity, with the thing itself, which so stays alive
         self.parts = tuple(map(self._of, things))
 
-    def _of(self, thing: Any) -> Hashable:  # noqa: PLR0911 # a table of kinds
+    def _of(self, thing: Any) -> Hashable:  # noqa: PLR0911, PLR0912 # a table of kinds
         kind = type(thing)
         if kind in _PLAIN or isinstance(thing, np.dtype):
             return (kind.__name__, repr(thing))
@@ -92,31 +107,35 @@ class Description:
         if isinstance(thing, (np.ndarray, np.generic, jax.Array)) and not isinstance(thing, jax.core.Tracer):
             numbers = np.asarray(thing)
             return (str(numbers.dtype), numbers.shape, hashlib.sha256(numbers.tobytes()).hexdigest())
+        if isinstance(thing, types.CodeType):
+            names = (thing.co_names, thing.co_varnames, thing.co_argcount, thing.co_kwonlyargcount, thing.co_flags)
+            return (thing.co_code, *names, self._of(thing.co_consts))
         if known(thing):
             return ("known", *_address(thing))
         if isinstance(thing, types.FunctionType) and _written_in_package(thing):
             return self._made(thing)
         if not isinstance(thing, (type, types.FunctionType, types.ModuleType)) and known(kind):
             return self._object(thing)
-        self.of_user = True
         if id(thing) in self._visited:  # code refers to its own class, and classes to each other
-            return ("again", self._visited[id(thing)][0])
+            return self._users("again", self._visited[id(thing)][0])
         self._visited[id(thing)] = (len(self._visited), thing)
         if isinstance(thing, types.ModuleType):
-            return ("module", thing.__name__)
+            return self._users("module", thing.__name__)
         if isinstance(thing, type):
-            return _installed(thing) or self._class(thing)
+            return self._users(*(_installed(thing) or self._class(thing)))
         if isinstance(thing, types.FunctionType):
-            return _installed(thing) or self._function(thing)
+            return self._users(*(_installed(thing) or self._function(thing)))
         return self._object(thing)
 
-    def _made(self, function: types.FunctionType) -> Hashable:
-        """Describe a lambda of a package, or a function that another one has made, by its lines and columns, and what
-        it is closed over."""
-        code = function.__code__
-        place = (function.__module__, function.__qualname__, code.co_firstlineno, code.co_linetable, code.co_names)
-        constants = [it for it in code.co_consts if type(it) in _PLAIN]
-        return (*place, self._of(constants), self._of(function.__defaults__), *map(self._of, _around(function)))
+    def _users(self, *parts: Hashable) -> Hashable:
+        """Return the description of something that no package's version pins down, and note it."""
+        self.of_user.append(parts)
+        return parts
+
+    def _made(self, function: types.FunctionType) -> tuple[Hashable, ...]:
+        """Describe a function by its name, what Python has compiled, and the values that it is closed over."""
+        name = (function.__module__, function.__qualname__)
+        return (*name, *map(self._of, (function.__code__, function.__defaults__, *_around(function))))
 
     def _object(self, thing: Any) -> Hashable:
         """Describe an object by what it holds that makes it equal to another."""
@@ -130,7 +149,6 @@ class Description:
         if dataclasses.is_dataclass(thing):
             compared = [field.name for field in dataclasses.fields(thing) if field.compare]
             return (self._of(kind), self._of({name: getattr(thing, name, None) for name in compared}))
-        self.of_user = True  # it may hold anything
         if isinstance(thing, (jax.custom_jvp, jax.custom_vjp)) or not (known(kind) or _installed(kind) or inside):
             # Whether a cached property was asked for yet says nothing of the thing.
             cached = {name for name, value in vars(kind).items() if isinstance(value, functools.cached_property)}
@@ -144,10 +162,10 @@ class Description:
                     self._visited[id(thing)] = (len(self._visited), thing)
                     # Of a lock or a stream, which holds nothing by name, its type says what can be said.
                     inside = dict(getattr(thing, "__dict__", {}))
-        return (self._of(kind), self._of(inside), pickled)
+        return self._users(self._of(kind), self._of(inside), pickled)  # it may hold anything
 
-    def _class(self, cls: type) -> Hashable:
-        """Describe a class of the user's: bases, fields, attributes and methods, but not what dataclasses add to it."""
+    def _class(self, cls: type) -> tuple[Hashable, ...]:
+        """Describe a class of the user's: bases, fields, attributes and methods."""
         fields = [
             (field.name, bool(field.metadata.get("static")), self._of(field.default_factory))
             for field in getattr(cls, "__dataclass_fields__", {}).values()
@@ -155,22 +173,16 @@ class Description:
         own = {
             name: value
             for name, value in vars(cls).items()
-            if not name.startswith("__") or (isinstance(value, types.FunctionType) and _source(value))
+            if not name.startswith("__") or isinstance(value, types.FunctionType)
         }
         return (f"{cls.__module__}.{cls.__qualname__}", *map(self._of, cls.__bases__), *fields, self._of(own))
 
-    def _function(self, function: types.FunctionType) -> Hashable:
-        """Describe a function of the user's by its source and all that it uses: defaults, variables around it, and the
-        globals and modules that it names."""
-        source, names = _source(function), sorted(_names(function.__code__))
-        if not source:
-            self.complete = False
-            # Kept, because the id of one that is gone may become another's.
-            _without_source[id(function.__code__)] = function.__code__
-            source = f"{_PROCESS} {id(function.__code__)}"
+    def _function(self, function: types.FunctionType) -> tuple[Hashable, ...]:
+        """Describe a function of the user's, with all that it uses: the globals and modules that it names."""
+        names = sorted(_names(function.__code__))
         used = {name: function.__globals__.get(name, sys.modules.get(name)) for name in names}
-        parts = (function.__defaults__, function.__kwdefaults__, vars(function), *_around(function))
-        return (source, *map(self._of, parts), *((name, self._global(it, names)) for name, it in used.items()))
+        parts = *self._made(function), self._of(function.__kwdefaults__), self._of(vars(function))
+        return (*parts, *((name, self._global(it, names)) for name, it in used.items()))
 
     def _global(self, value: Any, names: list[str]) -> Hashable:
         """Describe what a global stands for; of a module of the user's, the attributes that the code ``names``."""
@@ -196,11 +208,12 @@ def _address(thing: Any) -> tuple[str | None, str | None]:
     return getattr(thing, "__module__", None), name
 
 
-def _installed(thing: Any) -> Hashable:
-    """Describe a class or function of an installed package by its name and its module's file; None for any other."""
+def _installed(thing: Any) -> tuple[Hashable, ...]:
+    """Describe a class or function of an installed package by its name and its module's file; () for any other."""
     place = Path(getattr(sys.modules.get(thing.__module__), "__file__", None) or "")
-    if "<" in thing.__qualname__ or not set(SITES) & set(place.parts):
-        return None
+    # Code at a prompt that a tool shows is in `__main__`, of which the tool is the file.
+    if thing.__module__ == "__main__" or "<" in thing.__qualname__ or not set(SITES) & set(place.parts):
+        return ()
     return (thing.__module__, thing.__qualname__, hashlib.sha256(place.read_bytes()).hexdigest())
 
 
@@ -211,14 +224,6 @@ def _around(function: types.FunctionType) -> list[Any]:
         with contextlib.suppress(ValueError):  # not filled yet
             values.append(cell.cell_contents)
     return values
-
-
-def _source(function: types.FunctionType) -> str:
-    """Return the source of a function, "" where there is none."""
-    try:
-        return inspect.getsource(function.__code__)
-    except (OSError, TypeError, SyntaxError, tokenize.TokenError):  # the last two: a file that is no Python
-        return ""
 
 
 def _names(code: types.CodeType) -> frozenset[str]:

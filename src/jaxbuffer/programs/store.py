@@ -4,8 +4,6 @@ Programs are code, so nobody but the user may be able to write to the folder. A 
 plain descriptions and the compiled programs, and a checksum. Nothing in it is looked at before the checksum is right.
 A file that turns out bad is deleted, also where it ended the process: a marker that lies beside a file while it is
 loaded is left behind then.
-
-A wheel may have programs in the package itself, as exported: they are as trustworthy as the source beside them.
 """
 
 import base64
@@ -29,9 +27,8 @@ except ImportError:  # Windows: files are trusted to load
     fcntl = None  # type: ignore[assignment]
 
 OTHERS = stat.S_IWGRP | stat.S_IWOTH
-MAGIC = b"jaxbuffer program 4\n"  # the number is the format's
+MAGIC = b"jaxbuffer program 5\n"  # the number is the format's
 SUFFIX, MARKER, DRAFT, MAKING = ".program", ".loading", ".draft", ".making"
-SHIPPED = Path(__file__).parent / "shipped"  # in a wheel that was built with programs
 UNUSED = 30 * 86400.0  # s after which a file is deleted: new source makes new files
 _log = logging.getLogger(__name__)
 _folder: Path | None = None
@@ -104,12 +101,12 @@ def _replaceable(parent: Path, status: os.stat_result) -> str:
 
 
 class Stored(NamedTuple):
-    """What a file holds: a description as JSON has it, the parts of a program as compiled, of which a wheel has none,
-    and as exported, of which only a wheel and the files that it is made from have any."""
+    """What a file holds: a description as JSON has it, the pickled ``example`` of a result, without its numbers, and
+    the compiled parts of a program."""
 
     description: Any
+    example: bytes
     compiled: list[MachineCode]
-    exported: list[bytes]
 
 
 def write(file: Path, stored: Stored) -> None:
@@ -117,8 +114,8 @@ def write(file: Path, stored: Stored) -> None:
     _remove_unused(file.parent)
     record = {
         "description": stored.description,
+        "example": _text(stored.example),
         "compiled": [(_text(content), *others) for content, *others in stored.compiled],
-        "exported": [_text(part) for part in stored.exported],
     }
     files.write(file, files.sealed(MAGIC + json.dumps(record).encode()))
 
@@ -148,26 +145,9 @@ def read(file: Path) -> Stored | None:
     with contextlib.suppress(OSError):
         # `_remove_unused` deletes by this time; a file system that cannot set it is no reason not to read.
         file.touch()
-    return _stored(json.loads(body))
-
-
-def read_shipped(name: str) -> Stored | None:
-    """Read a program that the package came with; None where there is none, or none that is whole."""
-    try:
-        body = _body((SHIPPED / name).read_bytes())
-    except OSError:
-        return None
-    return None if body is None else _stored(json.loads(body))
-
-
-def ship(folder: Path, into: Path) -> None:
-    """Write a folder's programs as a wheel has them: as exported, under a name that is the same for all processors."""
-    into.mkdir(parents=True, exist_ok=True)
-    for file in folder.glob(f"*{SUFFIX}"):
-        body = _body(file.read_bytes())
-        if body is not None:
-            stored = _stored(json.loads(body))
-            write(into / stored.description["shipped"], stored._replace(compiled=[]))
+    record = json.loads(body)
+    compiled = [MachineCode(base64.b64decode(content), *others) for content, *others in record["compiled"]]
+    return Stored(record["description"], base64.b64decode(record["example"]), compiled)
 
 
 def _body(content: bytes) -> bytes | None:
@@ -177,11 +157,6 @@ def _body(content: bytes) -> bytes | None:
     except ValueError:
         return None
     return whole.removeprefix(MAGIC) if whole is not None and whole.startswith(MAGIC) else None
-
-
-def _stored(record: Any) -> Stored:
-    compiled = [MachineCode(base64.b64decode(content), *others) for content, *others in record["compiled"]]
-    return Stored(record["description"], compiled, [base64.b64decode(part) for part in record["exported"]])
 
 
 def remove(*paths: Path) -> None:

@@ -10,7 +10,7 @@ from rich.table import Table
 from .._types import DataFrame, Dataset
 from ..fields import as_displayed, display_unit, unit_at
 from ..labelled.arrays import Labelled, dataset, frame
-from ..labelled.record import heading, json_number
+from ..labelled.record import headings, json_number
 from ..labelled.saved import Saved
 from ..mechanisms.dataset import attributes
 from ..mechanisms.mechanism import Mechanism
@@ -19,6 +19,12 @@ from ..mechanisms.run import Run
 from ..tables import html, table, text
 from ..value_text import percent_text, quotient_unit, with_unit
 from .certificate import Certificate
+
+COLUMNS = {
+    **dict.fromkeys(("quantity", "parameter", "value", "parameter_unit", "gradient", "gradient_unit"), ""),
+    **{"elasticity": "-", "estimated_error": "-", "verdict": ""},
+}
+"""What a pair of quantity and parameter has, with units."""
 
 FAR = 0.5  # relative change beyond which first order says little of its size
 
@@ -232,8 +238,6 @@ def _dataset(result: Sensitivity) -> Dataset:
 
 def sensitivity_rows(result: Sensitivity) -> tuple[list[str], list[Sequence[Any]]]:
     """Return a row for each pair of quantity and parameter."""
-    header = ["quantity", "parameter", "value", "parameter_unit", "gradient", "gradient_unit"]
-    header += [heading("elasticity", "-"), heading("estimated_error", "-"), "verdict"]
     certificate = result.certificate
     rows: list[Sequence[Any]] = []
     for i, quantity in enumerate(result.quantities):
@@ -252,4 +256,4 @@ def sensitivity_rows(result: Sensitivity) -> tuple[list[str], list[Sequence[Any]
                     None if certificate is None else certificate.verdicts[i].name,
                 ]
             )
-    return header, rows
+    return headings(COLUMNS), rows

@@ -15,7 +15,7 @@ from ..fields import Part, addresses, unit_at, value_at
 from ..labelled.arrays import Labelled
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
-from ..programs.structure import user_code
+from ..programs.identity import user_code
 from ..version import version
 from .chunk import SweepSettings
 from .columns import column_names

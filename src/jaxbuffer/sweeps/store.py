@@ -18,9 +18,9 @@ from ..cluster.extra import require
 from ..errors import InputError
 from ..files import Lock, naming, remove_all_drafts, whole_folder, write_all
 from ..hybrid import name_of
+from ..labelled.record import amount
 from ..mechanisms.dataset import attributes
 from ..mechanisms.mechanism import Mechanism
-from ..programs.identity import unrecognised
 from ..run.trust import VERDICTS
 from ..version import version
 from . import zarr_format
@@ -89,8 +89,7 @@ class SweepStore(BlockStore[int]):
 
     def _refusal(self, identity: Identity, parts: list[str]) -> str:
         remedy = "repeat the study, the options and the same --over of the first, or choose another --output"
-        cause = unrecognised(self.head.identity.get(CODE), identity.get(CODE)) if CODE in parts else ""
-        return f"{self.path} holds another sweep, differing in {in_words(parts)}{cause}; {remedy}; it is left as it is"
+        return f"{self.path} holds another sweep, differing in {in_words(parts)}; {remedy}; it is left as it is"
 
 
 def fill(store: SweepStore, columns: Mapping[str, np.ndarray]) -> None:
@@ -197,9 +196,9 @@ def _arrays(folder: Path, spec: SweepSpec, cut: Cut, types: Mapping[str, str]) -
 def _settings(spec: SweepSpec) -> dict[str, Any]:
     settings, (*_, duration) = spec.settings, spec.first()
     return {
-        "rtol [-]": float(settings.rtol),
-        "stabilisation [1/s]": float(settings.stabilisation),
-        "duration [s]": duration,
+        "rtol": amount(settings.rtol, "-"),
+        "stabilisation": amount(settings.stabilisation, "1/s"),
+        "duration": amount(duration, "s"),
         "solver": name_of(settings.solver),
         "trust": settings.trust,
     }

@@ -16,7 +16,7 @@ from ..errors import InputError, shown, suggest
 from ..fields.units import check_unit
 from ..mechanisms.quantity import Catalogue, Quantity
 from ..mechanisms.run import Run
-from ..programs.identity import source_hash
+from ..programs.identity import code_hash
 
 EXAMPLE = "CustomQuantity(lambda peak_force, stroke: peak_force * stroke, 'N m')"
 RESERVED = frozenset(  # words of a study's tables and keys of a tuning's records
@@ -145,7 +145,7 @@ class CustomQuantity:
     @property
     def identity(self) -> str:
         """Return a hash of the function and of all that it reads: the same in every process with this Python."""
-        return source_hash(self.function)
+        return code_hash(self.function)
 
 
 def check_traced(custom: CustomQuantity) -> None:

@@ -17,7 +17,7 @@ from ..block_store import short_hash
 from ..errors import InputError, check_flag, check_names, check_type, check_whole, suggest
 from ..fields import Part
 from ..files import user_path, write
-from ..programs.structure import user_code
+from ..programs.identity import user_code
 from .front import Front, worst_values
 from .objective import Objective
 from .problem import Problem

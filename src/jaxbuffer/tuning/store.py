@@ -8,7 +8,6 @@ the two is enough to resume: lines of a step that was cut short are dropped from
 
 import contextlib
 import dataclasses
-import io
 import json
 import os
 import uuid
@@ -19,18 +18,17 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from ..block_store import Arrays, BlockError, BlockStore, Head, Identity, MissingBlock, short_hash
+from ..block_store import ArchiveStore, Arrays, BlockError, Head, Identity, short_hash
 from ..errors import InputError
 from ..fields import as_displayed
 from ..files import Lock, naming, write, write_beside
-from ..programs.identity import unrecognised
 from ..value_text import percent_text, with_unit
 from .evaluation import Evaluation
 from .goal import Goal
 from .search import Branch
 
 LOG, STATE, PREVIOUS = "log.jsonl", "state.npz", "state.old.npz"
-HEAD, CHECKSUM, LINES = "head", "checksum", "log"  # arrays of a state beside those of the search
+LINES = "log"  # an array of a state beside those of the search
 VERSION, STUDY = "version", "study"  # parts of a tuning's identity beside its settings by name
 OPTIMIZER, CODE = "optimizer_steps", "own_code"  # parts that are hashes, which say nothing to people
 STATUS = ("running", "converged", "stalled", "behind")
@@ -39,30 +37,8 @@ Record = dict[str, Any]
 
 
 @dataclasses.dataclass(frozen=True)
-class StateStore(BlockStore[str]):
-    """The states of one tuning in a folder: each is a NumPy archive of its own, which also says what it is of."""
-
-    folder: Path
-
-    @staticmethod
-    def of(folder: Path, state: str) -> "StateStore":
-        """Return the store that a state is of. **Raises:** `BlockError` where that cannot be read."""
-        try:
-            description = json.loads(str(_archive(folder / state)[HEAD]))
-        except ValueError:
-            raise BlockError("is damaged") from None
-        return StateStore(Head.of(description), folder)
-
-    def _write_files(self, block: str, arrays: Arrays, checksum: int) -> None:
-        content, head = io.BytesIO(), json.dumps(self.head.described())
-        all_arrays: dict[str, Any] = {HEAD: head, **arrays, CHECKSUM: np.uint64(checksum)}
-        np.savez(content, **all_arrays)
-        write(self.folder / block, content.getvalue())
-
-    def _read_files(self, block: str) -> tuple[dict[str, np.ndarray], int]:
-        arrays = _archive(self.folder / block)
-        del arrays[HEAD]
-        return arrays, int(arrays.pop(CHECKSUM))
+class StateStore(ArchiveStore):
+    """The states of one tuning in a folder."""
 
     def _name(self, block: str) -> str:
         return ""  # a state becomes the previous one by its name alone
@@ -75,26 +51,11 @@ class StateStore(BlockStore[str]):
         words = {
             STUDY: "its study is another one (design, scenarios, [problem] or options)",
             OPTIMIZER: "its optimizer is another one",
-            CODE: "the code of its mechanism, laws or solver has changed"
-            + unrecognised(known.get(CODE), identity.get(CODE)),
+            CODE: "the code of its mechanism, laws or solver has changed",
         }
         differ = [words.get(name, f"{name} is {known.get(name)} there, {identity.get(name)} here") for name in parts]
         remedy = "repeat the study and the options of the first run, or choose another --output"
         return f"{self.folder} holds the run of another problem or other settings: {', '.join(differ)}; {remedy}"
-
-
-def _archive(file: Path) -> dict[str, np.ndarray]:
-    """Return the arrays of a state. **Raises:** `BlockError` that says what is wrong with it."""
-    try:
-        with file.open("rb") as content, np.load(content, allow_pickle=False) as stored:
-            arrays = dict(stored)
-    except FileNotFoundError:
-        raise MissingBlock from None
-    except Exception:  # zip files and arrays fail in many ways; all mean the same
-        raise BlockError("is damaged") from None
-    if not {HEAD, CHECKSUM} <= arrays.keys():
-        raise BlockError("is of another version of jaxbuffer")
-    return arrays
 
 
 class TuningStore:

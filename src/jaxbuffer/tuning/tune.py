@@ -15,8 +15,7 @@ from ..errors import InputError, check_flag, check_type, check_whole
 from ..fields import Part
 from ..files import user_path
 from ..hybrid import Solver, name_of, solver_named
-from ..programs.identity import source_hash
-from ..programs.structure import user_code
+from ..programs.identity import code_hash, user_code
 from ..progress import reported
 from ..version import version
 from .assessment import with_evidence
@@ -252,7 +251,7 @@ def _identity(problem: Problem, settings: Settings, optimizer: Any, solver: Solv
     except InputError:  # it has none
         name = hashlib.sha256(repr(used).encode()).hexdigest()[:8]
     named = optimizer is None or settings.optimizer != "quadratic"
-    steps = "as named" if named else source_hash(optimizer)
+    steps = "as named" if named else code_hash(optimizer)
     code = user_code(problem.mechanism, used, problem.design, *(case.scenario for case in problem.cases)) or "none"
     return {
         VERSION: version(),

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import InputError, check_choice
+from ...labelled.record import amounts
 from ...mechanisms.cautions import cautions
 from ...output.provenance import made
 from ...programs import process
@@ -89,7 +90,7 @@ class CommandLine:
         if self.config is not None and self.config.is_file():
             read = self.config.read_text(encoding="utf-8", errors="replace")
         duration = options.duration if options.duration is not None else study.mechanism.duration(study.design)
-        settings = {"solver": options.solver, "rtol [-]": float(options.rtol), "duration [s]": float(duration)}
+        settings = {"solver": options.solver, **amounts({"rtol": "-", "duration": "s"}, (options.rtol, duration))}
         about = made(self.words, read, settings, time.perf_counter() - self.begun, resumed)
         return {**about, "units": dict(study.units)}
 

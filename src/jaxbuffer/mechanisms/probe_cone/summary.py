@@ -161,14 +161,3 @@ def first_impact_line(capture: Capture) -> str:
         f"First impact: {force:.6g} N; closed form {_predicted(capture)}, "
         f"{float(first.elastic_peak):.6g} N without loss (effective energy T_c {float(first.effective_energy):.5g} J)"
     )
-
-
-def first_impact_record(capture: Capture) -> dict[str, float]:
-    """Return the closed form of the first impact, units in the names."""
-    first = capture.first_impact
-    return {
-        heading("effective_mass", "kg"): float(first.effective_mass),
-        heading("effective_energy", "J"): float(first.effective_energy),
-        heading("elastic_peak", "N"): float(first.elastic_peak),
-        heading("predicted_peak", "N"): float(first.predicted_peak),
-    }

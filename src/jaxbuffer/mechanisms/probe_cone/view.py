@@ -1,5 +1,6 @@
 """What is told of a capture and drawn of it."""
 
+from ...labelled.record import amounts
 from ..view import Names, View
 from .assembly import CONTACTS
 from .contradictions import contradictions
@@ -12,7 +13,7 @@ from .panels import panels
 from .parts import PARTS
 from .parts.vehicles import OTHER_NAMES
 from .sanity_checks import sanity_checks
-from .summary import first_impact_line, first_impact_record, summary
+from .summary import first_impact_line, summary
 from .vehicle_forces import larger_than_contact
 
 
@@ -39,6 +40,8 @@ def names(design: Design) -> Names:
     )
 
 
+CLOSED_FORM = {"effective_mass": "kg", "effective_energy": "J", "elastic_peak": "N", "predicted_peak": "N"}
+
 VIEW = View(
     title="Capture",
     synonyms=OTHER_NAMES,
@@ -48,7 +51,7 @@ VIEW = View(
     label=scenario_label,
     approach=lambda scenario: f"approach at {scenario_label(scenario)}",
     summary=summary,
-    record=lambda run: {"first_impact": first_impact_record(run)},
+    record=lambda run: {"first_impact": amounts(CLOSED_FORM, [getattr(run.first_impact, it) for it in CLOSED_FORM])},
     notes=lambda run: [first_impact_line(run)],
     diagnosis=diagnosis,
     sanity_checks=sanity_checks,

@@ -31,8 +31,8 @@ class Curves {
   constructor(root) {
     const data = JSON.parse(root.querySelector("script").textContent);
     this.axis = root.dataset.axis; // "force [N]", "stroke [mm]"
-    this.unit = this.axis.slice(this.axis.indexOf("[") + 1, -1);
-    this.curves = data.map(it => ({ name: it.name, times: it["time [s]"], forces: it[this.axis] }));
+    this.unit = root.dataset.unit;
+    this.curves = data.map(it => ({ name: it.name, times: it.time, forces: it.values }));
     this.svg = root.querySelector(".chart");
     this.slider = root.querySelector(".time");
     this.clock = root.querySelector(".clock");
