@@ -8,7 +8,6 @@ import numpy as np
 from ...elements import Buffer
 from ...elements.buffer import extension_text
 from ...elements.telling import when
-from ...labelled.record import heading
 from ...value_text import percent_text
 from ..energy import energy_text
 from ..quantity import NEGLIGIBLE
