@@ -24,10 +24,10 @@ def main(counts: str = "1,10,100,1000", output: Path = Path("benchmarks/results/
     from jaxbuffer import Limits, Objective, Problem, Variable, table2
     from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
     from jaxbuffer.tuning import Case, Distribution, Scatter
-    from jaxbuffer.tuning.evaluation import Evaluator
-    from jaxbuffer.tuning.goal import Goal
-    from jaxbuffer.tuning.search import Search
-    from jaxbuffer.tuning.settings import Settings
+    from jaxbuffer.tuning.problem.settings import Settings
+    from jaxbuffer.tuning.search.evaluation import Evaluator
+    from jaxbuffer.tuning.search.goal import Goal
+    from jaxbuffer.tuning.search.search import Search
 
     variables = [Variable(path, *bounds) for path, bounds in PROBE_CONE.defaults.variables.items()]
     spread = {"approach_speed": Distribution("uniform", 0.1, 0.3), "misalignment": Distribution("normal", 0.0, 0.02)}

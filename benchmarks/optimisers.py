@@ -52,8 +52,8 @@ class Watched:
     def __init__(self, problem: Any, slopes: bool) -> None:
         import numpy as np
 
-        from jaxbuffer.tuning.evaluation import Evaluator
-        from jaxbuffer.tuning.goal import Goal
+        from jaxbuffer.tuning.search.evaluation import Evaluator
+        from jaxbuffer.tuning.search.goal import Goal
 
         self.goal, self.evaluator = Goal(problem, problem.objective), Evaluator(problem, slopes=slopes)
         self.best, self.scaled, self.history = np.inf, problem.start(), list[tuple[int, float]]()
@@ -205,8 +205,8 @@ DERIVATIVE_FREE = ("differential evolution", "CMA-ES")
 
 def compared(problem: Any, methods: list[str]) -> list[dict[str, Any]]:
     """All methods on one problem; their best designs judged at tight tolerance."""
-    from jaxbuffer.tuning.evaluation import Evaluator
-    from jaxbuffer.tuning.goal import Goal
+    from jaxbuffer.tuning.search.evaluation import Evaluator
+    from jaxbuffer.tuning.search.goal import Goal
 
     goal, rows = Goal(problem, problem.objective), []
     judge = Evaluator(problem, slopes=False)

@@ -17,8 +17,8 @@ from jaxbuffer.study.config import Config
 from jaxbuffer.study.design_toml import design_toml
 from jaxbuffer.study.load import load
 from jaxbuffer.sweeps.store import STORE
-from jaxbuffer.tuning.store import in_words
-from jaxbuffer.tuning.tuned import tuning_history
+from jaxbuffer.tuning.report.tuned import tuning_history
+from jaxbuffer.tuning.search.store import in_words
 
 HERE = Path(__file__).parent
 

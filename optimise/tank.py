@@ -9,7 +9,7 @@ import numpy as np
 
 from jaxbuffer import Problem, get, replace
 from jaxbuffer.output.formats import csv_text
-from jaxbuffer.tuning.evaluation import Evaluation, Evaluator
+from jaxbuffer.tuning.search.evaluation import Evaluation, Evaluator
 
 from .study import config, figure, tuned, write
 

@@ -8,7 +8,7 @@ from jaxbuffer import Outcome
 from jaxbuffer.sensitivities.certificate import Verdict
 from jaxbuffer.sweeps.grid import grid
 from jaxbuffer.sweeps.result import SweepInterrupted
-from jaxbuffer.tuning.front import Front
+from jaxbuffer.tuning.report.front import Front
 from made_up import made_up_capture, made_up_sensitivity, made_up_sweep, made_up_tuning
 
 

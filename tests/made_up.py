@@ -18,13 +18,13 @@ from jaxbuffer.sensitivities.sensitivity import Sensitivity
 from jaxbuffer.sweeps.columns import column_names
 from jaxbuffer.sweeps.result import Sweep
 from jaxbuffer.tuning import Problem
-from jaxbuffer.tuning.checks import PeakForceBound
-from jaxbuffer.tuning.evaluation import Evaluation
-from jaxbuffer.tuning.goal import Goal
-from jaxbuffer.tuning.measurement import PEAKS
-from jaxbuffer.tuning.own_quantities import compose
-from jaxbuffer.tuning.settings import Settings
-from jaxbuffer.tuning.tuned import Tuned
+from jaxbuffer.tuning.problem.own_quantities import compose
+from jaxbuffer.tuning.problem.settings import Settings
+from jaxbuffer.tuning.report.tuned import Tuned
+from jaxbuffer.tuning.search.checks import PeakForceBound
+from jaxbuffer.tuning.search.evaluation import Evaluation
+from jaxbuffer.tuning.search.goal import Goal
+from jaxbuffer.tuning.search.measurement import PEAKS
 
 PARAMETERS, QUANTITIES = PROBE_CONE.defaults.parameters, PROBE_CONE.defaults.differentiated
 STEPS = 400

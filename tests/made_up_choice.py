@@ -8,7 +8,7 @@ from jaxbuffer.choosing.bound import ContinuousOptimum
 from jaxbuffer.choosing.choice import Choice
 from jaxbuffer.choosing.choose import selection
 from jaxbuffer.choosing.enumeration import RunTally
-from jaxbuffer.tuning.variable import Variable
+from jaxbuffer.tuning.problem.variable import Variable
 from made_up import made_up_evaluation, made_up_tuning
 
 PARTS = {

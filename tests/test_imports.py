@@ -16,7 +16,7 @@ import jaxbuffer
 from jaxbuffer.cli import commands
 from jaxbuffer.cli.app import app
 from jaxbuffer.cli.options import SHARED
-from jaxbuffer.tuning.settings import Settings
+from jaxbuffer.tuning.problem.settings import Settings
 from jaxbuffer.version import version
 
 SOURCE = Path(jaxbuffer.__file__).resolve().parents[1]

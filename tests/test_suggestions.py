@@ -7,7 +7,7 @@ from jaxbuffer.fields import meaning, paths
 from jaxbuffer.mechanisms.probe_cone import Scenario, table2
 from jaxbuffer.study.load import loads
 from jaxbuffer.suggestions import suggest
-from jaxbuffer.tuning.objective import quantity_in_words
+from jaxbuffer.tuning.problem.objective import quantity_in_words
 
 QUANTITIES = ("captured", "impacts", "peak_force", "peak_hinge_force", "peak_stop_force", "stroke", "end_time")
 SPAN = "expected [0.1, 0.2] or {from = 0.1, to = 0.2, count = 5}"

@@ -103,19 +103,19 @@ from .study.designs import (
 )
 from .sweeps.result import Sweep as Sweep
 from .sweeps.sweep import sweep as sweep
-from .tuning.cases import Case as Case
-from .tuning.custom_quantity import CustomQuantity as CustomQuantity
-from .tuning.front import Front as Front
-from .tuning.objective import (
+from .tuning.problem.cases import Case as Case
+from .tuning.problem.custom_quantity import CustomQuantity as CustomQuantity
+from .tuning.report.front import Front as Front
+from .tuning.problem.objective import (
     Limits as Limits,
     Objective as Objective,
     SecondObjective as SecondObjective,
 )
 from .tuning.pareto import pareto as pareto
-from .tuning.problem import Problem as Problem
-from .tuning.tolerances import Tolerance as Tolerance
+from .tuning.problem.problem import Problem as Problem
+from .tuning.problem.tolerances import Tolerance as Tolerance
 from .tuning.tune import tune as tune
-from .tuning.tuned import Tuned as Tuned
-from .tuning.variable import Variable as Variable
+from .tuning.report.tuned import Tuned as Tuned
+from .tuning.problem.variable import Variable as Variable
 
 __version__: str

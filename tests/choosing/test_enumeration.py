@@ -10,7 +10,7 @@ from jaxbuffer import Limits, Objective, Problem, Scenario, table2
 from jaxbuffer.choosing.enumeration import Enumeration
 from jaxbuffer.choosing.order import Second
 from jaxbuffer.choosing.runs import Ended
-from jaxbuffer.tuning.measurement import Measurement
+from jaxbuffer.tuning.search.measurement import Measurement
 
 CASES, STROKE = 5, 0.025  # load cases; limit [m]
 

@@ -73,6 +73,6 @@ def test_the_base_needs_nothing_of_the_extra():
         "for name in ('dask', 'distributed', 'zarr', 'numcodecs'): sys.modules[name] = None\n"
         "import jaxbuffer as jb\n"
         "jb.sweep, jb.tune, jb.sample, jb.sensitivity, jb.pareto, jb.load\n"
-        "import jaxbuffer.cli.commands.sweep, jaxbuffer.sweeps.sweep, jaxbuffer.tuning.evaluation\n"
+        "import jaxbuffer.cli.commands.sweep, jaxbuffer.sweeps.sweep, jaxbuffer.tuning.search.evaluation\n"
     )
     subprocess.run([sys.executable, "-c", code], check=True)

@@ -5,7 +5,7 @@ import pytest
 
 import jaxbuffer as jb
 from jaxbuffer.experiments.what_if import GOOD, WIDTHS, _quantities, most_runs, what_if
-from jaxbuffer.tuning.cases import Distribution, Scatter
+from jaxbuffer.tuning.problem.cases import Distribution, Scatter
 
 VARIABLES = [jb.Variable("impact.stiffness", 1e10, 1e12), jb.Variable("bar.ball_radius", 0.001, 0.004, "linear")]
 SETTLING = jb.Limits(at_most={"settling_time": 10.0})

@@ -17,10 +17,10 @@ from jaxbuffer.sweeps import store
 from jaxbuffer.sweeps.cut import Cut
 from jaxbuffer.sweeps.result import Sweep
 from jaxbuffer.tuning import pareto, tune
-from jaxbuffer.tuning.front import Front
 from jaxbuffer.tuning.pareto import BEGUN, OF_A_POINT, _begin, begun_identity
-from jaxbuffer.tuning.settings import Settings
-from jaxbuffer.tuning.store import TuningStore
+from jaxbuffer.tuning.problem.settings import Settings
+from jaxbuffer.tuning.report.front import Front
+from jaxbuffer.tuning.search.store import TuningStore
 from made_up import made_up_capture, made_up_tuning
 
 RUN = ("capture.json", "capture.txt", "capture.nc", "capture.mat")

@@ -11,8 +11,8 @@ from jaxbuffer.mechanisms import all_mechanisms
 from jaxbuffer.mechanisms.probe_cone.panels import panels
 from jaxbuffer.output.sensitivity_figure import drawn, sensitivity_figure
 from jaxbuffer.pages.abstract import _sample
-from jaxbuffer.tuning.cases import Case
-from jaxbuffer.tuning.corners import Corners
+from jaxbuffer.tuning.problem.cases import Case
+from jaxbuffer.tuning.tolerances.corners import Corners
 from made_up import made_up_capture, made_up_certificate, made_up_sensitivity
 from output.drawn import check_readable
 

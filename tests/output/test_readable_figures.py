@@ -18,9 +18,9 @@ from jaxbuffer.output.sample_figures import indices_figure, sample_figure, surfa
 from jaxbuffer.output.sweep_figures import sweep_figure
 from jaxbuffer.output.tune_figure import front_figure, tune_figure
 from jaxbuffer.sweeps.grid import grid
-from jaxbuffer.tuning.cases import Distribution, Scatter
-from jaxbuffer.tuning.cases import grid as cases_of
-from jaxbuffer.tuning.front import Front
+from jaxbuffer.tuning.problem.cases import Distribution, Scatter
+from jaxbuffer.tuning.problem.cases import grid as cases_of
+from jaxbuffer.tuning.report.front import Front
 from made_up import made_up_capture, made_up_sweep, made_up_tuning
 from output.drawn import check_readable
 

@@ -11,7 +11,7 @@ from jaxbuffer.experiments.sample import sample
 from jaxbuffer.output.formats import write_all
 from jaxbuffer.sweeps.grid import grid
 from jaxbuffer.sweeps.result import Sweep
-from jaxbuffer.tuning.front import Front
+from jaxbuffer.tuning.report.front import Front
 from made_up import made_up_capture, made_up_sensitivity, made_up_sweep, made_up_tuning
 from pages.report_folders import every_kind
 

@@ -15,9 +15,9 @@ from jaxbuffer.output.folder import load
 from jaxbuffer.output.tuned_files import tuned_files
 from jaxbuffer.pages.compare import comparison
 from jaxbuffer.pages.review import review
-from jaxbuffer.tuning.cases import Distribution, Scatter
-from jaxbuffer.tuning.corners import Corners, corner_in_sentence
-from jaxbuffer.tuning.own_quantities import check_start
+from jaxbuffer.tuning.problem.cases import Distribution, Scatter
+from jaxbuffer.tuning.problem.own_quantities import check_start
+from jaxbuffer.tuning.tolerances.corners import Corners, corner_in_sentence
 from made_up import made_up_evaluation, made_up_tuning
 
 SPEEDS = (0.1, 0.2, 0.15)  # m/s: the worst is no last one

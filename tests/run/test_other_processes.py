@@ -17,7 +17,7 @@ import jaxbuffer as jb
 from jaxbuffer.mechanisms import all_mechanisms
 from jaxbuffer.mechanisms.mechanism import Mechanism
 from jaxbuffer.sweeps.result import Sweep, SweepInterrupted
-from jaxbuffer.tuning.front import Front
+from jaxbuffer.tuning.report.front import Front
 from made_up import made_up_capture, made_up_sensitivity, made_up_tuning
 
 SHORT = 0.06  # s, a drop from 10 mm and its impact

@@ -11,9 +11,9 @@ from jaxbuffer.study.example import example_toml
 from jaxbuffer.study.load import loads
 from jaxbuffer.study.model import SampleTable, StudyOptions
 from jaxbuffer.study.schema import study_schema
-from jaxbuffer.tuning.cases import Scatter
-from jaxbuffer.tuning.objective import Limits, Objective, SecondObjective
-from jaxbuffer.tuning.settings import Settings
+from jaxbuffer.tuning.problem.cases import Scatter
+from jaxbuffer.tuning.problem.objective import Limits, Objective, SecondObjective
+from jaxbuffer.tuning.problem.settings import Settings
 
 TABLES = {
     "options": StudyOptions,

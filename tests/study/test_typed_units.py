@@ -17,7 +17,7 @@ from jaxbuffer.pages.runs import search
 from jaxbuffer.study.explained import explained
 from jaxbuffer.study.load import loads
 from jaxbuffer.sweeps.grid import grid
-from jaxbuffer.tuning.goal import Goal
+from jaxbuffer.tuning.search.goal import Goal
 from jaxbuffer.value_text import with_unit
 from made_up import made_up_evaluation, made_up_tuning
 

@@ -4,9 +4,9 @@ import numpy as np
 
 from jaxbuffer import Limits, Objective, Outcome, Problem, Scenario, SecondObjective, Variable, replace, table2
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
-from jaxbuffer.tuning.evaluation import Evaluation
-from jaxbuffer.tuning.measurement import PEAKS
-from jaxbuffer.tuning.own_quantities import compose
+from jaxbuffer.tuning.problem.own_quantities import compose
+from jaxbuffer.tuning.search.evaluation import Evaluation
+from jaxbuffer.tuning.search.measurement import PEAKS
 
 QUANTITIES = tuple(name for name in PROBE_CONE.tuned if PROBE_CONE.has(name, table2()))
 

@@ -5,8 +5,8 @@ import pytest
 
 import jaxbuffer as jb
 from jaxbuffer import InputError, Limits, Outcome, Problem, Scenario, Variable, replace, table2
-from jaxbuffer.tuning.evaluation import Evaluator
-from jaxbuffer.tuning.goal import Goal
+from jaxbuffer.tuning.search.evaluation import Evaluator
+from jaxbuffer.tuning.search.goal import Goal
 
 SOFT = replace(table2(), {"buffer.k_A": 20.0, "buffer.c_A": 1.0})
 VARIABLES = (Variable("buffer.k_A", 20.0, 2000.0), Variable("buffer.c_A", 1.0, 60.0))

@@ -8,8 +8,8 @@ import pytest
 from jaxbuffer import Case, Limits, Outcome, Problem, Scenario, Variable, get, replace, simulate, table2, tune
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 from jaxbuffer.mechanisms.probe_cone.closed_form import first_impact_elasticities
-from jaxbuffer.tuning.checks import lower_bound
-from jaxbuffer.tuning.evaluation import Evaluator
+from jaxbuffer.tuning.search.checks import lower_bound
+from jaxbuffer.tuning.search.evaluation import Evaluator
 from verification.cases import CASES, PARAMETERS
 from verification.cases import PATHS as NAMES
 from verification.test_first_impact import closed_form

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
-from jaxbuffer.tuning.corner_search import CornerSearch, with_corners, worse_corners
-from jaxbuffer.tuning.corners import corners, run_corners
-from jaxbuffer.tuning.evaluation import Evaluation
-from jaxbuffer.tuning.measurement import PEAKS
-from jaxbuffer.tuning.spread import spread_lines, spreads, tightening
-from jaxbuffer.tuning.targets import targets
+from jaxbuffer.tuning.search.evaluation import Evaluation
+from jaxbuffer.tuning.search.measurement import PEAKS
+from jaxbuffer.tuning.tolerances.corner_search import CornerSearch, with_corners, worse_corners
+from jaxbuffer.tuning.tolerances.corners import corners, run_corners
+from jaxbuffer.tuning.tolerances.spread import spread_lines, spreads, tightening
+from jaxbuffer.tuning.tolerances.targets import targets
 from tuning.analytic import gradient
 
 NUMBERS = (

@@ -8,11 +8,11 @@ from scipy.optimize import minimize_scalar
 import jaxbuffer as jb
 from jaxbuffer import CustomQuantity, InputError, Limits, Objective, SecondObjective
 from jaxbuffer.tuning import tune as module
-from jaxbuffer.tuning.custom_quantity import RESERVED
-from jaxbuffer.tuning.evaluation import Evaluator
-from jaxbuffer.tuning.goal import Goal, Tangent
-from jaxbuffer.tuning.model_step import best_step
-from jaxbuffer.tuning.store import record_of
+from jaxbuffer.tuning.problem.custom_quantity import RESERVED
+from jaxbuffer.tuning.search.evaluation import Evaluator
+from jaxbuffer.tuning.search.goal import Goal, Tangent
+from jaxbuffer.tuning.search.model_step import best_step
+from jaxbuffer.tuning.search.store import record_of
 from jaxbuffer.tuning.tune import tune
 from tuning.analytic import Functions, problem, shifted
 from tuning.test_model_step import CURVATURE, PEAKS, SCALE

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from jaxbuffer.tuning.measurement import PEAKS, _all_peaks
+from jaxbuffer.tuning.search.measurement import PEAKS, _all_peaks
 
 
 def test_one_listed_impact_keeps_its_peak_and_slope():

@@ -14,9 +14,9 @@ from jaxbuffer.mechanisms.limit import ROUNDING, Limit
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 from jaxbuffer.study.load import loads
 from jaxbuffer.study.tuned_toml import tuned_toml
-from jaxbuffer.tuning.goal import Goal
-from jaxbuffer.tuning.measurement import Margin, margin_of_end
-from jaxbuffer.tuning.store import in_words, record_of
+from jaxbuffer.tuning.search.goal import Goal
+from jaxbuffer.tuning.search.measurement import Margin, margin_of_end
+from jaxbuffer.tuning.search.store import in_words, record_of
 from jaxbuffer.value_text import before_and_after, change_text, relative_change
 from made_up import made_up_evaluation, made_up_tuning
 

@@ -10,12 +10,12 @@ import jaxbuffer as jb
 from jaxbuffer.mechanisms.limit import IMPACTS, Limit
 from jaxbuffer.output.tune_figure import _rows
 from jaxbuffer.tables import text as text_of
-from jaxbuffer.tuning.checks import LeastValue
-from jaxbuffer.tuning.goal import Goal
-from jaxbuffer.tuning.limit_rows import LimitRow, limit_rows
-from jaxbuffer.tuning.limits_in_the_way import limits_in_the_way
-from jaxbuffer.tuning.message import SearchReport
-from jaxbuffer.tuning.store import in_words, record_of
+from jaxbuffer.tuning.report.limit_rows import LimitRow, limit_rows
+from jaxbuffer.tuning.report.limits_in_the_way import limits_in_the_way
+from jaxbuffer.tuning.report.message import SearchReport
+from jaxbuffer.tuning.search.checks import LeastValue
+from jaxbuffer.tuning.search.goal import Goal
+from jaxbuffer.tuning.search.store import in_words, record_of
 from made_up import made_up_evaluation, made_up_tuning
 
 CASES = [{"stroke": 0.02, "peak_force": 90.0, IMPACTS: 3}, {"stroke": 0.03, "peak_force": 70.0, IMPACTS: 5}]

@@ -10,10 +10,10 @@ import jaxbuffer as jb
 from jaxbuffer.fields import POSITIVE, Part, number
 from jaxbuffer.mechanisms.mechanism import Defaults, Mechanism
 from jaxbuffer.mechanisms.quantity import CONTACT_TIME, END_TIME, PEAK_FORCE, Quantity
-from jaxbuffer.tuning.goal import Goal, Tangent
-from jaxbuffer.tuning.measurement import Measurement
-from jaxbuffer.tuning.model_step import best_step
-from jaxbuffer.tuning.own_quantities import compose
+from jaxbuffer.tuning.problem.own_quantities import compose
+from jaxbuffer.tuning.search.goal import Goal, Tangent
+from jaxbuffer.tuning.search.measurement import Measurement
+from jaxbuffer.tuning.search.model_step import best_step
 from registration import registered
 
 STROKE = Quantity("m", lambda run: run.maxima["stroke"], "largest stroke", "stroke", swept=True, tuned=True)

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from jaxbuffer import InputError, Outcome, Problem, Scenario, Variable, load, table2
-from jaxbuffer.tuning import checks
 from jaxbuffer.tuning import tune as module
-from jaxbuffer.tuning.checks import lower_bound
-from jaxbuffer.tuning.measurement import Measurement
+from jaxbuffer.tuning.search import checks
+from jaxbuffer.tuning.search.checks import lower_bound
+from jaxbuffer.tuning.search.measurement import Measurement
 from jaxbuffer.tuning.tune import tune
 from tuning.analytic import Functions, problem
 

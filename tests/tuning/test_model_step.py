@@ -5,10 +5,10 @@ import pytest
 import qpsolvers
 
 from jaxbuffer import Limits, Objective
-from jaxbuffer.tuning import search
-from jaxbuffer.tuning.goal import Goal, Tangent
-from jaxbuffer.tuning.model_step import Cuts, Programme, best_step
-from jaxbuffer.tuning.settings import Settings
+from jaxbuffer.tuning.problem.settings import Settings
+from jaxbuffer.tuning.search import search
+from jaxbuffer.tuning.search.goal import Goal, Tangent
+from jaxbuffer.tuning.search.model_step import Cuts, Programme, best_step
 from tuning.analytic import Functions, problem, shifted
 
 SHIFT = 10.0

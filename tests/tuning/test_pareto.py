@@ -5,8 +5,8 @@ import pytest
 
 import jaxbuffer as jb
 from jaxbuffer.cli.entry import run
-from jaxbuffer.tuning.front import dominated
 from jaxbuffer.tuning.pareto import limits_between
+from jaxbuffer.tuning.report.front import dominated
 
 EXPONENT = 2.2
 LIMITS = (2e-4, 1e-4, 5e-5)  # m

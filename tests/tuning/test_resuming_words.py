@@ -10,8 +10,8 @@ import jaxbuffer as jb
 from jaxbuffer.contact.laws import Hertz
 from jaxbuffer.contact.laws.registry import _all
 from jaxbuffer.mechanisms import registry
-from jaxbuffer.tuning.settings import Settings
-from jaxbuffer.tuning.store import TuningStore
+from jaxbuffer.tuning.problem.settings import Settings
+from jaxbuffer.tuning.search.store import TuningStore
 from jaxbuffer.tuning.tune import _identity, best_so_far
 
 PAGE = Path(__file__).parents[2] / "docs" / "mechanisms.md"

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from jaxbuffer import InputError, Limits, Objective, Outcome, SecondObjective
-from jaxbuffer.tuning import search
 from jaxbuffer.tuning import tune as module
-from jaxbuffer.tuning.goal import Goal
-from jaxbuffer.tuning.settings import Settings
+from jaxbuffer.tuning.problem.settings import Settings
+from jaxbuffer.tuning.search import search
+from jaxbuffer.tuning.search.goal import Goal
 from jaxbuffer.tuning.tune import tune
 from tuning.analytic import Functions, problem, shifted
 

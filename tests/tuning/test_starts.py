@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 
 from jaxbuffer import Objective, Outcome, Problem, Scenario, SecondObjective, Variable, table2
-from jaxbuffer.tuning import checks
 from jaxbuffer.tuning import tune as module
-from jaxbuffer.tuning.checks import lower_bound
-from jaxbuffer.tuning.evaluation import Evaluator
-from jaxbuffer.tuning.measurement import Measurement
-from jaxbuffer.tuning.message import agreement_in_words
+from jaxbuffer.tuning.problem.settings import Settings
+from jaxbuffer.tuning.report.message import agreement_in_words
+from jaxbuffer.tuning.report.tuned import tuned_table
 from jaxbuffer.tuning.rounds import anywhere, around
-from jaxbuffer.tuning.settings import Settings
-from jaxbuffer.tuning.store import Progress
+from jaxbuffer.tuning.search import checks
+from jaxbuffer.tuning.search.checks import lower_bound
+from jaxbuffer.tuning.search.evaluation import Evaluator
+from jaxbuffer.tuning.search.measurement import Measurement
+from jaxbuffer.tuning.search.store import Progress
 from jaxbuffer.tuning.tune import tune
-from jaxbuffer.tuning.tuned import tuned_table
 from tuning.analytic import Functions, problem
 
 SHIFT = 10.0

@@ -36,7 +36,7 @@ def tune(monkeypatch, tmp_path):
     monkeypatch.setattr(
         "jaxbuffer.cli.commands.tune.tuned_files", lambda *_: {"design.toml": lambda: "", "tuned.json": lambda: ""}
     )
-    monkeypatch.setattr("jaxbuffer.tuning.tuned.Tuned.__repr__", lambda tuned: tuned.message)
+    monkeypatch.setattr("jaxbuffer.tuning.report.tuned.Tuned.__repr__", lambda tuned: tuned.message)
     monkeypatch.setattr("jaxbuffer.tuning.assessment.lower_bound", lambda *_: None)
 
     def call(*words, dies_after=None):

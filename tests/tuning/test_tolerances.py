@@ -11,7 +11,7 @@ import jaxbuffer as jb
 from jaxbuffer.output.folder import load
 from jaxbuffer.output.tuned_records import tuned_record
 from jaxbuffer.pages.review import review
-from jaxbuffer.tuning.corners import Corners
+from jaxbuffer.tuning.tolerances.corners import Corners
 
 MOST = 1800.0  # N, between the peaks in the lower and in the upper corners
 BOUNDS = {"impact.damping": (900.0, 1100.0), "impact.stiffness": (1e11, 4e11), "impact.ramp_depth": (5e-6, 2e-5)}

@@ -3,9 +3,9 @@
 import numpy as np
 
 from jaxbuffer import Outcome
-from jaxbuffer.tuning.broken_limits import broken_limits
-from jaxbuffer.tuning.evaluation import Evaluation
-from jaxbuffer.tuning.goal import Goal
+from jaxbuffer.tuning.report.broken_limits import broken_limits
+from jaxbuffer.tuning.search.evaluation import Evaluation
+from jaxbuffer.tuning.search.goal import Goal
 from tuning.analytic import Functions, Limits, problem
 
 LOW, HIGH = [1.0, 1.0], [10.0, 4.0]

@@ -10,11 +10,11 @@ from jaxtyping import Float
 
 from ..fields import Part
 from ..mechanisms.limit import Limit
-from ..tuning.evaluation import Evaluation, gather
-from ..tuning.goal import Goal
-from ..tuning.objective import Objective
-from ..tuning.problem import Problem
-from ..tuning.tuned import Tuned
+from ..tuning.problem.objective import Objective
+from ..tuning.problem.problem import Problem
+from ..tuning.report.tuned import Tuned
+from ..tuning.search.evaluation import Evaluation, gather
+from ..tuning.search.goal import Goal
 from .catalogue import CataloguePart
 from .criterion import Criterion, constant, objective_of_runs
 from .order import order

@@ -5,9 +5,9 @@ from collections.abc import Sequence
 from typing import Any
 
 from ..fields import Part, get, replace, unit
+from ..tuning.problem.variable import Variable
+from ..tuning.report.tuned import Tuned
 from ..tuning.tune import tune
-from ..tuning.tuned import Tuned
-from ..tuning.variable import Variable
 from ..value_text import percent_text, relative_change, with_unit
 from .catalogue import TOTALS, PartsCatalogue
 from .criterion import Criterion

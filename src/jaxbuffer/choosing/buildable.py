@@ -12,8 +12,8 @@ from ..errors import InputError, check_type, check_whole
 from ..fields import Part, check_path, get
 from ..hybrid import Solver
 from ..progress import counted
-from ..tuning.problem import Problem
-from ..tuning.store import Record
+from ..tuning.problem.problem import Problem
+from ..tuning.search.store import Record
 from ..tuning.tune import tune
 from .alternatives import alternatives
 from .catalogue import CataloguePart, PartsCatalogue

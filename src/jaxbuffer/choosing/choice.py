@@ -12,10 +12,10 @@ from ..labelled.arrays import frame
 from ..labelled.record import headings
 from ..labelled.saved import Saved
 from ..tables import html, table, text
-from ..tuning.corners import SEARCHED
-from ..tuning.evaluation import validity_lines
-from ..tuning.goal import Goal
-from ..tuning.problem import Problem
+from ..tuning.problem.problem import Problem
+from ..tuning.search.evaluation import validity_lines
+from ..tuning.search.goal import Goal
+from ..tuning.tolerances.corners import SEARCHED
 from ..value_text import percent_text, relative_change, with_unit
 from .alternatives import Alternative
 from .bound import ContinuousOptimum

@@ -15,11 +15,11 @@ from ..errors import InputError, check_flag, check_type, check_whole
 from ..hybrid import Solver, name_of, solver_named
 from ..programs.identity import user_code
 from ..progress import counted
-from ..tuning.corner_search import with_corners, worse_corners
-from ..tuning.evaluation import Evaluator
-from ..tuning.objective import Objective, SecondObjective
-from ..tuning.problem import Problem
-from ..tuning.store import Record
+from ..tuning.problem.objective import Objective, SecondObjective
+from ..tuning.problem.problem import Problem
+from ..tuning.search.evaluation import Evaluator
+from ..tuning.search.store import Record
+from ..tuning.tolerances.corner_search import with_corners, worse_corners
 from ..tuning.tune import tune
 from ..version import version
 from .alternatives import alternatives, best_first, ceiling, with_variables

@@ -12,7 +12,7 @@ from jaxtyping import Float, Int
 from ..errors import InputError
 from ..fields import Part, replace
 from ..mechanisms.registry import mechanism_of
-from ..tuning.cases import Case
+from ..tuning.problem.cases import Case
 from .catalogue import TOTALS, CataloguePart, PartsCatalogue
 
 MOST = 1_000_000  # combinations

@@ -12,8 +12,8 @@ from ..errors import InputError, check_known, check_single
 from ..fields import as_typed, in_unit
 from ..mechanisms.limit import Limit
 from ..mechanisms.quantity import Catalogue, Quantity
-from ..tuning.objective import ONE_LIMIT, Objective, SecondObjective, quantity_in_words
-from ..tuning.problem import Problem
+from ..tuning.problem.objective import ONE_LIMIT, Objective, SecondObjective, quantity_in_words
+from ..tuning.problem.problem import Problem
 from .catalogue import MASS, PRICE, TOTALS, stands_for
 from .combinations import Combinations
 from .order import Second

@@ -12,9 +12,9 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from ..tuning.evaluation import gather
-from ..tuning.goal import Goal
-from ..tuning.objective import Objective
+from ..tuning.problem.objective import Objective
+from ..tuning.search.evaluation import gather
+from ..tuning.search.goal import Goal
 from .order import Second, order, within
 from .runs import Runs
 

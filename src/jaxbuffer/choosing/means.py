@@ -12,9 +12,9 @@ from ..files import Lock, user_path
 from ..hybrid import Diffrax, Solver, solver_named
 from ..programs.process import check_ready
 from ..run.stepper import stepper_of
-from ..tuning.evaluation import FINEST_OF_DIFFRAX
-from ..tuning.problem import Problem
-from ..tuning.store import LOG, Record
+from ..tuning.problem.problem import Problem
+from ..tuning.search.evaluation import FINEST_OF_DIFFRAX
+from ..tuning.search.store import LOG, Record
 from .store import FOLDER
 
 OPTIMUM, TUNED = "choose.optimum", "choose.tuned"  # folders of tunings

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from ..mechanisms.limit import beyond
-from ..tuning.objective import Objective
+from ..tuning.problem.objective import Objective
 
 
 class Second(NamedTuple):

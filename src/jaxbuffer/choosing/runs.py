@@ -16,8 +16,8 @@ from ..mechanisms.registry import mechanism_of
 from ..programs.cache import Static
 from ..sweeps.chunk import CHUNK, SweepSettings, solve_chunk, task_size
 from ..sweeps.grid import Batch
-from ..tuning.measurement import Measurement
-from ..tuning.problem import Problem
+from ..tuning.problem.problem import Problem
+from ..tuning.search.measurement import Measurement
 from .combinations import Combinations, stacked
 from .store import ChoiceStore, Columns, Row
 

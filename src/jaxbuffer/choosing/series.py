@@ -7,7 +7,7 @@ from typing import Any
 
 from ..errors import InputError, as_number, check_number, shown
 from ..fields import POSITIVE, Part, in_unit, limits_of, no_number, typed_unit, unit
-from ..tuning.problem import Problem
+from ..tuning.problem.problem import Problem
 from ..value_text import interval_text, with_unit
 from .catalogue import CataloguePart, PartsCatalogue
 

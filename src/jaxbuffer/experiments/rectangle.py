@@ -13,7 +13,7 @@ from ..fields import Part, ends_as_typed, get
 from ..sweeps.axis import Axis
 from ..sweeps.result import Sweep
 from ..tables import text
-from ..tuning.objective import Limits
+from ..tuning.problem.objective import Limits
 from ..value_text import range_text
 
 UNDONE = "not computed"  # of a run that an interrupted sweep has not reached

@@ -12,10 +12,10 @@ from jaxtyping import Bool, Float
 from ..errors import check_type, check_whole
 from ..fields import as_displayed, get, unit_at
 from ..mechanisms.quantity import END_TIME
-from ..tuning.cases import Case, Distribution, in_sentence, numbered
-from ..tuning.evaluation import Evaluation, Evaluator
-from ..tuning.problem import Problem
-from ..tuning.tolerances import moved
+from ..tuning.problem.cases import Case, Distribution, in_sentence, numbered
+from ..tuning.problem.problem import Problem
+from ..tuning.problem.tolerances import moved
+from ..tuning.search.evaluation import Evaluation, Evaluator
 from ..value_text import percent_text
 from .what_if_model import Endings, Model, endings, fit
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..fields import Part, get, unit
-from ..tuning.variable import Variable
+from ..tuning.problem.variable import Variable
 from .factors import doubts
 from .fitted import Fitted, FittedNumber, RecordBesideFit, RowsByColumn
 from .intervals import Uncertainty, not_told_apart, uncertainty

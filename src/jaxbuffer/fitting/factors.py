@@ -8,7 +8,7 @@ from scipy.ndimage import gaussian_filter1d
 
 from ..fields import Part, as_displayed
 from ..mechanisms.registry import mechanism_of
-from ..tuning.variable import Variable
+from ..tuning.problem.variable import Variable
 from ..value_text import with_unit
 from .prediction import Prediction
 

@@ -13,7 +13,7 @@ from ..errors import InputError, check_type, suggest
 from ..fields import Part, get, in_unit, limits_of, unit
 from ..mechanisms.registry import mechanism_of
 from ..run.request import DEFAULT_TOLERANCE, check_pair
-from ..tuning.variable import SCALES, Variable
+from ..tuning.problem.variable import SCALES, Variable
 from .estimation import Estimation, Report
 from .fitted import Fitted
 from .prediction import Prediction

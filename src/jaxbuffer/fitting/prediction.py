@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from ..tuning.variable import Variable
+from ..tuning.problem.variable import Variable
 from .clipping import clipped_rows
 from .low_pass import Filtered
 from .recording import FILTER, GAIN, Recording, bounds, noise_of

@@ -9,7 +9,7 @@ from jaxtyping import Float
 
 from ..errors import InputError, as_number, check_number, check_type, shown
 from ..fields import NON_NEGATIVE, POSITIVE, Part, check_units_agree, in_unit
-from ..tuning.variable import Variable
+from ..tuning.problem.variable import Variable
 
 Bounds = Any  # a number, a text with a unit, or two of them for an unknown between them
 

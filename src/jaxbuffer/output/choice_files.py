@@ -8,7 +8,7 @@ from ..choosing.alternatives import Alternative, reported
 from ..choosing.choice import Choice, beyond, lines, ranking_rows, set_by
 from ..labelled.record import amount, json_number, part_record
 from ..study.tuned_toml import tuned_toml
-from ..tuning.evaluation import main_values
+from ..tuning.search.evaluation import main_values
 from ..version import version
 from . import style
 from .choice_figure import choice_figure

@@ -25,7 +25,7 @@ from ..sweeps.store import STORE, in_words, is_unfinished, opened
 from ..sweeps.zarr_format import attributes
 from ..tables import summary_html
 from ..tuning.pareto import begun_identity
-from ..tuning.store import stored_identity
+from ..tuning.search.store import stored_identity
 from .provenance import MADE
 
 DESIGN = "design.toml"

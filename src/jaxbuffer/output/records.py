@@ -14,8 +14,8 @@ from ..mechanisms.run import Run
 from ..mechanisms.run_arrays import history_columns, run_quantities
 from ..run.trust import Trust
 from ..sensitivities.result import COLUMNS, Sensitivity, advice, sensitivity_rows
-from ..tuning.custom_quantity import CustomQuantity
-from ..tuning.objective import Constraints, Limits
+from ..tuning.problem.custom_quantity import CustomQuantity
+from ..tuning.problem.objective import Constraints, Limits
 from ..version import version
 
 Table = tuple[list[str], list[Sequence[Any]]]

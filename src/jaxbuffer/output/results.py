@@ -12,8 +12,8 @@ from ..fitting.fitted import Fitted
 from ..mechanisms.run import Run
 from ..sensitivities.result import Sensitivity
 from ..sweeps.result import Sweep
-from ..tuning.front import Front
-from ..tuning.tuned import Tuned
+from ..tuning.report.front import Front
+from ..tuning.report.tuned import Tuned
 from . import formats, style
 from .choice_files import choice_files
 from .companions import stale

@@ -5,9 +5,9 @@ from ..mechanisms.run import Run
 from ..run.trust import Trust
 from ..sensitivities.result import Sensitivity, sensitivity_rows
 from ..tables import text
-from ..tuning.cases import numbered
-from ..tuning.limit_rows import run_limit_table
-from ..tuning.objective import Constraints
+from ..tuning.problem.cases import numbered
+from ..tuning.problem.objective import Constraints
+from ..tuning.report.limit_rows import run_limit_table
 from . import matlab, records, style
 from .field_files import field_files
 from .figures import run_figure

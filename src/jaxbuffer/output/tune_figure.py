@@ -8,9 +8,9 @@ import numpy as np
 from .._types import Axes, Figure
 from ..fields import get
 from ..mechanisms.run import Run
-from ..tuning.evaluation import main_values
-from ..tuning.front import Front
-from ..tuning.tuned import Tuned
+from ..tuning.report.front import Front
+from ..tuning.report.tuned import Tuned
+from ..tuning.search.evaluation import main_values
 from ..value_text import before_and_after, range_text, relative_change, unit_text, with_unit
 from .layout import legend_below, with_line_breaks
 from .pulses import force_over_time, last_contact

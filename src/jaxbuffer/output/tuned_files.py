@@ -7,8 +7,8 @@ from typing import Any
 from ..errors import InputError
 from ..run.simulate import simulate
 from ..study.tuned_toml import tuned_toml
-from ..tuning.front import Front
-from ..tuning.tuned import Tuned, tuning_history
+from ..tuning.report.front import Front
+from ..tuning.report.tuned import Tuned, tuning_history
 from . import style, tuned_records
 from .formats import Contents, Made, Writers, compact_json, csv_text
 from .matlab import design_mat

@@ -9,14 +9,14 @@ from jaxtyping import Float
 
 from ..fields import get, unit
 from ..labelled.record import amount, amounts, headings, json_number, part_record
-from ..tuning.cases import Case
-from ..tuning.evaluation import Evaluation, main_values
-from ..tuning.front import Front, point_status
-from ..tuning.limits_in_the_way import first_impact_levers
-from ..tuning.message import headline
-from ..tuning.problem import Problem
-from ..tuning.spread import CAPTION, spread_headings, spread_lines, spread_rows
-from ..tuning.tuned import SHOWN, Tuned, tuned_warnings
+from ..tuning.problem.cases import Case
+from ..tuning.problem.problem import Problem
+from ..tuning.report.front import Front, point_status
+from ..tuning.report.limits_in_the_way import first_impact_levers
+from ..tuning.report.message import headline
+from ..tuning.report.tuned import SHOWN, Tuned, tuned_warnings
+from ..tuning.search.evaluation import Evaluation, main_values
+from ..tuning.tolerances.spread import CAPTION, spread_headings, spread_lines, spread_rows
 from ..value_text import with_unit
 from ..version import version
 from .records import Table, limits_record

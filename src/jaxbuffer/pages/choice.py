@@ -8,7 +8,7 @@ from ..fields import as_typed, unit
 from ..labelled.record import Record, heading
 from ..mechanisms.limit import IMPACTS, Limit
 from ..output.folder import Results
-from ..tuning.limit_rows import CLOSE, state_of
+from ..tuning.report.limit_rows import CLOSE, state_of
 from ..value_text import percent_text, relative_change, table_text, with_unit
 from .limit_check import LimitCheck, required_success
 from .limits import CELLS, HEADINGS, limit_cells

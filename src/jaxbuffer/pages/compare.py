@@ -12,7 +12,7 @@ from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.quantity import PEAK_TIME
 from ..output.folder import Results
 from ..output.page_data import FORCE, chart
-from ..tuning.cases import numbered
+from ..tuning.problem.cases import numbered
 from ..value_text import percent_text, relative_change, table_text
 from .abstract import abstract
 from .badges import badges

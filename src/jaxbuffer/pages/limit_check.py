@@ -10,7 +10,7 @@ from ..labelled.record import Record
 from ..mechanisms.limit import IMPACTS, Limit, both_sides
 from ..mechanisms.mechanism import EndCount, Mechanism, RequiredEnd
 from ..output.folder import Results
-from ..tuning.cases import numbered
+from ..tuning.problem.cases import numbered
 from .records import Display, case_labels, display, same, scenario_of
 
 LIMITS = ("limits", "lower_limits", "most_impacts", "ends")  # what a record has that its study limits

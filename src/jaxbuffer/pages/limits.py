@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from ..labelled.record import Record
 from ..output.folder import Results
-from ..tuning.limit_rows import LimitRow, State, limit_rows
+from ..tuning.report.limit_rows import LimitRow, State, limit_rows
 from ..value_text import UNKNOWN, percent_text
 from .limit_check import LimitCheck, breaks, limit_check
 from .page import Cell, PageSection, Table

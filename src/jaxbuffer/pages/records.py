@@ -13,7 +13,7 @@ from ..output.folder import Results
 from ..output.provenance import MADE
 from ..output.style import DOTS_PER_INCH
 from ..output.words import called
-from ..tuning.cases import built_label, in_sentence, numbered
+from ..tuning.problem.cases import built_label, in_sentence, numbered
 from ..value_text import table_text
 from .page import Cell, Figure
 

@@ -8,7 +8,7 @@ from ..labelled.record import Record, headings
 from ..mechanisms.limit import Limit, both_sides
 from ..output.folder import Results
 from ..output.page_data import FORCE, chart
-from ..tuning.variable import Variable
+from ..tuning.problem.variable import Variable
 from ..value_text import percent_text, table_text
 from .designs import other_design
 from .limit_check import end_count

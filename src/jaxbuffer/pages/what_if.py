@@ -18,7 +18,7 @@ from ..output.folder import BESIDE, DESIGN, RECORDS, Results
 from ..output.formats import compact_json
 from ..output.provenance import MADE, made, made_in_python
 from ..study.load import load
-from ..tuning.problem import Problem
+from ..tuning.problem.problem import Problem
 from ..value_text import percent_text
 from .page import PageSection
 from .records import Display, display, field_name, same

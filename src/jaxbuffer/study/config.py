@@ -13,10 +13,10 @@ from ..mechanisms import mechanism_named
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
 from ..run.request import check_pair
-from ..tuning.cases import Case
-from ..tuning.problem import Problem
-from ..tuning.settings import Settings
-from ..tuning.tolerances import Tolerance
+from ..tuning.problem.cases import Case
+from ..tuning.problem.problem import Problem
+from ..tuning.problem.settings import Settings
+from ..tuning.problem.tolerances import Tolerance
 from .fit_toml import FIT, FitTable
 from .model import (
     PROBLEM,

@@ -18,9 +18,9 @@ from ..labelled.record import heading as heading_of
 from ..mechanisms import all_mechanisms
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.quantity import END_TIME
-from ..tuning.cases import Scatter
-from ..tuning.objective import Objective, SecondObjective
-from ..tuning.settings import Settings
+from ..tuning.problem.cases import Scatter
+from ..tuning.problem.objective import Objective, SecondObjective
+from ..tuning.problem.settings import Settings
 from ..value_text import interval_text
 from .config import sections, study_tables
 from .fit_toml import FitTable

@@ -13,10 +13,10 @@ from ..fitting.fit import checked
 from ..mechanisms.cautions import cautions
 from ..mechanisms.limit import both_sides
 from ..sweeps.grid import Grid, grid
-from ..tuning.cases import Case
-from ..tuning.problem import Problem
-from ..tuning.settings import Settings
-from ..tuning.variable import Variable
+from ..tuning.problem.cases import Case
+from ..tuning.problem.problem import Problem
+from ..tuning.problem.settings import Settings
+from ..tuning.problem.variable import Variable
 from ..value_text import interval_text, with_unit
 from .config import Config
 from .design_toml import points_text

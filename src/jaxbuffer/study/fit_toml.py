@@ -11,7 +11,7 @@ from ..files import user_path
 from ..fitting.quantities import recorded_quantities
 from ..fitting.reading import read_recording
 from ..fitting.recording import Channel, Recording
-from ..tuning.variable import Variable
+from ..tuning.problem.variable import Variable
 from .tables import PartTable, PathTable, StudyNames, StudyTable, keys_schema, read_keys, replaced, subtable
 from .values import BOUNDS, TEXT, Schema, as_table, as_tables, object_schema
 

@@ -18,10 +18,10 @@ from ..run.request import DEFAULT_TOLERANCE
 from ..suggestions import listed
 from ..sweeps.axis import SPAN
 from ..sweeps.grid import grid
-from ..tuning.cases import KINDS, Distribution, Scatter
-from ..tuning.objective import Limits, Objective, SecondObjective
-from ..tuning.tolerances import read_tolerances
-from ..tuning.variable import Variable
+from ..tuning.problem.cases import KINDS, Distribution, Scatter
+from ..tuning.problem.objective import Limits, Objective, SecondObjective
+from ..tuning.problem.tolerances import read_tolerances
+from ..tuning.problem.variable import Variable
 from .own_quantities import OWN, NamedQuantity
 from .parts_toml import ROUNDING
 from .tables import Keys, KeyTable, PartTable, PathTable, StudyNames, StudyTable, keys_schema, read_keys, subtable

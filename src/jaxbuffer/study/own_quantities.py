@@ -15,7 +15,7 @@ from ..fields import declared, text
 from ..fields.units import check_unit
 from ..files import user_path
 from ..mechanisms.mechanism import Mechanism
-from ..tuning.custom_quantity import CustomQuantity, check_custom_quantities, check_name, line_in, raised
+from ..tuning.problem.custom_quantity import CustomQuantity, check_custom_quantities, check_name, line_in, raised
 from .tables import StudyNames, StudyTable
 from .values import Schema, key_schema, object_schema
 

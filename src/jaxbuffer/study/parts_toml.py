@@ -9,8 +9,8 @@ from ..choosing.criterion import total_units
 from ..choosing.series import SERIES, check_rule
 from ..errors import InputError
 from ..fields import Part, check_path, flag, whole
-from ..tuning.objective import Objective, SecondObjective
-from ..tuning.problem import Problem
+from ..tuning.problem.objective import Objective, SecondObjective
+from ..tuning.problem.problem import Problem
 from .values import TEXT, Schema, ValueKind, as_table
 
 

@@ -9,10 +9,10 @@ from ..errors import InputError, meant
 from ..fields import Part, as_typed, declared, ends_as_typed, get, unit
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
-from ..tuning.cases import Case, grid
-from ..tuning.problem import Limits, Objective, Problem
-from ..tuning.tolerances import Tolerance
-from ..tuning.variable import Variable
+from ..tuning.problem.cases import Case, grid
+from ..tuning.problem.problem import Limits, Objective, Problem
+from ..tuning.problem.tolerances import Tolerance
+from ..tuning.problem.variable import Variable
 from ..value_text import interval_text, with_unit
 from .model import LIMITS, VARIABLES, ProblemTable
 from .own_quantities import own_quantities

@@ -29,7 +29,7 @@ from ..fields import (
 from ..files import user_path
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
-from ..tuning.objective import quantity_in_words
+from ..tuning.problem.objective import quantity_in_words
 from .values import Known, Schema, ValueKind, as_table, key_schema, object_schema, read_number, read_value
 
 T = TypeVar("T", bound=eqx.Module)

@@ -8,10 +8,10 @@ from typing import Any
 import tomli_w
 
 from ..fields import Part, as_written, declared, unit, unit_at
-from ..tuning.cases import Case, Scatter, grid_address
-from ..tuning.objective import Objective, SecondObjective
-from ..tuning.problem import Problem
-from ..tuning.settings import Settings
+from ..tuning.problem.cases import Case, Scatter, grid_address
+from ..tuning.problem.objective import Objective, SecondObjective
+from ..tuning.problem.problem import Problem
+from ..tuning.problem.settings import Settings
 from ..value_text import unit_text
 from .design_toml import design_toml
 from .model import limit_keys

@@ -32,8 +32,8 @@ from ..fields import (
     unit,
 )
 from ..sweeps.axis import EXAMPLE, SPAN, choices_example, span
-from ..tuning.cases import KINDS, MOST, Distribution, grid_address
-from ..tuning.variable import SCALES, Variable
+from ..tuning.problem.cases import KINDS, MOST, Distribution, grid_address
+from ..tuning.problem.variable import SCALES, Variable
 from ..value_text import interval_text
 
 TEXT = {"type": "string", "pattern": r"^\s*[-+]?[0-9.]", "description": 'a number with its unit, "0.5 kN/m" say'}

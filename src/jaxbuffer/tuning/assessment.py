@@ -11,16 +11,16 @@ from typing import TypeVar
 import numpy as np
 from jaxtyping import Float
 
-from .checks import lower_bound
-from .corners import CornerRuns, Corners, corners, run_corners
-from .evaluation import Evaluation, Evaluator
-from .goal import Goal, Tangent
-from .message import INFEASIBLE, Ended, SearchReport
-from .model_step import residual
-from .settings import Settings
-from .spread import spreads, tightening
-from .store import Record
-from .tuned import Tuned
+from .problem.settings import Settings
+from .report.message import INFEASIBLE, Ended, SearchReport
+from .report.tuned import Tuned
+from .search.checks import lower_bound
+from .search.evaluation import Evaluation, Evaluator
+from .search.goal import Goal, Tangent
+from .search.model_step import residual
+from .search.store import Record
+from .tolerances.corners import CornerRuns, Corners, corners, run_corners
+from .tolerances.spread import spreads, tightening
 
 T = TypeVar("T")
 

@@ -13,17 +13,17 @@ from jaxtyping import Float
 
 from ..errors import InputError
 from .assessment import assess
-from .constraints import ImpactsLimit
-from .evaluation import Evaluation, Evaluator
-from .goal import Goal, Tangent
-from .message import SearchReport, ending, left_to_gain
-from .model_step import residual
-from .problem import Problem
+from .problem.problem import Problem
+from .problem.settings import Settings
+from .report.message import SearchReport, ending, left_to_gain
+from .report.tuned import Tuned
 from .rounds import anywhere, check_starts, size
-from .search import CONVERGED, SCREENING_PENALTY, STALLED, Branch, Search
-from .settings import Settings
-from .store import TuningStore, evaluations_of, record_of, stored_evaluations
-from .tuned import Tuned
+from .search.constraints import ImpactsLimit
+from .search.evaluation import Evaluation, Evaluator
+from .search.goal import Goal, Tangent
+from .search.model_step import residual
+from .search.search import CONVERGED, SCREENING_PENALTY, STALLED, Branch, Search
+from .search.store import TuningStore, evaluations_of, record_of, stored_evaluations
 
 STIFFNESS = 20.0  # ρ, for an objective of about one and rows relative to their limits
 PATIENCE = 10  # steps between two rises of the multipliers

@@ -18,13 +18,13 @@ from ..errors import InputError, check_flag, check_names, check_type, check_whol
 from ..fields import Part
 from ..files import user_path, write
 from ..programs.identity import user_code
-from .front import Front, worst_values
-from .objective import Objective
-from .problem import Problem
-from .settings import settings_of
-from .store import LOG, PREVIOUS, STATE, Record
+from .problem.objective import Objective
+from .problem.problem import Problem
+from .problem.settings import settings_of
+from .report.front import Front, worst_values
+from .report.tuned import Tuned
+from .search.store import LOG, PREVIOUS, STATE, Record
 from .tune import tune
-from .tuned import Tuned
 
 ROOM = 1e-3  # relative room above the least value of an objective: there its design alone would be allowed
 MOST = 400  # points

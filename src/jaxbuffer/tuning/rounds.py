@@ -14,15 +14,15 @@ from jaxtyping import Float
 
 from ..errors import InputError
 from .assessment import assess
-from .constraints import Ceiling
-from .evaluation import Evaluation, Evaluator
-from .goal import Goal
-from .message import ending, search_report
-from .problem import Problem
-from .search import AGREE, BEHIND, RUNNING, Branch, Search, advance, without_hopeless
-from .settings import Settings
-from .store import Progress, TuningStore, record_of
-from .tuned import Tuned
+from .problem.problem import Problem
+from .problem.settings import Settings
+from .report.message import ending, search_report
+from .report.tuned import Tuned
+from .search.constraints import Ceiling
+from .search.evaluation import Evaluation, Evaluator
+from .search.goal import Goal
+from .search.search import AGREE, BEHIND, RUNNING, Branch, Search, advance, without_hopeless
+from .search.store import Progress, TuningStore, record_of
 
 WIDEST, NARROWEST = 0.5, 0.01  # half-widths of the boxes around the best design, of each variable's range
 

@@ -19,15 +19,26 @@ from ..programs.identity import code_hash, user_code
 from ..progress import reported
 from ..version import version
 from .assessment import with_evidence
-from .corner_search import with_corners, worse_corners
 from .descent import check_optimizer, descend, optimizer_named
-from .evaluation import Evaluator
-from .goal import Goal
-from .problem import Problem
+from .problem.problem import Problem
+from .problem.settings import Settings, settings_of
+from .report.tuned import Tuned
 from .rounds import Rounds, best_branch, stage_search
-from .settings import Settings, settings_of
-from .store import CODE, OPTIMIZER, STUDY, VERSION, Progress, Record, TuningStore, evaluations_of, in_words, read_state
-from .tuned import Tuned
+from .search.evaluation import Evaluator
+from .search.goal import Goal
+from .search.store import (
+    CODE,
+    OPTIMIZER,
+    STUDY,
+    VERSION,
+    Progress,
+    Record,
+    TuningStore,
+    evaluations_of,
+    in_words,
+    read_state,
+)
+from .tolerances.corner_search import with_corners, worse_corners
 
 SIGNS, BEGIN = "corner_signs", "begin"  # in a state: the corners among the cases, and what the rounds begin with
 

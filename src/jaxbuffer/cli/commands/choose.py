@@ -15,7 +15,7 @@ from ...fields import declared
 from ...output.choice_files import choice_files
 from ...study.config import Config
 from ...study.overrides import apply_options
-from ...tuning.settings import Settings
+from ...tuning.problem.settings import Settings
 from ..exits import LIMITS_BROKEN, OK, fail, interrupted
 from .progress import sweeping, tuning
 from .request import CommandLine, given, say_cautions

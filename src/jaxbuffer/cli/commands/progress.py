@@ -22,7 +22,7 @@ from rich.progress import (
 )
 
 from ...programs.cache import Compilation, watched
-from ...tuning.store import Record, in_words
+from ...tuning.search.store import Record, in_words
 
 T = TypeVar("T")
 

@@ -14,8 +14,8 @@ from ...programs import process
 from ...study.config import Config
 from ...study.load import load
 from ...study.overrides import apply_options, apply_overrides
-from ...tuning.cases import Case
-from ...tuning.problem import Problem
+from ...tuning.problem.cases import Case
+from ...tuning.problem.problem import Problem
 from ..streams import note
 from .output import Output
 

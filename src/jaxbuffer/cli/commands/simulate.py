@@ -13,7 +13,7 @@ from ...run.trust import Trust, trust
 from ...sensitivities.horizon import horizon
 from ...study.config import Config
 from ...study.own_quantities import own_quantities
-from ...tuning.objective import Constraints
+from ...tuning.problem.objective import Constraints
 from ..exits import LIMITS_BROKEN, OK, fail
 from ..streams import note
 from .progress import working

@@ -12,7 +12,7 @@ from ...sweeps.grid import Grid
 from ...sweeps.grid import grid as made
 from ...sweeps.store import STORE
 from ...sweeps.sweep import sweep as compute
-from ...tuning.objective import Limits
+from ...tuning.problem.objective import Limits
 from ..exits import INTERRUPTED
 from ..streams import note
 from .request import CommandLine, each_once

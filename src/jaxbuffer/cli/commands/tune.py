@@ -9,7 +9,7 @@ from ...fields import as_displayed
 from ...output.tuned_files import tuned_design, tuned_files
 from ...study.tuned_toml import tuned_toml
 from ...tuning import Problem
-from ...tuning.cases import grid_address
+from ...tuning.problem.cases import grid_address
 from ...tuning.tune import best_so_far
 from ...tuning.tune import tune_with as compute
 from ...value_text import with_unit

@@ -6,12 +6,12 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from ..value_text import with_unit
-from .cases import Case, corner_signs, in_sentence
-from .evaluation import Evaluation, Evaluator
-from .goal import Goal
-from .problem import Problem
-from .tolerances import moved
+from ...value_text import with_unit
+from ..problem.cases import Case, corner_signs, in_sentence
+from ..problem.problem import Problem
+from ..problem.tolerances import moved
+from ..search.evaluation import Evaluation, Evaluator
+from ..search.goal import Goal
 
 SEARCHED = (
     "the worst corners were searched for along the slopes and from each to its neighbours: no proof that no other"

@@ -9,26 +9,26 @@ import numpy as np
 from jaxtyping import Float
 from rich.table import Table
 
-from .._types import DataFrame
-from ..fields import Part, get, unit
-from ..labelled.arrays import frame
-from ..labelled.record import headings
-from ..labelled.saved import Saved
-from ..mechanisms.energy import energy_text
-from ..mechanisms.mechanism import EndCount
-from ..tables import html, table, text
-from ..value_text import before_and_after, change_text, number_text, percent_text, relative_change
+from ..._types import DataFrame
+from ...fields import Part, get, unit
+from ...labelled.arrays import frame
+from ...labelled.record import headings
+from ...labelled.saved import Saved
+from ...mechanisms.energy import energy_text
+from ...mechanisms.mechanism import EndCount
+from ...tables import html, table, text
+from ...value_text import before_and_after, change_text, number_text, percent_text, relative_change
+from ..problem.problem import Problem
+from ..problem.settings import Settings
+from ..search.checks import PeakForceBound
+from ..search.evaluation import Evaluation, main_values, validity_lines
+from ..search.goal import Goal
+from ..search.store import Record
+from ..tolerances.corners import Corners
+from ..tolerances.spread import Spread, Tightening, spread_lines, spread_table
 from .broken_limits import broken_limits
-from .checks import PeakForceBound
-from .corners import Corners
-from .evaluation import Evaluation, main_values, validity_lines
-from .goal import Goal
 from .limits_in_the_way import first_impact_levers, limits_in_the_way
 from .message import SearchReport, headline
-from .problem import Problem
-from .settings import Settings
-from .spread import Spread, Tightening, spread_lines, spread_table
-from .store import Record
 
 SHOWN = 12  # scenarios in a table
 OWN = 3  # own quantities in that table, in place of the usual ones

@@ -9,15 +9,15 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from ..fields import Part, get
-from ..mechanisms.limit import IMPACTS, Limit, beyond
-from ..mechanisms.mechanism import RequiredEnd
-from ..mechanisms.quantity import Quantity
-from ..value_text import digits_apart, percent_text, with_unit
-from .cases import Case
+from ...fields import Part, get
+from ...mechanisms.limit import IMPACTS, Limit, beyond
+from ...mechanisms.mechanism import RequiredEnd
+from ...mechanisms.quantity import Quantity
+from ...value_text import digits_apart, percent_text, with_unit
+from ..problem.cases import Case
+from ..problem.objective import Limits, Objective
+from ..problem.problem import Problem
 from .evaluation import Evaluation
-from .objective import Limits, Objective
-from .problem import Problem
 from .programme import Row, StepModel
 
 

@@ -18,11 +18,11 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from ..block_store import ArchiveStore, Arrays, BlockError, Head, Identity, short_hash
-from ..errors import InputError
-from ..fields import as_displayed
-from ..files import Lock, naming, write, write_beside
-from ..value_text import percent_text, with_unit
+from ...block_store import ArchiveStore, Arrays, BlockError, Head, Identity, short_hash
+from ...errors import InputError
+from ...fields import as_displayed
+from ...files import Lock, naming, write, write_beside
+from ...value_text import percent_text, with_unit
 from .evaluation import Evaluation
 from .goal import Goal
 from .search import Branch

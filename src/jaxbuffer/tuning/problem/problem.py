@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from ..errors import InputError, check_known, check_single, check_type, shown
-from ..fields import Part, as_typed, check_path, get, paths, replace, typed_unit, unit, unit_at
-from ..mechanisms.mechanism import Mechanism, RequiredEnd
-from ..mechanisms.quantity import PEAK_FORCE, Catalogue
-from ..mechanisms.registry import mechanism_of
-from ..run.request import DEFAULT_TOLERANCE, TOLERANCES, check_pair
+from ...errors import InputError, check_known, check_single, check_type, shown
+from ...fields import Part, as_typed, check_path, get, paths, replace, typed_unit, unit, unit_at
+from ...mechanisms.mechanism import Mechanism, RequiredEnd
+from ...mechanisms.quantity import PEAK_FORCE, Catalogue
+from ...mechanisms.registry import mechanism_of
+from ...run.request import DEFAULT_TOLERANCE, TOLERANCES, check_pair
 from .cases import WHOLE_CORNERS, Case, Scatter, corner_signs, in_sentence, numbered
 from .custom_quantity import CustomQuantity, check_custom_quantities
 from .objective import ONE_LIMIT, Limits, Objective, SecondObjective, in_units, quantity_in_words

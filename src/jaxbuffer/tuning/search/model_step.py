@@ -17,8 +17,8 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from ..problem.objective import Objective
 from .goal import ROOM, Goal, Tangent
-from .objective import Objective
 from .programme import Entries, Programme, Row, Source, Step
 
 RESIDUAL_RADIUS = 0.1  # of each variable's range

@@ -5,14 +5,14 @@ from collections.abc import Collection, Sequence
 import numpy as np
 from rich.table import Table
 
-from ..mechanisms.limit import IMPACTS
-from ..value_text import percent_text, relative_change, with_unit
+from ...mechanisms.limit import IMPACTS
+from ...value_text import percent_text, relative_change, with_unit
+from ..problem.problem import Problem
+from ..search.checks import PeakForceBound
+from ..search.evaluation import Evaluation
+from ..search.goal import Goal
 from .broken_limits import levers_text
-from .checks import PeakForceBound
-from .evaluation import Evaluation
-from .goal import Goal
 from .limit_rows import ShownRow, limit_rows, limit_table
-from .problem import Problem
 
 ROUNDED = 6  # decimals of a room: a search for a lower bound ends no nearer to it
 NEAR = 0.05  # relative distance from its lower bound within which a force is near it

@@ -5,9 +5,9 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ..errors import InputError, check_choice, check_single, check_type
-from ..fields import Curve, Part, as_typed, check_units_agree, ends_as_typed, get, in_unit, limits_of, replace, unit
-from ..value_text import interval_text, with_unit
+from ...errors import InputError, check_choice, check_single, check_type
+from ...fields import Curve, Part, as_typed, check_units_agree, ends_as_typed, get, in_unit, limits_of, replace, unit
+from ...value_text import interval_text, with_unit
 from .objective import ONE_LIMIT
 
 SCALES = ("log", "linear")

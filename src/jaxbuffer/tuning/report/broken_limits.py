@@ -6,13 +6,13 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from ..value_text import with_unit
-from .checks import PeakForceBound
-from .constraints import Breach, QuantityLimit, Reached
-from .evaluation import Evaluation
-from .goal import Goal
-from .problem import Problem
-from .variable import Variable
+from ...value_text import with_unit
+from ..problem.problem import Problem
+from ..problem.variable import Variable
+from ..search.checks import PeakForceBound
+from ..search.constraints import Breach, QuantityLimit, Reached
+from ..search.evaluation import Evaluation
+from ..search.goal import Goal
 
 LEAST = 1e-6  # change of a limited quantity, relative to its limit, for a change of 1 % of a variable: less is none
 WEAK = 0.1  # change relative to the strongest variable's: one with less is not named

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from ..errors import InputError, OutOfRange, as_number, check_type, shown
-from ..fields import (
+from ...errors import InputError, OutOfRange, as_number, check_type, shown
+from ...fields import (
     SCENARIO,
     Curve,
     Part,
@@ -26,7 +26,7 @@ from ..fields import (
     unit_at,
     value_at,
 )
-from ..value_text import with_unit
+from ...value_text import with_unit
 from .cases import Case
 
 EXAMPLE = '"10 %", "0.5 mm" or ["-1 mm", "2 mm"]'

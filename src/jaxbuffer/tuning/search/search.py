@@ -15,10 +15,10 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from ..problem.settings import Settings
 from .evaluation import Evaluation, Evaluator
 from .goal import ROOM, Goal, Tangent
 from .model_step import Cuts, ModelStep, Multipliers, best_step, residual, updated_curvature
-from .settings import Settings
 
 FIRST_RADIUS = 0.2  # of the trust region, as a share of each variable's range
 LARGEST_RADIUS = 0.5

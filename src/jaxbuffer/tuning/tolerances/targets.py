@@ -5,12 +5,12 @@ import dataclasses
 import numpy as np
 from jaxtyping import Float
 
-from ..value_text import with_unit
-from .constraints import Constraint
-from .evaluation import Evaluation
-from .goal import Goal
-from .objective import Objective
-from .problem import Problem
+from ...value_text import with_unit
+from ..problem.objective import Objective
+from ..problem.problem import Problem
+from ..search.constraints import Constraint
+from ..search.evaluation import Evaluation
+from ..search.goal import Goal
 
 
 @dataclasses.dataclass(frozen=True)

@@ -5,13 +5,13 @@ from typing import Any, Literal, NamedTuple
 
 from rich.table import Table
 
-from ..mechanisms.limit import IMPACTS, Limit
-from ..mechanisms.quantity import Catalogue
-from ..mechanisms.run import Run
-from ..tables import table
-from ..value_text import UNKNOWN, percent_text, table_text, unit_text, with_unit
-from .cases import in_sentence
-from .objective import Constraints, Limits
+from ...mechanisms.limit import IMPACTS, Limit
+from ...mechanisms.quantity import Catalogue
+from ...mechanisms.run import Run
+from ...tables import table
+from ...value_text import UNKNOWN, percent_text, table_text, unit_text, with_unit
+from ..problem.cases import in_sentence
+from ..problem.objective import Constraints, Limits
 
 CLOSE = 1e-3  # relative margin below which a value is at its limit
 State = Literal["broken", "not known", "at the limit", "kept"]

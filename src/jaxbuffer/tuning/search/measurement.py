@@ -7,15 +7,15 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from jaxtyping import Float, Int
 
-from ..fields import Part, get, value_at
-from ..hybrid import Solver, solver_named
-from ..mechanisms.mechanism import Mechanism, RequiredEnd
-from ..mechanisms.outcome import RunOutcome
-from ..mechanisms.quantity import END_TIME, IMPACT_PEAK
-from ..mechanisms.run import Run
-from ..run.simulate import simulate
-from ..sensitivities.gradients import gradients
-from .problem import Problem
+from ...fields import Part, get, value_at
+from ...hybrid import Solver, solver_named
+from ...mechanisms.mechanism import Mechanism, RequiredEnd
+from ...mechanisms.outcome import RunOutcome
+from ...mechanisms.quantity import END_TIME, IMPACT_PEAK
+from ...mechanisms.run import Run
+from ...run.simulate import simulate
+from ...sensitivities.gradients import gradients
+from ..problem.problem import Problem
 
 # How many of each run's highest impacts are listed: none below them has yet mattered within the length of a step.
 PEAKS = 24

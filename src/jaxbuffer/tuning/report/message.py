@@ -4,15 +4,15 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from ..mechanisms.mechanism import EndCount
-from ..value_text import percent_text
+from ...mechanisms.mechanism import EndCount
+from ...value_text import percent_text
+from ..problem.settings import Settings
+from ..search.checks import PeakForceBound
+from ..search.evaluation import Evaluation
+from ..search.goal import Goal
+from ..search.search import AGREE, CONVERGED, Branch
+from ..search.store import Progress
 from .broken_limits import broken_limits
-from .checks import PeakForceBound
-from .evaluation import Evaluation
-from .goal import Goal
-from .search import AGREE, CONVERGED, Branch
-from .settings import Settings
-from .store import Progress
 
 INFEASIBLE = "no feasible design found: "
 Ended = Literal["converged", "limit_of_steps", "stalled", "discontinuity"]

@@ -12,11 +12,11 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..errors import InputError, shown, suggest
-from ..fields.units import check_unit
-from ..mechanisms.quantity import Catalogue, Quantity
-from ..mechanisms.run import Run
-from ..programs.identity import code_hash
+from ...errors import InputError, shown, suggest
+from ...fields.units import check_unit
+from ...mechanisms.quantity import Catalogue, Quantity
+from ...mechanisms.run import Run
+from ...programs.identity import code_hash
 
 EXAMPLE = "CustomQuantity(lambda peak_force, stroke: peak_force * stroke, 'N m')"
 RESERVED = frozenset(  # words of a study's tables and keys of a tuning's records

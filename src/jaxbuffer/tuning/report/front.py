@@ -6,9 +6,9 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Bool, Float
 
-from ..labelled.saved import Saved
-from ..tables import table, text
-from .problem import Problem
+from ...labelled.saved import Saved
+from ...tables import table, text
+from ..problem.problem import Problem
 from .tuned import Tuned
 
 SAME = 1e-6  # relative: values that are no further apart are taken for one, well above their errors at rtol 1e-9

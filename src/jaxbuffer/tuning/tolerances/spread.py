@@ -8,13 +8,13 @@ import numpy as np
 from jaxtyping import Float
 from rich.table import Table
 
-from ..tables import table
-from ..value_text import is_plain, percent_text, range_text
+from ...tables import table
+from ...value_text import is_plain, percent_text, range_text
+from ..problem.problem import Problem
+from ..problem.tolerances import moved
+from ..search.evaluation import Evaluator
 from .corners import CornerRuns, corner_in_sentence
-from .evaluation import Evaluator
-from .problem import Problem
 from .targets import Target, targets
-from .tolerances import moved
 
 TRUSTED = 0.25  # error of the first order, relative to the scatter, up to which shares are relied on
 NEAR = 0.1  # of a limit: a target nearer to it, or beyond, is tightened for before the objective

@@ -10,11 +10,11 @@ import numpy as np
 import scipy
 from jaxtyping import Float
 
-from ..errors import InputError, check_choice, check_single, check_type, shown
-from ..fields import SCENARIO, Curve, Part, as_displayed, check_declared, check_path, get, replace, unit, whole
-from ..mechanisms import all_mechanisms
-from ..mechanisms.registry import mechanism_of_scenario
-from ..value_text import unit_text, with_unit
+from ...errors import InputError, check_choice, check_single, check_type, shown
+from ...fields import SCENARIO, Curve, Part, as_displayed, check_declared, check_path, get, replace, unit, whole
+from ...mechanisms import all_mechanisms
+from ...mechanisms.registry import mechanism_of_scenario
+from ...value_text import unit_text, with_unit
 
 KINDS = ("uniform", "normal")
 MOST = 100_000  # cases in a sample

@@ -11,17 +11,17 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from ..cluster.pool import Pool
-from ..errors import InputError
-from ..fields import Part, value_at
-from ..hybrid import Diffrax, Solver, name_of, solver_named
-from ..mechanisms.quantity import END_TIME
-from ..run.request import check_pair
-from ..run.stepper import stepper_of
-from .cases import Case
+from ...cluster.pool import Pool
+from ...errors import InputError
+from ...fields import Part, value_at
+from ...hybrid import Diffrax, Solver, name_of, solver_named
+from ...mechanisms.quantity import END_TIME
+from ...run.request import check_pair
+from ...run.stepper import stepper_of
+from ..problem.cases import Case
+from ..problem.own_quantities import check_start, compose
+from ..problem.problem import Problem
 from .measurement import Measurement, measure
-from .own_quantities import check_start, compose
-from .problem import Problem
 
 LOST = -10.0  # margin of a run that could not be solved [-]
 # rtol of the last check by diffrax: below it the smooth law's bias is larger, and derivatives take too many steps.

@@ -8,14 +8,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 
-from ..errors import InputError, check_flag, check_known, check_single, check_type
-from ..fields import POSITIVE, Part, check_declared, choice, declared, flag, get, in_unit, number, whole
-from ..mechanisms import all_mechanisms
-from ..mechanisms.limit import IMPACTS, Limit, both_sides
-from ..mechanisms.mechanism import Mechanism
-from ..mechanisms.quantity import Catalogue
-from ..mechanisms.run import Run
-from ..value_text import with_unit
+from ...errors import InputError, check_flag, check_known, check_single, check_type
+from ...fields import POSITIVE, Part, check_declared, choice, declared, flag, get, in_unit, number, whole
+from ...mechanisms import all_mechanisms
+from ...mechanisms.limit import IMPACTS, Limit, both_sides
+from ...mechanisms.mechanism import Mechanism
+from ...mechanisms.quantity import Catalogue
+from ...mechanisms.run import Run
+from ...value_text import with_unit
 from .custom_quantity import CustomQuantity
 
 AGGREGATES = ("worst", "mean", "cvar")

@@ -16,15 +16,15 @@ import numpy as np
 import scipy
 from jaxtyping import Float
 
-from ..errors import InputError
-from ..fields import Curve, Part, get, paths, replace
-from ..mechanisms.limit import Limit
-from ..run.simulate import simulate
-from .cases import Case
+from ...errors import InputError
+from ...fields import Curve, Part, get, paths, replace
+from ...mechanisms.limit import Limit
+from ...run.simulate import simulate
+from ..problem.cases import Case
+from ..problem.objective import Objective
+from ..problem.problem import Problem
 from .evaluation import built_design
 from .measurement import Measurement, measure
-from .objective import Objective
-from .problem import Problem
 
 GONE = 1e-6  # what is left of the buffer's springs and dampers
 DURATIONS = 4.0  # of an undamped Hertz impact, 2.943 δ/v each

@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from ..mechanisms.limit import ROUNDING
-from .cases import Case, corner_signs
-from .evaluation import Evaluation, Evaluator
-from .problem import Problem
+from ...mechanisms.limit import ROUNDING
+from ..problem.cases import Case, corner_signs
+from ..problem.problem import Problem
+from ..problem.tolerances import moved
+from ..search.evaluation import Evaluation, Evaluator
 from .targets import Target, targets
-from .tolerances import moved
 
 CLIMBS = 8  # corners from which each target's search goes on to neighbours
 STEPS = 8  # of one search along the slopes, and from a corner to its neighbours

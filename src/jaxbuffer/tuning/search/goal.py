@@ -8,13 +8,13 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from ..mechanisms.limit import beyond
-from ..value_text import percent_text
-from .cases import Case
+from ...mechanisms.limit import beyond
+from ...value_text import percent_text
+from ..problem.cases import Case
+from ..problem.objective import Limits, Objective
+from ..problem.problem import Problem
 from .constraints import Breach, Ceiling, Constraint, EndMargin, QuantityLimit, constraints_of
 from .evaluation import Evaluation
-from .objective import Limits, Objective
-from .problem import Problem
 
 ROOM = 1e-4  # relative distance from each limit that steps aim at, so that what the model neglects breaks none
 NEARBY = 0.01  # relative room to a limit below which the limit stands in the way

@@ -4,8 +4,8 @@ import dataclasses
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
-from ..errors import check_known, check_single
-from ..fields import Part, choice, limits_of, number, whole
+from ...errors import check_known, check_single
+from ...fields import Part, choice, limits_of, number, whole
 
 OPTIMIZERS = ("adam", "adamw", "amsgrad", "lion", "nadam", "rmsprop", "sgd")  # of optax
 

@@ -13,8 +13,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from ..errors import InputError
-from ..value_text import with_unit
+from ...errors import InputError
+from ...value_text import with_unit
 from .problem import Problem
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 from jaxtyping import Float
 
-from .objective import Objective
+from ..problem.objective import Objective
 
 Entries = list[tuple[int, float]]  # column and coefficient
 Step = Float[np.ndarray, " variables"]

@@ -1,0 +1,1 @@
+"""The design problem as data: load cases, variables, objective, limits, tolerances."""

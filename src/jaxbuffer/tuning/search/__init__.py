@@ -1,0 +1,1 @@
+"""The search for the best design: runs with their slopes, constraints, steps, what is stored."""

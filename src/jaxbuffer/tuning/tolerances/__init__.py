@@ -1,0 +1,1 @@
+"""Corners of tolerances: which are worst, and which tolerance matters."""
