@@ -1,8 +1,8 @@
 """Tuning: the design problem as data, and the search for the best design (docs/tuning.md).
 
-Each folder imports from those before it: ``problem`` (load cases, variables, objective, limits, tolerances), ``search``
-(runs, constraints, steps), ``tolerances`` (worst corners, which tolerance matters), ``report`` (what is told). The modules
-beside them carry a tuning out.
+Each folder imports from those before it: ``problem`` (load cases, variables, objective, limits, tolerances),
+``search`` (runs, constraints, steps), ``tolerances`` (worst corners, which tolerance matters), ``report`` (what is
+told). The modules beside them carry a tuning out.
 """
 
 from .problem.cases import Case as Case
