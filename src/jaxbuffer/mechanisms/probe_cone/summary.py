@@ -43,7 +43,7 @@ def summary(capture: Capture) -> str:
         *(f"  extension            {text}" for text in (extension_text(capture),) if text),
         f"  hinge angle          {np.degrees(float(capture.hinge_angle)):.6g} deg{when(at['hinge_angle'])}",
         *(line for element in capture.elements for line in _of_part(capture, element)),
-        f"  penetration          at most {1e6 * float(capture.penetration):.3g} µm into a {view.contact}",
+        f"  penetration          {_penetration(capture)}",
         f"  capture margin       {_margin(capture)}",
         *_energies(capture),
         f"  numerical balance    energy {float(b.energy):.1e}, momentum {float(b.linear_momentum):.1e} linear,"
@@ -68,13 +68,18 @@ def _stroke(capture: Capture, at: dict[str, float]) -> str:
 
 def _peak(capture: Capture) -> str:
     if not int(capture.impact_count):
-        return f"none: the tip touched no {capture.mechanism.view.contact}"
+        return f"none: the tip did not touch {capture.mechanism.view.any_contact(capture.design)}"
     count, listed, which = int(capture.impact_count), int(capture.impacts.count), int(capture.peak_impact) + 1
     impact = f"impact {which} of {count}"
     if count > listed:
         impact = f"impact {which or f'after the {listed}th'} of {count}, the first {listed} of which are listed"
     when = f"{float(capture.peak_force):.6g} N at {float(capture.peak_time):.6g} s"
     return f"{when}, {_contact(capture, capture.peak_contact)}, {impact}"
+
+
+def _penetration(capture: Capture) -> str:
+    depth = 1e6 * float(capture.penetration)
+    return f"at most {depth:.3g} µm into {capture.mechanism.view.any_contact(capture.design)}"
 
 
 def _contact(capture: Capture, number: Any) -> str:
