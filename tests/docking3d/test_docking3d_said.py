@@ -23,7 +23,7 @@ from jaxbuffer.mechanisms.probe_cone.closed_form import first_impact_elasticitie
 from jaxbuffer.mechanisms.probe_cone.start import before_mouth
 from jaxbuffer.output.animation import _title
 from jaxbuffer.output.layout import width
-from jaxbuffer.output.style import drawing
+from jaxbuffer.output.style import STYLE, drawing
 
 LATCH = {"latch.stiffness": 2e3, "latch.turn_stiffness": 50.0, "buffer.rebound_stiffness": 1e4}
 
@@ -105,7 +105,7 @@ def test_the_title_of_a_film_is_broken_into_lines_that_fit():
     """A start in space has many numbers: in one line they would stand beyond both edges of the picture."""
     rates = dict.fromkeys(("active_rate_x", "active_rate_y", "active_rate_z", "passive_rate_x", "passive_rate_z"), 0.01)
     scenario = jb.Scenario3D(start="free", offset_y=0.02, offset_z=-0.03, active_yaw=0.01, **rates)
-    inches, size = 9.7, 12.0
+    inches, size = 9.7, 1.2 * STYLE["font.size"]  # points of a large text
     with drawing():
         title = _title(SimpleNamespace(mechanism=DOCKING3D, scenario=scenario), inches)
     lines = title.split("\n")
@@ -142,6 +142,11 @@ def test_no_text_of_space_speaks_of_flanks():
     known = {"peak_force": 1e9, "penetration": 0.01}
     limits = [limit.beyond for limit in DOCKING3D.view.validity(jb.docking3d(), known)]
     assert "flank" not in fields + quantities + "".join(limits) + DOCKING3D.outcomes.failed_penetration.reason
+
+
+def test_a_history_lists_no_energy_of_parts_that_space_does_not_have():
+    names = jb.recorded_quantities(jb.docking3d())
+    assert "energy_torsional_damper" in names and not {"energy_bending", "energy_hinge_play"} & set(names)
 
 
 def test_check_explains_the_study_that_init_writes(tmp_path, capsys, monkeypatch):
