@@ -141,6 +141,7 @@ def test_no_text_of_space_speaks_of_flanks():
     quantities = "".join(quantity.description for quantity in DOCKING3D.quantities.values())
     known = {"peak_force": 1e9, "penetration": 0.01}
     limits = [limit.beyond for limit in DOCKING3D.view.validity(jb.docking3d(), known)]
+    assert "inertia I_S about y and z" in fields and "planar" not in "".join(DOCKING3D.view.limitations)
     assert "flank" not in fields + quantities + "".join(limits) + DOCKING3D.outcomes.failed_penetration.reason
 
 

@@ -44,9 +44,10 @@ MOST_ROLL = 2.0  # of the transverse inertia: that of a flat disc; no body has m
 class Active3D(Active):
     """The active vehicle S, axisymmetric about its x axis.
 
-    - ``roll_inertia``: I_x about that axis [kg m²].
+    - ``inertia``: about y and z, ``roll_inertia``: I_x about that axis [kg m²].
     """
 
+    inertia: Number = number(0.445, "kg m²", **POSITIVE, doc="inertia I_S about y and z through its centre of mass")
     roll_inertia: Number = number(0.2, "kg m²", **POSITIVE, doc="inertia I_x about the vehicle's axis; assumed")
 
     def check_together(self) -> None:
@@ -60,9 +61,10 @@ class Active3D(Active):
 class Passive3D(Passive):
     """The passive vehicle T, axisymmetric about its x axis.
 
-    - ``roll_inertia``: I_x about that axis [kg m²].
+    - ``inertia``: about y and z, ``roll_inertia``: I_x about that axis [kg m²].
     """
 
+    inertia: Number = number(0.5206, "kg m²", **POSITIVE, doc="inertia I_T about y and z through its centre of mass")
     roll_inertia: Number = number(0.25, "kg m²", **POSITIVE, doc="inertia I_x about the vehicle's axis; assumed")
 
     def check_together(self) -> None:
