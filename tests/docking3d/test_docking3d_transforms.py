@@ -25,9 +25,10 @@ def test_a_batch_of_azimuths_is_each_alone():
 
 
 def test_a_gradient_is_that_of_differences_of_tight_solves():
-    gradient = jax.grad(peak)(DESIGN)
+    """By one number: the tangents of all of a design's numbers take more than 10 GB to compile."""
     mass, step = float(jb.get(DESIGN, TIP_MASS)), 1e-4
+    gradient = jax.grad(lambda mass: peak(jb.replace(DESIGN, {TIP_MASS: mass})))(mass)
     high, low = (
         float(peak(jb.replace(DESIGN, {TIP_MASS: mass * (1.0 + sign * step)}), rtol=1e-9)) for sign in (1.0, -1.0)
     )
-    assert float(jb.get(gradient, TIP_MASS)) == pytest.approx((high - low) / (2.0 * step * mass), rel=1e-3)
+    assert float(gradient) == pytest.approx((high - low) / (2.0 * step * mass), rel=1e-3)
