@@ -60,6 +60,8 @@ def cases() -> dict[str, Case]:
     return {
         "capture": Case(jb.table2(), jb.Scenario()),
         "docking": Case(jb.replace(jb.table2(), latched), jb.Scenario(start="free")),
+        "capture3d": Case(jb.docking3d(), jb.Scenario3D()),
+        "docking3d": Case(jb.replace(jb.docking3d(), latched), jb.Scenario3D(start="free")),
         "slider_crank": Case(jb.SliderCrank(), jb.SliderCrankScenario()),
         "bar_drop": Case(jb.BarDrop(), jb.BarDropScenario()),
         "tank_drop": Case(jb.TankDrop(), jb.TankDropScenario()),

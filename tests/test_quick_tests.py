@@ -18,7 +18,7 @@ OF_WHOLE_RUNS = {
     *("mechanisms/test_tank_drop_gradients.py", "mechanisms/test_tank_plates.py", "structures/test_hertz.py"),
     *(f"multibody/test_flexible_{it}.py" for it in ("examples", "spin_up")),
     # the docking in space, whose programs take half a minute each; its start and what is said of it are quick
-    *(f"docking3d/test_docking3d_{it}.py" for it in ("diffrax", "files", "instant", "runs")),
+    *(f"docking3d/test_docking3d_{it}.py" for it in ("diffrax", "files", "instant", "runs", "studies", "transforms")),
     "properties/test_invariants.py",
     *(f"verification/test_{it}.py" for it in ("batched_captures", "buffer_end", "diffrax_route", "docking")),
     *(f"verification/test_{it}.py" for it in ("elasticities", "exact", "gradients", "hard_cases", "located_maxima")),

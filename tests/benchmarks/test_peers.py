@@ -14,6 +14,9 @@ from benchmarks.peers.compiled import sundials_library
 from benchmarks.peers.parameters import Parameters
 from benchmarks.peers.reference import load
 from benchmarks.peers.solvers import PEERS, solve
+from benchmarks.peers.space import capture as space_capture
+from benchmarks.peers.space import watch as space
+from benchmarks.peers.space.check import references
 from benchmarks.peers.watch import CAPTURE, EVENTS, context_of, forces, slope, slope_jacobian, watch
 from benchmarks.plan import REFERENCES
 
@@ -82,3 +85,28 @@ def test_compiled_peers_end_in_every_way(peer):
 def test_a_library_that_is_missing_leaves_no_half_of_cvode(monkeypatch):
     monkeypatch.setattr(sundials_library, "_file", lambda part: None)
     assert sundials_library.functions() is None
+
+
+SPACE = {case.name: case for case in references()}
+
+
+@pytest.mark.parametrize("name", SPACE)
+def test_the_peer_in_space_reaches_the_reference_captures(name):
+    result = space_capture(SPACE[name].parameters, 1e-9, 1e-12)
+    assert max(errors(result, SPACE[name]).values()) < 1e-6
+
+
+@pytest.mark.parametrize("slant", [0.02, 0.0735], ids=["rim", "cone"])
+@pytest.mark.parametrize("name", ["two planes", "free tip, target rolls"])
+def test_the_watched_rate_in_space_is_that_of_the_force(name, slant):
+    """Everything turns, and the ball is some millimetres deep in a cone that is soft enough for differences."""
+    y, context = space.context_of(replace(SPACE[name].parameters, cone_length=slant))
+    random = np.random.default_rng(3)
+    y = y + random.normal(size=len(y)) * np.repeat([2e-3, 0.05], [space.MOVES_S, len(y) - space.MOVES_S])
+    context[space.ACTIVE], context[space.MEMORY] = 1.0, 0.1
+    context[space.at.RADIUS], context[space.at.STIFFNESS] = 0.06, 1e5
+    flow, step, values = np.empty_like(y), 1e-6, np.empty(4)
+    space.slope_into(y, flow, context)
+    (ahead,), (behind,) = (space.forces(y + sign * step * flow, context) for sign in (1.0, -1.0))
+    space.watch_along(y, flow, values, context)
+    assert ahead > 0.0 and values[3] == pytest.approx((ahead - behind) / (2.0 * step), rel=1e-5)

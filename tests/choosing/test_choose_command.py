@@ -82,6 +82,12 @@ def test_check_says_what_is_chosen_from(study, capsys):
     assert "damper: 2, each with buffer.c_A, price: D14, D45" in shown
 
 
+def test_check_says_that_parts_and_roundings_are_one_too_many(study, capsys):
+    (study / "study.toml").write_text(STUDY + '[roundings]\nprobe.tip_mass = "E3"\n')
+    assert run(["check", "study.toml"]) == 0
+    assert "needs either [parts] or [roundings]; keep one" in capsys.readouterr().out
+
+
 def test_check_says_the_price_that_decides_and_refuses_it_without_parts(study, capsys):
     (study / "study.toml").write_text(STUDY + "[problem.objective]\nprice = 1.0\n")
     assert run(["check", "study.toml"]) == 0

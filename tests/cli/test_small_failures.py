@@ -36,6 +36,7 @@ def test_two_equal_peaks_swap_at_once_or_never(slopes, path, change):
         ("sweep --over buffer.k_A=1:2:100000000 --over buffer.c_A=1:2:100000000", "= 1e+16 runs, which need"),
         ("tune --starts 1e30", "must be a whole number from 1 to 1048576"),
         ("sample --over scenario.approach_speed=0.1:0.2 --count 1e30", "--count 1e30 is not a whole number"),
+        ("animate --output a.html", "format = 'html'"),
         ("animate --output a.mp4 --format gif", "--format gif and --output a.mp4 contradict; keep one"),
         ("simulate --output results/run.json", "names a folder; write --output results/run"),
         ("simulate --buffer.k_A 0,5", "buffer.k_A = '0,5': numbers have a decimal point here; write 0.5;"),

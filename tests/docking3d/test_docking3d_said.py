@@ -1,21 +1,29 @@
 """What is said of a docking in space before anything is computed, and in which words."""
 
 import re
+from types import SimpleNamespace
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
 import jaxbuffer as jb
 from docking3d.reference import CASES
 from jaxbuffer.cli.entry import run as command
+from jaxbuffer.fields import paths
+from jaxbuffer.fields.paths import meaning
 from jaxbuffer.mechanisms.cautions import cautions
 from jaxbuffer.mechanisms.docking3d.bodies import assemble_system
+from jaxbuffer.mechanisms.docking3d.capture import Docking3D
 from jaxbuffer.mechanisms.docking3d.mechanism import DOCKING3D
 from jaxbuffer.mechanisms.docking3d.start import start_motion
 from jaxbuffer.mechanisms.probe_cone.approach import Approach, rotation_matrix, turned
 from jaxbuffer.mechanisms.probe_cone.bodies import P, T, probe_masses
 from jaxbuffer.mechanisms.probe_cone.closed_form import first_impact_elasticities
 from jaxbuffer.mechanisms.probe_cone.start import before_mouth
+from jaxbuffer.output.animation import _title
+from jaxbuffer.output.layout import width
+from jaxbuffer.output.style import STYLE, drawing
 
 LATCH = {"latch.stiffness": 2e3, "latch.turn_stiffness": 50.0, "buffer.rebound_stiffness": 1e4}
 
@@ -93,6 +101,18 @@ def test_a_design_in_space_takes_a_scenario_in_space():
         jb.first_impact(jb.docking3d(), jb.Scenario())
 
 
+def test_the_title_of_a_film_is_broken_into_lines_that_fit():
+    """A start in space has many numbers: in one line they would stand beyond both edges of the picture."""
+    rates = dict.fromkeys(("active_rate_x", "active_rate_y", "active_rate_z", "passive_rate_x", "passive_rate_z"), 0.01)
+    scenario = jb.Scenario3D(start="free", offset_y=0.02, offset_z=-0.03, active_yaw=0.01, **rates)
+    inches, size = 9.7, 1.2 * STYLE["font.size"]  # points of a large text
+    with drawing():
+        title = _title(SimpleNamespace(mechanism=DOCKING3D, scenario=scenario), inches)
+    lines = title.split("\n")
+    assert " ".join(lines) == f"Capture in space, approach at {DOCKING3D.view.label(scenario)}"
+    assert len(lines) > 1 and max(width(line, size) for line in lines) < 72.0 * inches
+
+
 def test_a_scenario_in_a_few_words():
     label = DOCKING3D.view.label
     assert label(jb.Scenario3D(azimuth="40 deg", passive_pitch="1 deg")) == (
@@ -100,6 +120,34 @@ def test_a_scenario_in_a_few_words():
     )
     free = jb.Scenario3D(start="free", offset_y=-0.03, active_rate_x="2 deg/s")
     assert label(free) == "0.1 m/s, free start, active rate x 2 deg/s, offset y -30 mm"
+
+
+@pytest.mark.parametrize(
+    ("speed", "drift"),
+    [(-0.012, "moving towards it at 12 mm/s"), (0.012, "moving away from it at 12 mm/s")],
+)
+def test_the_probes_direction_at_the_latches_is_said_without_its_roll_and_with_it(speed, drift):
+    """The rotation vector's size has the roll in it: of a vehicle that rolls it is no angle against the cone's axis."""
+    docking = SimpleNamespace(
+        swing_miss=jnp.asarray(np.radians(0.5)), attitude_miss=jnp.radians(3.0), lateral_miss_rate=jnp.asarray(speed)
+    )
+    assert Docking3D.direction_text(docking) == "probe 0.5 deg against it, 3 deg with its roll"
+    assert Docking3D.drift_text(docking) == drift
+
+
+def test_no_text_of_space_speaks_of_flanks():
+    """The cone is one of revolution: it has no upper and no lower flank."""
+    fields = "".join(meaning(jb.docking3d(), path) for path in paths(jb.docking3d()))
+    quantities = "".join(quantity.description for quantity in DOCKING3D.quantities.values())
+    known = {"peak_force": 1e9, "penetration": 0.01}
+    limits = [limit.beyond for limit in DOCKING3D.view.validity(jb.docking3d(), known)]
+    assert "inertia I_S about y and z" in fields and "planar" not in "".join(DOCKING3D.view.limitations)
+    assert "flank" not in fields + quantities + "".join(limits) + DOCKING3D.outcomes.failed_penetration.reason
+
+
+def test_a_history_lists_no_energy_of_parts_that_space_does_not_have():
+    names = jb.recorded_quantities(jb.docking3d())
+    assert "energy_torsional_damper" in names and not {"energy_bending", "energy_hinge_play"} & set(names)
 
 
 def test_check_explains_the_study_that_init_writes(tmp_path, capsys, monkeypatch):

@@ -127,7 +127,7 @@ def test_a_run_that_touches_nothing_is_told_and_drawn(latched):
     run = eqx.tree_at(
         lambda c: (c.peak_force, c.impact_count, c.impacts.count, c.history.contact_force), latched, nothing
     )
-    assert "peak contact force   none: the tip touched no flank" in summary(run)
+    assert "peak contact force   none: the tip did not touch a flank" in summary(run)
     assert run_record(run)["peak_flank"] is None
     assert run_figure(run).axes[0].get_title(loc="left") == "Contact force: nothing touches"
 

@@ -4,6 +4,7 @@ import itertools
 
 from matplotlib.text import Text
 
+from jaxbuffer.output.layout import DOTS_PER_INCH
 from output.marks import check_marks
 
 ROUNDING = 1.0  # pixels that boxes of texts may share: they have a little room around the letters
@@ -13,6 +14,7 @@ LEAST = 0.3  # inch, of an axes' width and height
 def check_readable(figure):
     """Assert that no text of a drawn figure overlaps another or leaves the figure, that every axes has an area, and
     that the entries of each legend can be told apart."""
+    figure.dpi = DOTS_PER_INCH  # as it is printed: letters are set to whole dots
     figure.draw_without_rendering()
     check_marks(figure)
     texts = [(text.get_text(), text.get_window_extent()) for text in visible_texts(figure)]

@@ -170,6 +170,14 @@ PROBLEMS = {
     "a grid": lambda: problem(cases_of({"approach_speed": [0.08, 0.12, 0.16], "misalignment": [-0.02, 0.02]})),
     "a sample of 24": lambda: problem(sampled(24), limits=jb.Limits(at_most={"stroke": 0.1})),
     "a sample of 100": lambda: problem(sampled(100), design=design_of("8 t")),
+    "in space": lambda: problem(
+        [
+            jb.Case(jb.Scenario3D(approach_speed=speed, passive_pitch=0.01, azimuth=azimuth))
+            for speed in (0.08, 0.12)
+            for azimuth in (0.0, 2.0)
+        ],
+        design=jb.docking3d(),
+    ),
     "many variables": lambda: problem([jb.Scenario()], MANY),
     "long names": lambda: problem(
         cases_of({"approach_speed": [0.1, 0.2], "contact_distance": [0.03, 0.0435], "passive_rate": [0.0, 0.02]}),

@@ -15,6 +15,7 @@ from ..jacobian import jacobian_into
 from ..parameters import Matrix, Vector
 from ..start import STATES
 from ..watch import slope_into
+from .method import Method
 from .sums import weighted
 
 ORDER = 4
@@ -156,7 +157,7 @@ def solve(u: Vector, g: float, work) -> None:
 
 def stage_of(number: int):
     """One compiled stage, worked out from those before it."""
-    point_of, drift_of = weighted(A[number]), weighted(C[number])
+    point_of, drift_of = weighted(A[number], STATES), weighted(C[number], STATES)
     row, place = number * STATES, STAGES * STATES
 
     @njit(error_model="numpy", fastmath=FAST)
@@ -174,7 +175,7 @@ def stage_of(number: int):
 
 
 second, third, fourth, fifth, sixth = (stage_of(number) for number in range(1, STAGES))
-dense_1, dense_2 = (weighted(row) for row in D)
+dense_1, dense_2 = (weighted(row, STATES) for row in D)
 
 
 @njit(error_model="numpy", fastmath=FAST)
@@ -220,3 +221,6 @@ def at(x: float, y: Vector, new: Vector, terms: Matrix, out: Vector) -> None:
     """Write the state at the fraction ``x`` of the step into ``out``."""
     for i in range(STATES):
         out[i] = (1.0 - x) * y[i] + x * (new[i] + (1.0 - x) * (terms[0, i] + x * terms[1, i]))
+
+
+RODAS4 = Method(order=ORDER, stages=STAGES, terms=TERMS, workspace=workspace, step=step, interpolant=interpolant, at=at)

@@ -6,13 +6,13 @@ import numpy as np
 from numba import njit
 
 from ..parameters import Vector
-from ..start import STATES
 
 
-def weighted(weights: Vector):
-    """A compiled function of the stages ``k`` (rows of 25, one after another) and a place: the sum with ``weights``."""
+def weighted(weights: Vector, states: int):
+    """A compiled function of the stages ``k`` (rows of so many ``states``, one after another) and a place: the sum with
+    ``weights``."""
     places = np.flatnonzero(weights)
-    values, rows, count = weights[places], places * STATES, len(places)
+    values, rows, count = weights[places], places * states, len(places)
 
     @njit(inline="always", fastmath={"contract", "reassoc", "nsz"})
     def total(k, i):

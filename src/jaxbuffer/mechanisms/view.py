@@ -165,3 +165,7 @@ class View:
     def contact_in_words(self, name: str) -> str:
         """Return a contact by its name and what it is: "upper flank"; "cushion" where that is its name."""
         return name if name == self.contact else f"{name} {self.contact}"
+
+    def any_contact(self, design: Any) -> str:
+        """Return a contact that is not named, in words: "a flank" of several, "the cone" where there is one."""
+        return f"{'a' if len(self.names(design).contacts) > 1 else 'the'} {self.contact}"

@@ -16,6 +16,7 @@ from ..files import user_path, write
 from ..mechanisms.run import Run
 from ..run.instants import at_times
 from .field_files import coloured
+from .layout import POINTS, with_line_breaks
 from .motion import Scene, caption, clock, closer, contact_names, scene, whole
 from .pulses import fine_times, last_contact, pulses
 from .style import blank, curve, drawing, require_matplotlib
@@ -28,6 +29,8 @@ ROOM = 0.5  # of an impact's duration, before and after it
 STILL = 10  # frames at the end
 DOTS_PER_INCH = 90
 BAR = 1.0  # inch, for the meaning of colours
+LINE = 0.19  # inch, of each further line of the title
+ROOM_OF_TITLE = 8.0  # points, at either side
 Report = Callable[[int, int], None]
 
 
@@ -165,7 +168,8 @@ class Stage:
         row = float(np.clip(5.2 * high / wide, 1.8, 3.4))  # inch
         self.meshes = at.run.mechanism.view.meshes(at.run, at.times)
         width = (6.6 if detail is None else 6.7 + row) + (BAR if self.meshes else 0.0)
-        tall = row + 2.9
+        title = _title(at.run, width)
+        tall = row + 2.9 + LINE * title.count("\n")
         # A layout engine would move the axes from frame to frame, as titles and labels change.
         self.figure = blank(width, tall, layout=None)
         low, top = 2.2 / tall, row / tall
@@ -184,11 +188,8 @@ class Stage:
             self.ends = float(np.nanmin(values)), float(np.nanmax(values))
             bar = self.figure.add_axes((1.0 - 0.9 * BAR / width, low, 0.12 / width, top))
             self.figure.colorbar(ScalarMappable(Normalize(*self.ends)), cax=bar, label=self.colour)
-        run = at.run
-        self.figure.suptitle(
-            f"{run.mechanism.view.title}, {run.mechanism.view.approach(run.scenario)}", y=1.0 - 0.1 / tall
-        )
-        self.cursor = _curves(self.force, run)
+        self.figure.suptitle(title, y=1.0 - 0.1 / tall)
+        self.cursor = _curves(self.force, at.run)
 
     def show(self, k: int, slower: float) -> None:
         """Draw the k-th frame, shown so many times ``slower`` than in truth."""
@@ -205,6 +206,16 @@ class Stage:
         # Without the time, which the clock above tells with more digits.
         self.force.set_title(", ".join(caption(self.at, k).split(", ")[1:]))
         self.cursor.set_xdata([self.at.times[k], self.at.times[k]])
+
+
+def _title(run: Run, width: float) -> str:
+    """Return what a run is, in lines that fit into a figure of this ``width`` [inch]."""
+    from matplotlib import rcParams
+    from matplotlib.font_manager import FontProperties
+
+    size = FontProperties(size=rcParams["figure.titlesize"]).get_size_in_points()
+    text = f"{run.mechanism.view.title}, {run.mechanism.view.approach(run.scenario)}"
+    return with_line_breaks(text, POINTS * width - 2.0 * ROOM_OF_TITLE, size)
 
 
 def speed_in_words(slower: float) -> str:

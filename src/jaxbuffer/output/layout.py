@@ -9,6 +9,7 @@ import numpy as np
 from .._types import Figure, Text
 
 POINTS = 72.0  # an inch
+DOTS_PER_INCH = 150  # of PNG files
 ROOM = 8.0  # points between two texts side by side
 ROUNDS = 4  # of wrapping and leaving out: both move the axes, which changes the room a little
 HANDLE, GAP, EDGE = 2.8, 2.0, 1.0  # of a legend in font sizes: handle with its pad, between columns, around it
@@ -19,6 +20,16 @@ def fit(figure: Figure) -> None:
     engine = figure.get_layout_engine()
     if engine is None:
         return
+    # Small letters are set to whole dots: at other dots an inch a line may be some per cent wider.
+    before, figure.dpi = figure.dpi, DOTS_PER_INCH
+    _lay_out(figure, engine)
+    figure.dpi = before
+    # Without an engine, saving the figure neither moves its axes again nor fits it a second time.
+    figure.set_layout_engine(None)
+
+
+def _lay_out(figure: Figure, engine: Any) -> None:
+    """Place the axes, wrap texts and leave out labels of ticks, which move the axes again, in a few rounds."""
     for _ in range(ROUNDS):
         # Only a figure that is laid out knows where its texts end; the engine measures them without drawing anything.
         engine.execute(figure)
@@ -30,8 +41,6 @@ def fit(figure: Figure) -> None:
         # Not `or`: each round does both.
         if not wrapped | _thin_out(figure):
             break
-    # Without an engine, saving the figure neither moves its axes again nor fits it a second time.
-    figure.set_layout_engine(None)
 
 
 def legend_below(figure: Figure, handles: Sequence[Any], names: Sequence[str]) -> None:

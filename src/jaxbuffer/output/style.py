@@ -12,7 +12,7 @@ import numpy as np
 
 from .._types import Axes, Figure
 from ..errors import InputError
-from .layout import fit
+from .layout import DOTS_PER_INCH, fit
 
 P = ParamSpec("P")
 
@@ -33,7 +33,6 @@ HATCHES = ("", "////", "....", "xxxx")
 STYLES = ("-", "--", "-.", ":")
 MARKS = ("o", "s", "^", "v", "D", "P", "X", "<", ">", "p", "h")
 COLUMNS = 3
-DOTS_PER_INCH = 150
 STYLE: dict[Any, Any] = {
     "axes.grid": True,
     "axes.labelsize": 9,

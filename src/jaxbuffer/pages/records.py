@@ -10,8 +10,8 @@ from ..fields import Curve, paths
 from ..labelled.record import Record, heading
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Results
+from ..output.layout import DOTS_PER_INCH
 from ..output.provenance import MADE
-from ..output.style import DOTS_PER_INCH
 from ..output.words import called
 from ..tuning.problem.cases import built_label, in_sentence, numbered
 from ..value_text import table_text

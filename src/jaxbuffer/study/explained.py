@@ -298,6 +298,8 @@ def _commands(study: Config, name: str, problem: Problem | None, swept: Grid | N
 
 def _choice(study: Config) -> str:
     """Say what `jaxbuffer choose` would do."""
+    if study.parts and study.roundings:
+        return "needs either [parts] or [roundings]; keep one"
     if study.roundings:
         return f"a tuning, then values near it for {', '.join(study.roundings)}"
     problem, sizes = _problem(study), [len(it.parts) for it in study.parts]

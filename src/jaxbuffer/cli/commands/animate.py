@@ -9,8 +9,10 @@ from .progress import sweeping
 from .request import CommandLine
 from .simulate import simulated
 
-# endings that name a film, or a picture, which is not made here
-OTHER_FILMS = frozenset("apng avi flv m4v mkv mov mpeg mpg ogv png svg webm webp wmv".split())  # noqa: SIM905
+# endings that name a film, a picture or a page, which is not made here
+OTHER_FILMS = frozenset(
+    "apng avi flv htm html jpeg jpg m4v mkv mov mpeg mpg ogv pdf png svg webm webp wmv".split()  # noqa: SIM905
+)
 
 
 def animate(request: CommandLine, scenario_number: str | None, kind: str | None) -> int:

@@ -1,5 +1,6 @@
 """A capture in space: the run of the docking in three dimensions."""
 
+import math
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import ClassVar
@@ -29,6 +30,14 @@ class Docking3D(Docking):
     @property
     def units(self) -> Mapping[str, tuple[str, float]]:
         return {**super().units, **MISSES_UNITS}
+
+    def direction_text(self) -> str:
+        swing, whole = (math.degrees(float(angle)) for angle in (self.swing_miss, self.attitude_miss))
+        return f"probe {swing:.4g} deg against it, {whole:.4g} deg with its roll"
+
+    def drift_text(self) -> str:
+        speed = 1e3 * float(self.lateral_miss_rate)
+        return f"moving {'away from' if speed > 0.0 else 'towards'} it at {abs(speed):.3g} mm/s"
 
 
 class Capture3D(Capture):

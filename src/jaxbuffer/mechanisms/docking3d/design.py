@@ -44,6 +44,7 @@ MOST_ROLL = 2.0  # of the transverse inertia: that of a flat disc; no body has m
 class Active3D(Active):
     """The active vehicle S, axisymmetric about its x axis."""
 
+    inertia: Number = number(0.445, "kg m²", **POSITIVE, doc="inertia I_S about y and z through its centre of mass")
     roll_inertia: Number = number(0.2, "kg m²", **POSITIVE, doc="inertia I_x about the vehicle's axis; assumed")
 
     def check_together(self) -> None:
@@ -57,6 +58,7 @@ class Active3D(Active):
 class Passive3D(Passive):
     """The passive vehicle T, axisymmetric about its x axis."""
 
+    inertia: Number = number(0.5206, "kg m²", **POSITIVE, doc="inertia I_T about y and z through its centre of mass")
     roll_inertia: Number = number(0.25, "kg m²", **POSITIVE, doc="inertia I_x about the vehicle's axis; assumed")
 
     def check_together(self) -> None:

@@ -74,5 +74,8 @@ VIEW = dataclasses.replace(
     approach=lambda scenario: f"approach at {scenario_label(scenario)}",
     panels=panels,
     drawing=drawing,
-    limitations=("The forces have not been compared with a test of hardware: docs/verification.md.",),
+    limitations=(
+        "Vehicles are axisymmetric, the cone is one of revolution, the rod does not bend, and the hinge has no play.",
+        "The forces have not been compared with a test of hardware: docs/verification.md.",
+    ),
 )

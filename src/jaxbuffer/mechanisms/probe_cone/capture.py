@@ -88,6 +88,14 @@ class Docking(Portable):
         """Return in which unit people are shown each number, and how many of it its own unit is."""
         return DOCKED_UNITS
 
+    def direction_text(self) -> str:
+        """Return how the probe points as its tip crosses the capture plane."""
+        return f"{_DEGREES * float(self.attitude_miss):.4g} deg against it"
+
+    def drift_text(self) -> str:
+        """Return how the tip moves sideways as it crosses the capture plane."""
+        return f"moving across it at {1e3 * float(self.lateral_miss_rate):.3g} mm/s"
+
     def __repr__(self) -> str:
         numbers = {name: (value, *self.units[name]) for name, value in vars(self).items()}
         return numbers_text("Docking beyond the capture plane", numbers)

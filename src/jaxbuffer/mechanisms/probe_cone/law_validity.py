@@ -59,7 +59,7 @@ def limits(design: Design, quantities: Mapping[str, Any]) -> list[ValidityLimit]
         penetration = tip_on_flanks(design).law.depth(peak_force)
     ratios = validity(design, np.asarray(penetration), np.asarray(peak_force))
     return [
-        ValidityLimit(f"{BEYOND_LAW}the tip goes deeper into a flank than a tenth of its radius", ratios.depth),
+        ValidityLimit(f"{BEYOND_LAW}the tip goes deeper into the cone than a tenth of its radius", ratios.depth),
         ValidityLimit(f"{BEYOND_LAW}the materials yield", ratios.pressure),
         *(limit for part in PARTS for limit in part.validity(quantities)),
     ]
@@ -77,7 +77,7 @@ def warnings(capture: Capture) -> list[str]:
     if ratios.too_deep:
         radius = float(design.probe.tip_radius)
         lines.append(
-            f"{BEYOND_LAW}the tip goes up to {1e3 * depth:.3g} mm deep into a flank, more than"
+            f"{BEYOND_LAW}the tip goes up to {1e3 * depth:.3g} mm deep into the cone, more than"
             f" a tenth of its radius of {1e3 * radius:.3g} mm"
         )
     if ratios.yields:

@@ -31,7 +31,7 @@ class Outcome(RunOutcome):
     failed_not_finite = 9, NOT_FINITE
     failed_penetration = (
         10,
-        "failed: the tip went deeper into a flank than its radius; the contact is too soft for this speed",
+        "failed: the tip went deeper into the cone than its radius; the contact is too soft for this speed",
     )
     failed_input = 11, INPUT
 

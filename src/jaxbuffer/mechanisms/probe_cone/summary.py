@@ -47,7 +47,7 @@ def summary(capture: Capture) -> str:
             part = part_of_element(element.name)
             rows += element.report.summary(capture) if part is None else part.summary(capture, element)
     rows += [
-        ("penetration", f"at most {1e6 * float(capture.penetration):.3g} µm into a {view.contact}"),
+        ("penetration", _penetration(capture)),
         ("capture margin", _margin(capture)),
         *_energy_rows(capture),
         (
@@ -63,10 +63,11 @@ def summary(capture: Capture) -> str:
 
 def _contact_rows(capture: Capture) -> list[Row]:
     """Return the largest contact force, what is larger than it, and the first impact beside its closed form."""
-    count, contact = int(capture.impact_count), capture.mechanism.view.contact
+    count = int(capture.impact_count)
     larger = [("", text) for text in (larger_than_contact(capture),) if text]
     if not count:
-        return [("peak contact force", f"none: the tip touched no {contact}"), *larger]
+        untouched = capture.mechanism.view.any_contact(capture.design)
+        return [("peak contact force", f"none: the tip did not touch {untouched}"), *larger]
     listed, which = int(capture.impacts.count), int(capture.peak_impact) + 1
     impact = f"impact {which} of {count}"
     if count > listed:
@@ -94,6 +95,11 @@ def _stroke(capture: Capture, at: dict[str, float]) -> str:
     limits = (f", {what} from {1e3 * float(place):.6g} mm on" for what, place in stroke_limits(capture.design))
     of = f" of {1e3 * longest:.6g} mm{''.join(limits)}"
     return f"0 mm{of}" if stroke < NEGLIGIBLE["m"] else f"{1e3 * stroke:.6g} mm{of}{when(at['stroke'])}"
+
+
+def _penetration(capture: Capture) -> str:
+    depth = 1e6 * float(capture.penetration)
+    return f"at most {depth:.3g} µm into {capture.mechanism.view.any_contact(capture.design)}"
 
 
 def _contact(capture: Capture, number: Any) -> str:

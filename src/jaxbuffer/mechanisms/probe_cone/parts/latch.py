@@ -160,7 +160,7 @@ class LatchPart(ProbePart):
         if not lines:
             return []
         miss = f"{1e3 * float(docking.lateral_miss):.4g} mm off the axis"
-        met = ("tip at the latches", f"{miss}, {np.degrees(float(docking.attitude_miss)):.4g} deg against it")
+        met = ("tip at the latches", f"{miss}, {docking.direction_text()}")
         return [*lines, met, *(("energy of the latch", text) for text in (closing_words(capture),) if text)]
 
     def warnings(self, capture: Any) -> list[str]:
@@ -181,9 +181,8 @@ class LatchPart(ProbePart):
             f" {float(latch.strength or 0.0):.6g} N"
         )
         tip = (
-            f"{1e3 * float(docking.lateral_miss):.4g} mm off the axis, moving across it at"
-            f" {1e3 * float(docking.lateral_miss_rate):.3g} mm/s;"
-            f" {np.degrees(float(docking.attitude_miss)):.4g} deg against it"
+            f"{1e3 * float(docking.lateral_miss):.4g} mm off the axis, {docking.drift_text()};"
+            f" {docking.direction_text()}"
         )
         return {"torn": torn, "tip at the latches": tip}, first
 

@@ -44,9 +44,9 @@ class Cone(Part):
         0.096, "m", **NON_NEGATIVE, doc="L_T, from the throat plane to the passive vehicle's centre of mass"
     )
     throat_radius: Number = number(0.015, "m", **POSITIVE, doc="radius R_c of the throat")
-    length: Number = number(0.0735, "m", **POSITIVE, doc="L_c, along the flank")
+    length: Number = number(0.0735, "m", **POSITIVE, doc="slant length L_c of the cone")
     young_modulus: Number = number(
-        None, "Pa", **POSITIVE, doc="Young's modulus of the flanks; not set: contact.young_modulus"
+        None, "Pa", **POSITIVE, doc="Young's modulus of the cone; not set: contact.young_modulus"
     )
     poisson_ratio: Number = number(
         None,
@@ -54,7 +54,7 @@ class Cone(Part):
         low=-1.0,
         high=0.5,
         low_open=True,
-        doc="Poisson's ratio of the flanks; not set: contact.poisson_ratio",
+        doc="Poisson's ratio of the cone; not set: contact.poisson_ratio",
     )
 
     def reach(self, radius: Scalar) -> float:
