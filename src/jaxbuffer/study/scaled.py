@@ -11,6 +11,7 @@ from ..value_text import with_unit
 from .example import SCHEMA, entry_of, line_of
 
 DIGITS = 3
+AS_GIVEN = 6  # digits of what was typed: an angle of 2 deg stays one in radians
 
 
 def scaled_toml(mechanism: Mechanism, given: dict[str, Any]) -> str:
@@ -51,7 +52,7 @@ def _sections(mechanism: Mechanism, study: ScaledStudy) -> Iterator[str]:
     scenario = mechanism.scenario()
     for name, value in study.scenario.items():
         symbol = unit(scenario, name) if not isinstance(value, str) else ""
-        yield line_of(entry_of(name, value if isinstance(value, str) else _rounded(value)), symbol)
+        yield line_of(entry_of(name, value if isinstance(value, str) else _rounded(value, AS_GIVEN)), symbol)
     yield from ("", "[options]", line_of(entry_of("duration", _rounded(study.duration, 2)), "s"))
 
 
@@ -59,7 +60,7 @@ def _problem(mechanism: Mechanism, study: ScaledStudy) -> Iterator[str]:
     design, scenario = mechanism.design(), mechanism.scenario()
     yield from ("", "[problem.grid]  # every combination is a load case")
     for name, values in study.grid.items():
-        yield line_of(entry_of(name, [_rounded(value) for value in values]), unit(scenario, name))
+        yield line_of(entry_of(name, [_rounded(value, AS_GIVEN) for value in values]), unit(scenario, name))
     yield from ("", "[problem.variables]  # what a tuning may change: [low, high]")
     for it in study.numbers:
         if it.tuned:
