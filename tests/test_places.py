@@ -137,7 +137,7 @@ def test_an_owner_that_is_gone_or_may_be_at_work_elsewhere_is_told_apart(without
 def test_a_program_is_read_again_where_files_cannot_be_locked(without_locks, tmp_path):
     """A marker without a lock would be taken for one that a process left which the program had ended."""
     file = tmp_path / "a.program"
-    program = store.Stored({}, [MachineCode(b"code", 2, 1, False)], [])
+    program = store.Stored({}, b"example", [MachineCode(b"code", 2, 1, False)])
     store.write(file, program)
     for _ in range(2):
         with store.being_made(file), store.being_loaded(file):

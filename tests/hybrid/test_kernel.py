@@ -23,7 +23,6 @@ def compiled(design, scenario, solver):
 EACH = [pytest.param(it, marks=pytest.mark.slow) for it in (Automatic(), ExplicitRungeKutta(), DiagonallyImplicit())]
 
 
-@pytest.mark.slow
 def test_no_library_calls_of_a_bar():
     check(jb.BarDrop(), jb.BarDropScenario(), Automatic())
 

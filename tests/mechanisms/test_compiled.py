@@ -26,6 +26,7 @@ def programs(free):
     return jax.make_jaxpr(derivative)(state), jax.make_jaxpr(push)(state, state)
 
 
+@pytest.mark.quick
 @each_tip
 def test_derivative_and_its_push_forward_use_plain_operations_only(free):
     for program in programs(free):

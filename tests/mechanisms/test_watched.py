@@ -41,6 +41,7 @@ def test_together_as_one_by_one(tip, place):
     assert np.all(np.asarray(moves.invariant) == 0.0), "nothing needs to know how it changes"
 
 
+@pytest.mark.quick
 @each_place
 @each_tip
 def test_how_fast_the_tip_nears_the_throat(tip, place):

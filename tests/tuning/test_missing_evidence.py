@@ -7,9 +7,9 @@ import pytest
 
 from jaxbuffer import InputError, Outcome, Problem, Scenario, Variable, load, table2
 from jaxbuffer.tuning import tune as module
+from jaxbuffer.tuning.search import checks
 from jaxbuffer.tuning.search.checks import lower_bound
 from jaxbuffer.tuning.search.measurement import Measurement
-from jaxbuffer.tuning.search.search import checks
 from jaxbuffer.tuning.tune import tune
 from tuning.analytic import Functions, problem
 

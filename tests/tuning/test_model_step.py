@@ -6,9 +6,9 @@ import qpsolvers
 
 from jaxbuffer import Limits, Objective
 from jaxbuffer.tuning.problem.settings import Settings
+from jaxbuffer.tuning.search import search
 from jaxbuffer.tuning.search.goal import Goal, Tangent
 from jaxbuffer.tuning.search.model_step import Cuts, Programme, best_step
-from jaxbuffer.tuning.search.search import search
 from tuning.analytic import Functions, problem, shifted
 
 SHIFT = 10.0

@@ -6,8 +6,8 @@ import pytest
 from jaxbuffer import InputError, Limits, Objective, Outcome, SecondObjective
 from jaxbuffer.tuning import tune as module
 from jaxbuffer.tuning.problem.settings import Settings
+from jaxbuffer.tuning.search import search
 from jaxbuffer.tuning.search.goal import Goal
-from jaxbuffer.tuning.search.search import search
 from jaxbuffer.tuning.tune import tune
 from tuning.analytic import Functions, problem, shifted
 

@@ -11,10 +11,10 @@ from jaxbuffer.tuning.problem.settings import Settings
 from jaxbuffer.tuning.report.message import agreement_in_words
 from jaxbuffer.tuning.report.tuned import tuned_table
 from jaxbuffer.tuning.rounds import anywhere, around
+from jaxbuffer.tuning.search import checks
 from jaxbuffer.tuning.search.checks import lower_bound
 from jaxbuffer.tuning.search.evaluation import Evaluator
 from jaxbuffer.tuning.search.measurement import Measurement
-from jaxbuffer.tuning.search.search import checks
 from jaxbuffer.tuning.search.store import Progress
 from jaxbuffer.tuning.tune import tune
 from tuning.analytic import Functions, problem

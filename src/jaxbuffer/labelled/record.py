@@ -96,7 +96,12 @@ def part_record(part: eqx.Module) -> dict[str, Any]:
 
     Numbers that are not finite, which JSON lacks, become None.
     """
-    return {path: amount(get(part, path), unit(part, path)) for path in paths(part)}
+    values = {path: get(part, path) for path in paths(part)}
+    # Of a curve, whose points have two units, the points alone.
+    return {
+        path: _plain(value) if isinstance(value, Curve) else amount(value, unit(part, path))
+        for path, value in values.items()
+    }
 
 
 def part_json(part: eqx.Module) -> str:
