@@ -227,9 +227,9 @@ def names(design: Part, scenario: Part) -> tuple[str, ...]:
 
 
 def below(values: np.ndarray, others: np.ndarray, sizes: np.ndarray, rounding: np.ndarray) -> np.ndarray:
-    """By how much values are below others, relative to ``sizes``; 0 where they are not, or where the others do not
-    exceed their rounding error: of such a quantity no maximum is located."""
-    sizes = np.where(others > rounding, sizes, 0.0)
+    """By how much values are below others, relative to ``sizes``; 0 where they are not, or by no more than rounding,
+    and where the others do not exceed it: of such a quantity no maximum is located."""
+    sizes = np.where((others > rounding) & (others - values > rounding), sizes, 0.0)
     return np.where(sizes > 0.0, np.maximum(others - values, 0.0) / np.where(sizes > 0.0, sizes, 1.0), 0.0)
 
 
