@@ -257,6 +257,7 @@ def test_a_full_pipe_is_one_line(computed, no_figures, tmp_path):
     assert (process.returncode, errors) == (3, b"error: standard output: No space left on device\n")
 
 
+@pytest.mark.slow
 def test_a_reader_that_leaves_is_no_traceback(computed, no_figures, tmp_path):
     assert run(["simulate", "--output", "out"]) == 0
     reading, writing = os.pipe()

@@ -74,6 +74,7 @@ def many():
     return (np.arange(400) + 0.5) / 200.0 - 1.0, np.full(400, 1.0 / 200.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("poisson", "hardening", "points"),
     [

@@ -74,6 +74,7 @@ def test_one_element_across_bends_as_the_closed_form_says(poisson, evidence):
     evidence(TOPIC, "one element across a bent strip, any Poisson's ratio", off, 1e-9, "plate theory")
 
 
+@pytest.mark.slow
 def test_elements_turn_rigidly_without_stress_and_resist_every_hourglass():
     positions, corners = grid(1, 1, 0.3, 0.2)
     group = Plane(Quads.of(jnp.asarray(positions), corners), Elastic(1.0, 1e6, 0.3))

@@ -131,6 +131,7 @@ def test_a_mass_on_a_spring_against_a_stiff_stop():
     assert seen.displacement[3000, 1] == pytest.approx(reference.y[0, -1], abs=2e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("beta", "critical"),
     [

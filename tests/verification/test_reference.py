@@ -5,6 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from in_short import quick
 from jaxbuffer import simulate
 from verification.cases import CASES, FREE, WELDED
 
@@ -19,7 +20,8 @@ AGREED = 1e-5
 TIGHT, AGREED_TIGHT = 1e-9, 1e-7
 TOPIC, SOURCE = "Whole captures", "captures of an independent solver at rtol 1e-10"
 
-each_case = pytest.mark.parametrize("name", [*WELDED, *(pytest.param(name, marks=pytest.mark.slow) for name in FREE)])
+# `make test` has every third of those with a welded tip.
+each_case = pytest.mark.parametrize("name", quick([*WELDED, *FREE], *WELDED[::3]))
 
 
 @cache
