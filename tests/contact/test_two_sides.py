@@ -35,10 +35,10 @@ class Turning(Part):
 
 
 def rig(design, scenario, stabilisation=20.0):
-    """The wall lies on the x axis to the right of the hinge; the ball starts on the left, below its line, where the
-    wall does not reach."""
+    """The wall begins 0.46 m to the right of the hinge, and goes on; the ball starts on the left, below its
+    line. It is struck two radii from its end: farther in nothing is taken to have come round."""
     ball = BallPair(
-        RADIUS, Segment(0.1, 0.0, 1.0, 0.0, 1.0), design.wall.front, Hertz(STIFFNESS), RegularisedCoulomb(0.0, 1e-3)
+        RADIUS, Segment(0.46, 0.0, 1.0, 0.0, 1.0), design.wall.front, Hertz(STIFFNESS), RegularisedCoulomb(0.0, 1e-3)
     )
     joint = Revolute(GROUND, 0, second_point=(ROD, 0.0))
     x, y = -ROD * jnp.cos(BEFORE), -ROD * jnp.sin(BEFORE)

@@ -47,7 +47,7 @@ def test_every_load_case_is_held(name, tmp_path):
         assert float(docking.stroke) < problem.limits.at_most["stroke"]
         assert float(docking.quantity("latch_energy_share")) < 0.2
         # Neither torn by a swing that is no worse nor so strong that the strength says nothing.
-        assert 0.05 < float(docking.quantity("peak_latch_force")) / float(problem.design.latch.strength) < 0.5
+        assert 0.03 < float(docking.quantity("peak_latch_force")) / float(problem.design.latch.strength) < 0.5
 
 
 def test_similar_dockings_are_similar():

@@ -14,6 +14,7 @@ from ..space.either import Vector
 
 STILL = 1e-12  # m/s: a slip has a direction above it, and friction a slope at rest
 THROUGH = 0.5  # of a ball's radius: a centre less far behind a segment has been pushed through it
+ROUND = 3.0  # radii of a ball from an end of a segment: farther in nothing behind it has come round that end
 
 
 class Foot(NamedTuple):
@@ -108,15 +109,17 @@ class Segment(PlaneShape):
     def foot(self, x: Values | Scalar, y: Values | Scalar, side: Values | Scalar, radius: Scalar) -> Foot:
         """Return the foot on each segment.
 
-        A segment has two sides: a ball that has come round an end bears on the back as it does on the front. But close
-        behind, between the ends, the distance is negative and the normal still points to the front: only a step too
-        long, or a contact too soft, can have carried the centre there, through the segment.
+        A segment has two sides near its ends: a ball that has come round one bears on the back as it does on the front.
+        But close behind, and anywhere behind the middle of a long segment, the distance is negative and the normal
+        still points to the front: only a step too long, or a contact too soft, can have carried the centre there,
+        through the segment.
         """
         from_x, from_y = x - self.start_x, y - self.start_y
         along = from_x * self.direction_x + from_y * self.direction_y
         behind = side * (self.direction_x * from_y - self.direction_y * from_x)
-        between = (along > 0.0) & (along < self.length)
-        sign = jnp.where((behind > 0.0) & (behind < THROUGH * radius) & between, -1.0, 1.0)
+        inside = jnp.minimum(along, self.length - along)
+        through = (behind < THROUGH * radius) | (inside > ROUND * radius)
+        sign = jnp.where((behind > 0.0) & (inside > 0.0) & through, -1.0, 1.0)
         # Kept on the segment: beyond its ends the end itself is touched, as a point.
         slant = jnp.clip(along, 0.0, self.length)
         foot_x, foot_y = self.start_x + slant * self.direction_x, self.start_y + slant * self.direction_y

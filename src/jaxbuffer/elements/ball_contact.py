@@ -211,6 +211,11 @@ class BallContact(Element):
     def jumps(self) -> bool:
         return self.pair.law.jumps
 
+    def gap_depths(self) -> list[Scalar]:
+        # Farther than its radius behind a flank the ball's centre is on the other side of it.
+        flank = isinstance(self.pair.shape, Segment | Revolved)
+        return [jnp.asarray(self.pair.radius) if flank else jnp.inf] * self.segments
+
     def gaps(self, at: BallState) -> list[tuple[Array, Array]]:
         return [(at.approach.gap, at.approach.approach_speed)]
 

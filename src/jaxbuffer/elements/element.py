@@ -124,6 +124,10 @@ class Element(Impacts, SteppingHints):
         """Return what of the element opens and closes."""
         return ()
 
+    def gap_depths(self) -> list[Any]:
+        """Return how far below zero each switch's gap still tells that it should have closed [m]."""
+        return [jnp.inf] * len(self.switches)
+
     @property
     def jumps(self) -> bool:
         """Return whether the state's rate jumps where a switch closes."""

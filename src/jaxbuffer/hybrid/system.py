@@ -209,6 +209,11 @@ class HybridSystem(eqx.Module):
         rounding makes of them where nothing acts."""
         return jnp.asarray(-jnp.inf)
 
+    def gap_depths(self) -> Float[Array, "..."]:
+        """Return how far below zero each gap still tells that its contact should have closed [m], one for each or one
+        for all: a ball that is carried farther through a thin wall is on its other side."""
+        return jnp.asarray(jnp.inf)
+
     def scales(self) -> State:
         """Return the magnitude below which an error in each component of the state does not matter in itself."""
         raise NotImplementedError

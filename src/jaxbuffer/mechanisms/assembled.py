@@ -201,6 +201,9 @@ class Assembled(ContactSystem):
     def one_way(self) -> tuple[bool, ...]:
         return self.layout.one_way
 
+    def gap_depths(self) -> Float[Array, "..."]:
+        return self.layout.of_switches([element.gap_depths() for element in self.elements])
+
     # --- what the mechanism says of itself ----------------------------------------------------------------------------
 
     @property

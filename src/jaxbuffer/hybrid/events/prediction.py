@@ -5,11 +5,25 @@ from jaxtyping import Array, Float, Int
 
 from .guards import Guards
 
+PAST_TOUCHDOWN = 1.5  # times the predicted time to a touchdown: the longest step that looks for it
+
 
 def next_touchdown(guards: Guards, active: Float[Array, " contacts"]) -> Float[Array, ""]:
     """Return the time until an open contact closes if all gaps keep their acceleration [s]; infinite if none closes."""
     time = _time_to_zero(guards.gap, guards.gap_rate, guards.gap_acceleration)
     return jnp.min(jnp.where(active < 0.5, time, jnp.inf), initial=jnp.inf)
+
+
+def longest_step(guards: Guards, active: Float[Array, " contacts"], depths: Float[Array, "..."]) -> Float[Array, ""]:
+    """Return how long a step that looks for the next touchdown may be [s]; infinite if none is predicted.
+
+    It goes `PAST_TOUCHDOWN` times as far as the touchdown, since from a step that ends far beyond it the touchdown can
+    only be guessed poorly, but no gap falls farther than ``depths`` below zero (`HybridSystem.gap_depths`).
+    """
+    time = _time_to_zero(guards.gap, guards.gap_rate, guards.gap_acceleration)
+    closing = jnp.sqrt(jnp.maximum(guards.gap_rate**2 - 2.0 * guards.gap_acceleration * guards.gap, 0.0))
+    further = jnp.minimum((PAST_TOUCHDOWN - 1.0) * time, depths / jnp.maximum(closing, 1e-300))
+    return jnp.min(jnp.where(active < 0.5, time + further, jnp.inf), initial=jnp.inf)
 
 
 def next_release(guards: Guards, active: Float[Array, " contacts"]) -> tuple[Int[Array, ""], Float[Array, ""]]:

@@ -8,7 +8,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from ..._types import Scalar
 from ..events.guards import Guards, near_largest, observe
-from ..events.prediction import next_release, next_touchdown
+from ..events.prediction import longest_step, next_release, next_touchdown
 from ..rungekutta.stages import SecondDerivative, Step
 from ..rungekutta.time_transform import TimeTransform
 from ..sensitivity.augmented_state import Rows, Tangents, columns
@@ -18,7 +18,6 @@ from .state import LoopState
 from .task import Task
 
 P = TypeVar("P")
-PAST_TOUCHDOWN = 1.5  # times the predicted time to a touchdown: the longest step that looks for it
 BEFORE_RELEASE = 0.6  # of the predicted time to a release: near it only a step that ends on it is accurate
 ADDED, LEAST_SHARE = 0.3, 1e-4  # see `_allowed_change`
 SPACING = 1e-3  # of a step as accuracy allows: how far beside its end the second derivative is taken from
@@ -59,7 +58,8 @@ def take_trial(task: Task[P], state: LoopState) -> Trial:
     stiff = system.linearisation(point.time, point.rows[0], state.active)
     touchdown = next_touchdown(point.guards, state.active)
     _, release = next_release(point.guards, state.active)
-    method, length = _method_and_length(task, state, stiff, touchdown, release)
+    longest = longest_step(point.guards, state.active, system.gap_depths())
+    method, length = _method_and_length(task, state, stiff, longest, release)
 
     def step_of(tangents: Tangents[P], rows: Rows, rate: Rows) -> Step:
         return _step(task, state, stiff, method, length, tangents, rows, rate)
@@ -102,20 +102,20 @@ def _method_and_length(
     task: Task[P],
     state: LoopState,
     stiff: Linearisation,
-    touchdown: Float[Array, ""],
+    longest: Float[Array, ""],
     release: Float[Array, ""],
 ) -> tuple[Int[Array, ""], Float[Array, ""]]:
     """Choose the method that takes the step, and its length [s].
 
-    A step goes no further than some way beyond the next predicted ``touchdown`` [s], since from a step that ends far
-    beyond it the touchdown can only be guessed poorly; and it stays well before the next predicted ``release`` [s],
-    unless that is so near that a step onto it is accurate. To locate an event, the bracket says the length.
+    A step that looks for the next touchdown is no longer than ``longest`` [s]; and it stays well before the next
+    predicted ``release`` [s], unless that is so near that a step onto it is accurate. To locate an event, the bracket
+    says the length.
     """
     solver, bracket, locating = task.options.solver, state.bracket, state.locating
     before_release = jnp.where(release > state.contact_step, BEFORE_RELEASE * release, jnp.inf)
     method, length = solver.choose(stiff, jnp.minimum(state.step_sizes.steps, before_release))
     method = jnp.where(locating, solver.method_for(stiff, bracket.step), method)
-    length = jnp.minimum(length, PAST_TOUCHDOWN * touchdown)
+    length = jnp.minimum(length, longest)
     length = jnp.where(locating, bracket.step, jnp.minimum(length, task.duration - state.point.time))
     return method, jnp.where(state.reevaluating, 0.0, length)
 
