@@ -72,7 +72,7 @@ def test_the_best_of_seven_tolerances_is_the_best_in_all_128_corners(tmp_path, e
     )
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_rounding_and_the_continuous_design_hold_in_all_128_corners(evidence):
     """Both sides of the price of a rounding are forces in the worst corner, not one of them as drawn."""
     drawn = {"buffer.k_A": 520.0, "buffer.c_A": 14.3}

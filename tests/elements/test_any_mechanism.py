@@ -147,6 +147,7 @@ def test_balls_that_spin_freely_or_not_in_any_order(spins):
     assert_allclose(speeds[2:], [it.approach.slip[0] for it in at.elements], rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_the_stiff_part_is_that_of_the_equations():
     """Springs, stops, latch and pin against the Jacobian by velocities, in which nothing geometric counts."""
     assembled = mechanism((Buffer(AXIAL), *STOPS, LATCH))

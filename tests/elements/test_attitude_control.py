@@ -140,6 +140,7 @@ def test_at_its_limit_the_moment_is_constant():
     assert float(run.maxima["control_moment"]) == pytest.approx(0.2, rel=1e-9) and np.sum(short) > 2
 
 
+@pytest.mark.slow
 def test_in_space_each_axis_of_the_body_has_its_own_limit():
     """At one instant, by NumPy: -M tanh((k φ + c ω)/M) about the body's axes, in which φ is as in inertial ones."""
     rng = np.random.default_rng(2)

@@ -163,6 +163,7 @@ def test_a_thrust_gives_its_impulse_and_work(run):
     assert float(run.maxima["shock"]) == pytest.approx(2.0 * FORCE / MASS, rel=1e-8)
 
 
+@pytest.mark.slow
 def test_latches_hold_a_body_by_its_rotation_vector(run):
     """It turns on about the axis of its spin and swings back: I φ̈ = -k_t φ, and along x about the seat."""
     time = np.asarray(run.history.time)

@@ -68,6 +68,7 @@ def test_indices_of_the_peak_are_those_of_a_product_of_powers(drops, evidence):
         evidence("Design of experiments", claim, error, 0.08, "closed form of a product of powers", "-")
 
 
+@pytest.mark.slow
 def test_a_quadratic_in_logarithms_is_exact_for_powers(drops, evidence):
     surface = jb.response_surface(drops, "peak_force", "quadratic")
     evidence("Design of experiments", "quadratic surface of a product of powers", surface.error.relative, 1e-3, SOURCE)

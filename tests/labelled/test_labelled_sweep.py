@@ -38,6 +38,7 @@ def test_every_combination_is_the_single_run(swept, evidence):
     evidence("labelled data", "peak of a swept choice against the single run", worst, 1e-9, "jb.simulate", "-")
 
 
+@pytest.mark.slow
 def test_hertz_without_loss_is_the_closed_form(swept, evidence):
     """F = k δ^e with δ = ((e + 1) m_eff v²/2k)^{1/(e+1)}, v from the height: mechanisms.md, section 1."""
     data = swept.to_xarray().peak_force.sel({"impact.law": "hertz"})

@@ -246,6 +246,7 @@ def test_figures_have_the_units_that_were_typed():
         assert 20.0 < axes.get_xlim()[0] < axes.get_xlim()[1] < 60.0 and -5.0 < axes.get_ylim()[0] < -2.0
 
 
+@pytest.mark.slow
 def test_figures_of_an_envelope_and_a_sample(monkeypatch):
     limits = jb.Limits(at_most={"peak_force": 250.0, "peak_hinge_force": 240.0, "hinge_angle": 0.004, "stroke": 0.009})
     asked = {"scenario.contact_distance": [0.03, 0.04, 0.05], "scenario.approach_speed": [0.1, 0.15, 0.2, 0.25]}

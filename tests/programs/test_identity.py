@@ -218,6 +218,7 @@ print(user_code(Part(1.0)))
 """
 
 
+@pytest.mark.slow
 def test_every_process_has_the_same_hash_of_code_and_of_the_objects_that_it_reads(tmp_path):
     file = tmp_path / "process.py"
     file.write_text(OF_A_PROCESS)

@@ -155,6 +155,7 @@ def parts(value):
     return vars(value) if module.startswith("jaxbuffer") and not isinstance(value, enum.Enum) else None
 
 
+@pytest.mark.slow
 def test_a_process_that_computes_in_single_precision_gets_every_digit(pool):
     """JAX itself would round there without a word."""
     assert pool.submit(digits, drop()).result(timeout=120) == repr(float(drop().peak_force))

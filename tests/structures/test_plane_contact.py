@@ -77,6 +77,7 @@ def test_both_momenta_are_kept_to_rounding(method):
     np.testing.assert_allclose(angular - angular[0], 0.0, atol=1e-10 * size * 0.3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", quick(["defence node", "multiplier", "penalty"], "multiplier"))
 def test_frictions_arm_is_the_gap(method):
     """Friction pulls the node here and the foot there: as a couple, whose moment is what the angular momentum lacks."""

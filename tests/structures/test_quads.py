@@ -102,6 +102,7 @@ def test_a_cantilevers_frequencies(evidence):
     evidence(TOPIC, "three frequencies of a cantilever", off, 4e-3, "Euler-Bernoulli and Timoshenko")
 
 
+@pytest.mark.slow
 def test_forces_are_the_slope_of_the_energy():
     """Of an elastic element far from its rest, by differences."""
     rng = np.random.default_rng(1)

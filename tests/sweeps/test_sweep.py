@@ -36,6 +36,7 @@ def test_all_reference_captures_at_once():
     assert "captured" in repr(sweep) and "peak_force [N]" in repr(sweep)
 
 
+@pytest.mark.slow
 def test_a_capture_cut_short_leaves_the_others_alone():
     duration = np.array([8.0, 1e-3])
     sweep = jb.sweep(jb.table2(), jb.Scenario(approach_speed=np.array([0.1, 0.1])), duration)

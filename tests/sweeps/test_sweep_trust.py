@@ -24,6 +24,7 @@ def swept(designs):
     return jb.sweep(designs, jb.Scenario(approach_speed=SPEEDS), rtol=1e-3, trust=True)
 
 
+@pytest.mark.slow
 def test_verdicts_are_those_of_single_runs(designs, swept):
     for speed, verdict in zip(SPEEDS, swept.verdicts, strict=True):
         run, closer = (jb.simulate(designs, jb.Scenario(approach_speed=speed), rtol=rtol) for rtol in (1e-3, 1e-4))

@@ -90,6 +90,7 @@ def test_the_margin_is_continuous_where_time_runs_out():
     assert -1e-3 < below < 0.0 < above < 1e-3
 
 
+@pytest.mark.slow
 def test_the_floor_without_loss_is_the_closed_form():
     """Without friction and loss the simulated bound is Hertz with T_c⁻; the lowest is that of the lightest tip."""
     problem = stated([Scenario(), Scenario(approach_speed=0.2)], lossless(1.0))

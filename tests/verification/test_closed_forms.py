@@ -126,7 +126,6 @@ def test_block_slides_to_rest(slip_speed):
     assert_allclose(stopped.q[0], distance + np.pi**2 / 12 * slip_speed**2 / deceleration, rtol=1e-6)
 
 
-@pytest.mark.quick
 def test_sliding_ball_ends_rolling():
     """5/7 of its speed, whatever the friction: m (v - v0) h = -I ω about the foot at the arm h = R - δ."""
     radius, speed, stiffness = 0.05, 2.0, 1e12
@@ -142,7 +141,6 @@ def test_sliding_ball_ends_rolling():
     assert_allclose(found.v[0] + arm * found.v[2], 0.0, atol=1e-8)
 
 
-@pytest.mark.quick
 @pytest.mark.parametrize("offset", [0.0, 0.3], ids=["central", "eccentric"])
 def test_two_discs_meet_with_their_pre_impact_effective_energy(offset):
     """T_c⁻ = ½ m1 m2/(m1 + m2) (ẋ2 - ẋ1)², with the second body's turning ½ v²/(1/m1 + 1/m2 + s²/I2); the peak force
@@ -164,7 +162,6 @@ def test_two_discs_meet_with_their_pre_impact_effective_energy(offset):
     assert_allclose(np.sum(np.array([0.7, 2.3]) * found.v[[1, 4]]), 0.7 * -0.9 + 2.3 * 0.4, rtol=1e-12)
 
 
-@pytest.mark.quick
 def test_pendulum_period():
     """T = 4 √(2l/3g) K(sin²(θ0/2)) of a uniform rod released at 2.5 rad."""
     amplitude, length = 2.5, 0.8

@@ -49,7 +49,6 @@ def test_sundials_slider_crank_and_its_two_gradients():
     assert_allclose(found[0], 3.3366068, rtol=0, atol=5.1e-8)
 
 
-@pytest.mark.quick
 def test_andrews_squeezer_to_the_test_sets_digits():
     """IVP test set: seven angles after 0.03 s and two and a half turns of the motor."""
     found = squeezer_angles(ride(squeezer(), SQUEEZER_TIME).q)
