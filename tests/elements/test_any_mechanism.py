@@ -129,6 +129,7 @@ def test_arrays_of_one_entry_are_numbers_in_a_system_too():
     assert [np.shape(leaf) for leaf in jax.tree.leaves(one)] == [np.shape(leaf) for leaf in jax.tree.leaves(other)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("spins", [(None, None), (0.2, None), (None, 0.3), (0.2, 0.3)], ids=str)
 def test_balls_that_spin_freely_or_not_in_any_order(spins):
     assembled = mechanism((ball(0, 1, spins[0], "first"), ball(2, 1, spins[1], "second")))

@@ -66,6 +66,7 @@ def test_estimates_of_rounding_alone_are_refused():
         estimated(1.0 + NOISE * rounding(sample.grid.shares), 2, name="peak_force")
 
 
+@pytest.mark.slow
 def test_a_constant_takes_nothing_from_the_others(monkeypatch, tmp_path, capsys):
     from jaxbuffer.cli.commands import sample as command
     from jaxbuffer.cli.entry import run

@@ -44,6 +44,7 @@ def motion_of(system, seed):
     return assemble(system, q, v, iterations=10)
 
 
+@pytest.mark.slow
 @each_element
 @pytest.mark.parametrize(
     "ends", [(0, 1), pytest.param((GROUND, 1), marks=pytest.mark.slow)], ids=["both bodies", "ground"]

@@ -45,6 +45,7 @@ def test_an_interrupted_tuning_with_its_best_design_is_noted(computed, capsys, t
     assert "note: there holds an unfinished tuning" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_folders_of_different_commands(computed, no_figures, capsys, tmp_path):
     assert run(["simulate", "--output", "run"]) == 0
     assert run(["tune", "--output", "tuned"]) == 0

@@ -97,6 +97,7 @@ def test_an_error_at_the_start_names_the_scenario_with_its_number():
         check_start(problem, measured, 1)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("no_figures")
 def test_a_run_of_one_scenario_of_a_study_has_its_number(computed, capsys, tmp_path):
     """A made-up capture has 250 N, above 240 N; [scenario] that is none of the list has no number."""

@@ -66,6 +66,7 @@ def test_at_the_one_step_of_a_run_that_ends_at_once():
     np.testing.assert_array_equal(found.time, [0.0, 0.0])
 
 
+@pytest.mark.slow
 def test_between_the_steps_of_a_swinging_bar():
     """Positions by a quintic, speeds by a cubic: errors go at least with the sixth and the fourth power
     of a step."""

@@ -52,6 +52,7 @@ def energy_of(mechanism, closed=None):
     return float(effective_energy(mechanism, state, closed))
 
 
+@pytest.mark.slow
 def test_two_free_masses_and_the_papers_transformation():
     """½ m1 m2/(m1 + m2) (ẋ2 - ẋ1)²; equations 28 to 36: A M⁻¹ Bᵀ = 0, R, RᵀMR, and T = T_c + T_a (M201, M202)."""
     m1, m2, speeds = 1.5, 3.0, np.array([-4.0, 0.4294])

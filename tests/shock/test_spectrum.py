@@ -60,6 +60,7 @@ def stopped(duration, peak):
     return time, 5.0 + peak * duration / np.pi * (1.0 - np.cos(phase))
 
 
+@pytest.mark.slow
 def test_the_spectrum_of_a_motion_is_that_of_its_pulse(evidence):
     ratios = np.array([0.1, 0.3, 0.5, 0.81, 1.3, 2.2, 5.0])
     time, velocity = stopped(0.011, 300.0)

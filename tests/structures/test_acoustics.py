@@ -107,6 +107,7 @@ def followed(system, spring, speed, step, steps):
     return map(np.asarray, jax.jit(lambda s: jax.lax.scan(one, s, length=steps)[1])(state))
 
 
+@pytest.mark.slow
 def test_a_piston_on_a_column_swings_at_its_first_frequency_and_keeps_its_energy(evidence):
     system, spring = piston_and_column(40, SPRING)
     step = 0.5 * LENGTH / 40 / SOUND

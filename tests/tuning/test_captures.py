@@ -120,6 +120,7 @@ def test_a_free_start_has_the_first_impacts_elasticities_too():
     assert abs(found.elasticities["cone.half_angle"]) > 0.1
 
 
+@pytest.mark.slow
 def test_the_lower_bound_of_a_limited_hinge_force_is_the_first_impacts():
     """The first impact is over before 1 ms. Its hinge force at the least is no more than that of a grid of designs, and
     the slope that leads there is that of differences; without a limit on it, it is not computed."""

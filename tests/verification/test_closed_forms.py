@@ -101,7 +101,6 @@ def test_damped_oscillator():
     )
 
 
-@pytest.mark.quick
 @pytest.mark.parametrize("slip_speed", [1e-2, 1e-3])
 def test_block_slides_to_rest(slip_speed):
     """m v̇ = -μ m g tanh(v/v_s): sinh(v/v_s) = sinh(v0/v_s) e^{-μgt/v_s}, and v0²/(2 μ g) as v_s → 0."""

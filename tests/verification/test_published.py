@@ -3,7 +3,6 @@
 import jax
 import jax.numpy as jnp
 import numpy as np
-import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
@@ -56,7 +55,6 @@ def test_andrews_squeezer_to_the_test_sets_digits():
     assert_allclose(found, SQUEEZER_END, rtol=0, atol=5e-9)  # measured 1.3e-9
 
 
-@pytest.mark.quick
 def test_four_bar_keeps_its_energy_and_its_loop():
     """Two seconds, six turns of the crank."""
     mechanism = spinning_four_bar()
