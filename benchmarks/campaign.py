@@ -233,6 +233,11 @@ def below(values: np.ndarray, others: np.ndarray, sizes: np.ndarray, rounding: n
     return np.where(sizes > 0.0, np.maximum(others - values, 0.0) / np.where(sizes > 0.0, sizes, 1.0), 0.0)
 
 
+def below_history(run: Measured) -> np.ndarray:
+    """By how much reported maxima are below the largest values at the run's accepted steps, relative to `sizes`."""
+    return below(run.reported, run.history, sizes(run.extent, run.history), run.rounding)
+
+
 def sizes(extent: np.ndarray, history: np.ndarray) -> np.ndarray:
     """What a shortfall is compared with: the largest value or its range, whichever is less, but no rounding."""
     return np.clip(np.abs(history), 1e-6 * extent, extent)
@@ -278,8 +283,7 @@ def _shortfalls(design: Part, scenario: Part, duration: float) -> tuple[Any, flo
     def over(short: np.ndarray, allowed: float) -> list[str]:
         return [f"{name} {x:.1e}" for name, x in zip(called, short, strict=True) if x > allowed]
 
-    short = below(run.reported, run.history, sizes(run.extent, run.history), run.rounding)
-    result = {"below its history": over(short, BELOW_HISTORY)}
+    result = {"below its history": over(below_history(run), BELOW_HISTORY)}
     tight = measured(design, scenario, duration, TIGHT)
     if (int(tight.code), int(tight.impacts)) == (int(run.code), int(run.impacts)):
         result["missed"] = over(below(run.reported, tight.reported, run.extent, run.rounding), MISSED)

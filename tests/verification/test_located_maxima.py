@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
-from benchmarks.campaign import BELOW_HISTORY, STUDIES, below, measured, sizes
+from benchmarks.campaign import BELOW_HISTORY, STUDIES, below_history, measured
 from jaxbuffer import simulate
 from verification.designs import random_case
 
@@ -75,8 +75,7 @@ def drawn(title, numbers):
 def test_no_accepted_step_exceeds_a_maximum_of_the_campaign(title):
     study, cases = drawn(title, CASES[title])
     for number, case in cases.items():
-        *_, reported, size, history, _ = measured(*case, study.duration)
-        assert np.max(below(reported, history, sizes(size, history))) <= BELOW_HISTORY, number
+        assert np.max(below_history(measured(*case, study.duration))) <= BELOW_HISTORY, number
 
 
 @pytest.mark.long

@@ -8,7 +8,16 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
-from benchmarks.campaign import ANY_PARTS, BELOW_HISTORY, STUDIES, UNBALANCED, below, measured, names, sizes, studies_of
+from benchmarks.campaign import (
+    ANY_PARTS,
+    BELOW_HISTORY,
+    STUDIES,
+    UNBALANCED,
+    below_history,
+    measured,
+    names,
+    studies_of,
+)
 from jaxbuffer.errors import InputError
 from jaxbuffer.mechanisms.registry import mechanism_of
 
@@ -44,9 +53,9 @@ def test_a_largest_value_under_a_measured_curve_is_no_less_than_its_own_history(
     """The hinge force of the first of ten such designs was 190.86 N for 216.81 N where a threshold was NaN."""
     study = with_part("docking, any parts", "spring curve")
     for design, scenario in study.drawn(10, 5):
-        code, *_, reported, size, history, _ = measured(design, scenario, study.duration)
-        assert not mechanism_of(design).outcomes(int(code)).failed
-        short = below(reported, history, sizes(size, history))
+        run = measured(design, scenario, study.duration)
+        assert not mechanism_of(design).outcomes(int(run.code)).failed
+        short = below_history(run)
         assert np.max(short) < 1e-5, dict(zip(names(design, scenario), short, strict=True))
 
 
@@ -56,7 +65,7 @@ def test_random_parts_together_keep_energy_and_their_largest_values(title):
     single = len(ANY_PARTS[title][1])
     for k, study in list(enumerate(studies_of(title, single + 2, seed=1)))[single:]:
         for design, scenario in study.drawn(5, k):
-            code, *_, reported, size, history, energy = measured(design, scenario, study.duration)
-            assert not mechanism_of(design).outcomes(int(code)).failed, study.parts
-            assert abs(float(energy)) < UNBALANCED, study.parts
-            assert np.max(below(reported, history, sizes(size, history))) <= BELOW_HISTORY, study.parts
+            run = measured(design, scenario, study.duration)
+            assert not mechanism_of(design).outcomes(int(run.code)).failed, study.parts
+            assert abs(float(run.energy)) < UNBALANCED, study.parts
+            assert np.max(below_history(run)) <= BELOW_HISTORY, study.parts
