@@ -9,7 +9,7 @@ import json
 
 from ...accuracy import best_of, errors
 from ...plan import ROOT
-from ..reference import Reference
+from ..reference import Reference, reference_of
 from .parameters import Parameters
 from .run import capture
 
@@ -21,16 +21,7 @@ def references() -> list[Reference]:
     """The reference captures that the peer has the parts for."""
     known = Parameters.__dataclass_fields__
     return [
-        Reference(
-            name=case["name"],
-            parameters=Parameters.from_inputs(case["inputs"]),
-            outcome=case["outcome"],
-            end_time=case["end_time"],
-            peak_force=case["peak_force"],
-            peak_time=case["peak_time"],
-            impacts=int(case["impacts"]),
-            elasticity={},
-        )
+        reference_of(case, Parameters.from_inputs(case["inputs"]))
         for case in json.loads(FILE.read_text())
         if set(case["inputs"]) <= set(known)
     ]

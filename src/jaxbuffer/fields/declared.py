@@ -84,11 +84,11 @@ def declared(owner: Any) -> dict[str, dict[str, Any]]:
     }
 
 
-def fields_in_words(names: Iterable[str], known: Mapping[str, dataclasses.Field[Any]]) -> list[str]:
+def fields_in_words(fields: Mapping[str, dataclasses.Field[Any]]) -> list[str]:
     """Return a line of a docstring for each field that says what it means, with its unit and range."""
     lines = []
-    for name in names:
-        it = known[name].metadata
+    for name, field in fields.items():
+        it = field.metadata
         if not it.get("doc"):
             continue
         notes = [*([f"[{it['unit']}]"] if "unit" in it else []), *range_in_words(it)]
@@ -147,7 +147,7 @@ class Part(Portable):
         """Add a line for each field of its own to the class's docstring, before what it raises and its examples."""
         super().__init_subclass__(**named)
         own = {name: it for name, it in vars(cls).items() if isinstance(it, dataclasses.Field)}
-        if not cls.__doc__ or not (lines := fields_in_words(own, own)):
+        if not cls.__doc__ or not (lines := fields_in_words(own)):
             return
         said = inspect.cleandoc(cls.__doc__)
         before, mark, after = said.partition("\n\n**") if "\n\n**" in said else (said, "", "")

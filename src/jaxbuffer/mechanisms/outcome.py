@@ -12,7 +12,10 @@ from ..hybrid import Status
 STEPS = "failed: more steps than max_steps; raise it, loosen rtol, or try the implicit solver"
 STEP_SIZE = "failed: the step size fell below 1e-14 s; the tolerance can't be met"
 NOT_FINITE = "failed: the state stopped being finite"
-PENETRATION = "failed: a ball went deeper into a flank than its radius; the contact is too soft for this speed"
+PENETRATION = (
+    "failed: a ball went deeper into a flank than its radius, or came behind the middle of a long one; the contact is"
+    " too soft for this speed"
+)
 INPUT = "failed: a number of the design, the scenario or the options is out of its allowed range"
 FAILURES = {
     Status.TOO_MANY_STEPS: "failed_steps",

@@ -18,7 +18,8 @@ def longest_step(guards: Guards, active: Float[Array, " contacts"], depths: Floa
     """Return how long a step that looks for the next touchdown may be [s]; infinite if none is predicted.
 
     It goes `PAST_TOUCHDOWN` times as far as the touchdown, since from a step that ends far beyond it the touchdown can
-    only be guessed poorly, but no gap falls farther than ``depths`` below zero (`HybridSystem.gap_depths`).
+    only be guessed poorly, but to first order no gap falls farther than ``depths`` below zero
+    (`HybridSystem.gap_depths`).
     """
     time = _time_to_zero(guards.gap, guards.gap_rate, guards.gap_acceleration)
     closing = jnp.sqrt(jnp.maximum(guards.gap_rate**2 - 2.0 * guards.gap_acceleration * guards.gap, 0.0))

@@ -31,7 +31,8 @@ class Outcome(RunOutcome):
     failed_not_finite = 9, NOT_FINITE
     failed_penetration = (
         10,
-        "failed: the tip went deeper into the cone than its radius; the contact is too soft for this speed",
+        "failed: the tip went deeper into the cone than its radius, or came behind the middle of its wall; the"
+        " contact is too soft for this speed, or a latch too soft to keep the tip in the throat",
     )
     failed_input = 11, INPUT
 

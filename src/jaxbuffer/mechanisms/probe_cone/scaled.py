@@ -126,7 +126,9 @@ def _vehicles(task: VehiclesToDock) -> Iterator[ScaledNumber]:
 def _buffer(scale: Scale) -> Iterator[ScaledNumber]:
     mass, length, speed = scale.mass, scale.length, scale.fast
     stiffness, damping = 150.0 * mass * (speed / length) ** 2, 20.0 * mass * speed / length
-    yield ScaledNumber("buffer.k_A", stiffness, (0.3, 10.0), "μ v²/λ², with which the fast approach strokes 60 %", True)
+    yield ScaledNumber(
+        "buffer.k_A", stiffness, (0.3, 10.0), "μ v²/λ²; the fast approach takes about half the stroke", True
+    )
     yield ScaledNumber("buffer.c_A", damping, (0.1, 5.0), "μ v/λ, a quarter of the critical damping", True)
     yield ScaledNumber("buffer.k_T", 150.0 * mass * speed**2, (0.2, 5.0), "μ v²", True)
     yield ScaledNumber("buffer.c_T", 6.0 * mass * speed * length, (0.1, 5.0), "μ v λ", True)
