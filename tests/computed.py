@@ -1,5 +1,6 @@
 """What stands in for simulate, sensitivity, sweep, tune and pareto, so that the command line needs no wait."""
 
+import contextlib
 import dataclasses
 
 import numpy as np
@@ -76,6 +77,8 @@ def stand_in(monkeypatch):
     for name in ("simulate", "sensitivity", "sweep", "tune", "pareto"):
         monkeypatch.setattr(f"jaxbuffer.cli.commands.{name}.compute", getattr(computed, name))
     monkeypatch.setattr("jaxbuffer.experiments.sample.sweep", computed.sweep)
+    # Nothing compiles here, but a tuning that an earlier test has interrupted may: its threads end when they are done.
+    monkeypatch.setattr("jaxbuffer.cli.commands.progress.watched", lambda watcher: contextlib.nullcontext())
     monkeypatch.setattr(
         "jaxbuffer.programs.process.configure", lambda **options: computed.calls.append(("configure", options))
     )

@@ -13,6 +13,7 @@ OF_WHOLE_RUNS = {
     *("choosing/test_worst_corners.py", "docking/test_similar_mechanisms.py", "elements/test_without_contacts.py"),
     *(f"fitting/test_{it}.py" for it in ("damaged", "measured", "sensors", "signals")),
     *("sensitivities/test_unused_fields.py", "tuning/test_tuned_docking.py"),
+    "tuning/test_captures.py",
     # structures of a mechanism that no other quick test compiles
     *(f"mechanisms/test_{it}.py" for it in ("bottomed_words", "diagnosis", "full_tank", "other_laws", "struck_beam")),
     *("mechanisms/test_tank_drop_gradients.py", "mechanisms/test_tank_plates.py", "structures/test_hertz.py"),

@@ -4,6 +4,8 @@ from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
+import jax
+import numpy as np
 from jaxtyping import Array, Float
 
 from ..errors import InputError, check_names, suggest
@@ -52,6 +54,20 @@ class Quantity(NamedTuple):
 
 
 Catalogue = Mapping[str, Quantity]
+
+
+def zero(run: Any) -> Float[Array, "..."]:
+    """Return 0 for what has no such part, in the shape of one run or many: NaN where a run failed."""
+    if isinstance(run.peak_force, jax.core.Tracer):
+        return 0.0 * run.peak_force
+    # Of a finished run by NumPy: any operation of JAX would be a program of its own.
+    return jax.device_put(0.0 * np.asarray(run.peak_force))
+
+
+def largest(name: str) -> Callable[[Any], Float[Array, "..."]]:
+    """Return what reads a maximum of a run that only an optional part has, `zero` without that part."""
+    return lambda run: run.maxima[name] if name in run.maxima else zero(run)
+
 
 # what a mechanism with impacts may have, under any name: `Mechanism.name_of` finds them
 PEAK_FORCE = Quantity(

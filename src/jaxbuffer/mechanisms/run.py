@@ -172,10 +172,12 @@ class Run(Portable, Saved):
         log = self._located
         if not self.maxima or log is None or not int(log.count):
             return dict.fromkeys(self.maxima, float("nan"))
+        # `Log.used` by NumPy: any operation of JAX would be a program of its own.
+        kind = np.asarray(log.kind)[: int(log.count)]
+        used = kind != Kind.NONE
+        time, values = (np.asarray(it)[: len(kind)][used] for it in (log.time, log.values))
         # The entry of a start in contact does not know what depends on the state's rate.
-        used = np.asarray(log.used)
-        time, values = np.asarray(log.time)[used], np.asarray(log.values)[used]
-        starts = (np.asarray(log.kind)[used] == Kind.TOUCHDOWN) & (time == 0.0)
+        starts = (kind[used] == Kind.TOUCHDOWN) & (time == 0.0)
         values = np.where(starts[:, None], -np.inf, values)
 
         def reached(name: str) -> float:

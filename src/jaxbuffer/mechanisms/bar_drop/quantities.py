@@ -1,6 +1,6 @@
 """The catalogue of a drop's quantities."""
 
-from ..quantity import CONTACT_TIME, DISSIPATED, END_TIME, PEAK_FORCE, PEAK_TIME, PENETRATION, Quantity
+from ..quantity import CONTACT_TIME, DISSIPATED, END_TIME, PEAK_FORCE, PEAK_TIME, PENETRATION, Quantity, largest
 
 QUANTITIES: dict[str, Quantity] = {
     "peak_force": PEAK_FORCE,
@@ -25,8 +25,7 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "plate_deflection": Quantity(
         "m",
-        # Times the peak, so that the zero has the shape of many runs and is NaN where a run failed.
-        lambda run: run.maxima.get("plate_deflection", 0.0 * run.peak_force),
+        largest("plate_deflection"),
         "largest deflection of the plate under the ball, 0 for a rigid plate",
         "plate deflection",
         swept=True,
@@ -36,7 +35,7 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "bar_deflection": Quantity(
         "m",
-        lambda run: run.maxima.get("bar_deflection", 0.0 * run.peak_force),
+        largest("bar_deflection"),
         "largest deflection of the bar's middle from the line between its ends, 0 for a rigid bar",
         "bar deflection",
         swept=True,

@@ -2,7 +2,7 @@
 
 from jaxtyping import Array, Float
 
-from ..quantity import CONTACT_TIME, DISSIPATED, END_TIME, PEAK_FORCE, PEAK_TIME, PENETRATION, Quantity
+from ..quantity import CONTACT_TIME, DISSIPATED, END_TIME, PEAK_FORCE, PEAK_TIME, PENETRATION, Quantity, largest
 from ..run import Run
 
 
@@ -52,8 +52,7 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "rod_deflection": Quantity(
         "m",
-        # Times the peak, so that the zero has the shape of many runs and is NaN where a run failed.
-        lambda run: run.maxima.get("rod_deflection", 0.0 * run.peak_force),
+        largest("rod_deflection"),
         "largest deflection of the rod's middle off the line through its ends, 0 for a rigid rod",
         "rod deflection",
         swept=True,
@@ -63,7 +62,7 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "rod_stress": Quantity(
         "Pa",
-        lambda run: run.maxima.get("rod_stress", 0.0 * run.peak_force),
+        largest("rod_stress"),
         "largest stress along the rod on the surface of its middle, of bending (of a shape, in all), 0 for a rigid rod",
         "rod stress",
         swept=True,
@@ -73,7 +72,7 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "slider_deflection": Quantity(
         "m",
-        lambda run: run.maxima.get("slider_deflection", 0.0 * run.peak_force),
+        largest("slider_deflection"),
         "largest displacement of the piston pin against the slider's guide, along its line, 0 for a rigid slider",
         "slider deflection",
         swept=True,

@@ -9,7 +9,7 @@ from ....elements import Element, Lockout
 from ....elements.lockout import held_stroke
 from ....fields import NON_NEGATIVE, POSITIVE, Number, Part, number, on
 from ...drawing import Outline
-from ...quantity import Quantity
+from ...quantity import Quantity, largest, zero
 from .part import B, DrawnPart, Joined, P, ProbePart, T, loss, time_of
 from .rod import CYLINDER_WIDTH, ROD_WIDTH
 
@@ -69,7 +69,7 @@ LOCKOUT = LockoutPart(
     quantities={
         "peak_lockout_force": Quantity(
             "N",
-            lambda c: c.maxima.get("lockout_force", 0.0 * c.peak_force),
+            largest("lockout_force"),
             "largest force with which the lockout holds the stroke",
             "peak force of the lockout",
             swept=True,
@@ -78,7 +78,7 @@ LOCKOUT = LockoutPart(
         ),
         "lockout_stroke": Quantity(
             "m",
-            lambda c: held_stroke(c, "lockout") if "lockout_stroke" in c.maxima else 0.0 * c.peak_force,
+            lambda c: held_stroke(c, "lockout") if "lockout_stroke" in c.maxima else zero(c),
             "stroke that the lockout holds, below zero of an extension; 0 where it has not engaged",
             "stroke that is held",
             signed=True,
