@@ -6,7 +6,7 @@ import jax.numpy as jnp
 from jax import lax
 from jaxtyping import Array, Bool, Int
 
-from ..events.bracketing import Bracket
+from ..events.bracketing import MAX_TRIES_MAXIMUM, Bracket
 from ..events.guards import Extremes, Guards
 from ..events.prediction import next_release
 from ..rungekutta.controller import StepSizes
@@ -38,9 +38,9 @@ def advance(task: Task[P], state: LoopState, trial: Trial, decision: Decision, e
     back at.
 
     A maximum located here, or one of the state's rate that was given up as noise, must not be found again: it is marked
-    as ``located``. Those whose search led hardly further are not looked for at all in the next step: what rounding
-    makes of a force that is zero has maxima everywhere, and the run would never get away from them. The largest force
-    of a contact is that of its present impact, so that every impact's peak is located.
+    as ``located``. Those whose search led hardly further, or was in vain, are not looked for at all in the next step:
+    what rounding makes of a force that is zero has maxima everywhere, and the run would never get away from them. The
+    largest force of a contact is that of its present impact, so that every impact's peak is located.
     """
     accepted, mine = decision.accepted, task.observable_of(state.bracket.guard)
     reached = Point(
@@ -56,8 +56,9 @@ def advance(task: Task[P], state: LoopState, trial: Trial, decision: Decision, e
     extremes = where(returns, extremes.including(state.step_end.guards.value), extremes)
     sought = state.locating & mine & ~returns
     located = sought & (decision.refinement.occurred | task.of_rate)
-    stays = ~returns & (trial.length <= HARDLY * jnp.min(state.step_sizes.steps))
-    given_up = (sought | state.given_up) & stays
+    hardly = trial.length <= HARDLY * jnp.min(state.step_sizes.steps)
+    in_vain = sought & (state.bracket.tries >= MAX_TRIES_MAXIMUM) & ~decision.refinement.converged
+    given_up = ((sought | state.given_up) & hardly | in_vain) & ~returns
     return Advance(
         point=where(returns, state.step_end, where(accepted, reached, state.point)),
         step_end=where(decision.outcome == StepOutcome.LOOK_BACK, reached, state.step_end),
@@ -131,8 +132,9 @@ def next_status(
 ) -> Int[Array, ""]:
     """Return whether and how the run ends here."""
     refused = (decision.outcome == StepOutcome.REJECT) | (decision.outcome == StepOutcome.ABANDON)
-    # A step of length zero cannot be shortened.
-    stuck = refused & (state.reevaluating | (jnp.min(step_sizes.steps) < SHORTEST))
+    # A step of length zero cannot be shortened. That another method's step is short, as it is where that method last
+    # went from one event to the next, says nothing of this one's.
+    stuck = refused & (state.reevaluating | (step_sizes.steps[trial.method] < SHORTEST))
     timeout = jnp.where(event.timed_out, Status.TIMEOUT, Status.RUNNING)
     status = jnp.where(event.terminal, event.guard - task.contacts, timeout)
     # A step that ends the run ends it, whatever else is wrong with it: failures are looked at only while it goes on.
