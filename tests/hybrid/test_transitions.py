@@ -397,6 +397,17 @@ def test_a_maximum_that_leads_nowhere_is_not_looked_for_again(rate):
     np.testing.assert_array_equal(both.given_up, [True, True])
 
 
+def test_a_maximum_that_is_sought_in_vain_is_not_looked_for_again():
+    """Its tries spent where it falls already, far from the start: what rises later is noise, or another one."""
+    case, tries = STATE_ALONE, jnp.asarray(MAX_TRIES_MAXIMUM)
+    state = running(case, Phase.LOCATE, RISING, closed=True, bracket=TOWARD_MAXIMUM._replace(tries=tries))
+    _, after = iterated(case, state, trial(case, pressed(1.05, -50.0)))
+    np.testing.assert_array_equal(after.given_up, [True, False])
+    assert iterated(case, after, trial(case, pressed(1.2, -1.0)))[0] is StepOutcome.ACCEPT
+    _, found = iterated(case, state, trial(case, HIGHEST))
+    assert not np.any(found.given_up)
+
+
 def test_a_maximum_that_is_not_there_is_not_recorded():
     """Given up after its tries below it: the run goes on from the last try's end, inside the step."""
     state = located(STATE_ALONE, Phase.LOOK_BACK, tries=jnp.asarray(MAX_TRIES_MAXIMUM))
@@ -453,4 +464,8 @@ def test_how_a_run_ends():
     _, over = iterated(case, running(case, Phase.REEVALUATE, FALLING), trial(case, FALLING, length=0.0, finite=False))
     assert int(over.status) == Status.NOT_FINITE
     _, on = iterated(case, start, trial(case, FALLING, norm=256.0))
+    assert int(on.status) == Status.RUNNING
+    # The other method's step may be short for a reason of its own: it went from one event to the next.
+    other = start._replace(step_sizes=StepSizes(jnp.array([LENGTH, 1e-15]), jnp.ones(2)))
+    _, on = iterated(case, other, trial(case, FALLING, norm=256.0))
     assert int(on.status) == Status.RUNNING
