@@ -7,14 +7,14 @@ import pytest
 import jaxbuffer as jb
 from jaxbuffer.cli.entry import run as command
 from jaxbuffer.output.style import png
+from jaxbuffer.papers.claims import NO, NONE, OPEN, PARTLY, YES, Claim
 from jaxbuffer.papers.docking import CAPTURES, readings
 from jaxbuffer.papers.docking.claims import CLAIMS
 from jaxbuffer.papers.docking.figures import figure
 from jaxbuffer.papers.docking.published import as_published
 from jaxbuffer.papers.docking.readings import READINGS, Reading
-from jaxbuffer.papers.docking.rows import NONE
 from jaxbuffer.papers.docking.studies import STUDIES
-from jaxbuffer.papers.study import NO, OPEN, PARTLY, YES, Claim, Studied, Study, StudyCase, run
+from jaxbuffer.papers.study import Studied, Study, StudyCase, run
 
 BY_NAME = {study.name: study for study in STUDIES}
 

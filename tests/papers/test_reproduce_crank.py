@@ -7,10 +7,11 @@ import pytest
 
 from jaxbuffer.output.style import png
 from jaxbuffer.papers import paper_named
+from jaxbuffer.papers.claims import NO, PARTLY, YES
 from jaxbuffer.papers.impact.crank_claims import CLAIMS
 from jaxbuffer.papers.impact.crank_rows import turn_times
 from jaxbuffer.papers.impact.crank_studies import BAR, STUDIES
-from jaxbuffer.papers.study import NO, PARTLY, YES, run, verdicts_of
+from jaxbuffer.papers.study import run, verdicts_of
 
 BY_NAME = {study.name: study for study in STUDIES}
 PRINTED = {(0.1, 1e4, 1e7), (0.01, 1e4, 1e7), (0.2, 1e4, 1e7), (0.2, 1e5, 1e8)}  # e [-], k [N/mm^e], M0 [N mm]

@@ -9,13 +9,14 @@ from jaxbuffer.fields import replace
 from jaxbuffer.mechanisms.bar_drop import BarDrop, BarDropScenario
 from jaxbuffer.output.style import png
 from jaxbuffer.papers import PAPERS, paper_named
+from jaxbuffer.papers.claims import NO, PARTLY, YES
 from jaxbuffer.papers.impact import element_studies, elements
 from jaxbuffer.papers.impact.bar_claims import CLAIMS
 from jaxbuffer.papers.impact.bar_rows import harmonics, sampled_at
 from jaxbuffer.papers.impact.bar_studies import STUDIES
 from jaxbuffer.papers.impact.element_studies import pressure
 from jaxbuffer.papers.impact.fixed_steps import components, peaks
-from jaxbuffer.papers.study import NO, PARTLY, YES, run
+from jaxbuffer.papers.study import run
 
 BY_NAME = {study.name: study for study in STUDIES}
 

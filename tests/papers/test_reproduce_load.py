@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 from jaxbuffer.output.style import png
+from jaxbuffer.papers.claims import NO, PARTLY, YES
 from jaxbuffer.papers.load import samples
 from jaxbuffer.papers.load.claims import CLAIMS
 from jaxbuffer.papers.load.figures import figure
 from jaxbuffer.papers.load.samples import STUDIES, SampledImpacts, draw, row, solve
-from jaxbuffer.papers.study import NO, PARTLY, YES, Studied
+from jaxbuffer.papers.study import Studied
 
 CASE = STUDIES[0].cases[0]
 

@@ -5,8 +5,9 @@ import math
 import pytest
 
 from jaxbuffer.papers import paper_named
-from jaxbuffer.papers.study import NO, NONE, PARTLY, YES, run
-from jaxbuffer.papers.tank.claims import CLAIMS, OPEN
+from jaxbuffer.papers.claims import NO, NONE, OPEN, PARTLY, YES
+from jaxbuffer.papers.study import run
+from jaxbuffer.papers.tank.claims import CLAIMS
 from jaxbuffer.papers.tank.studies import STUDIES
 
 BY_NAME = {study.name: study for study in STUDIES}

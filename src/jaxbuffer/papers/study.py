@@ -1,4 +1,4 @@
-"""What a paper's studies are: cases as data, their runs and rows of numbers, claims and how the rows answer them."""
+"""What a paper's studies are: cases as data, their runs and rows of numbers, and verdicts on the paper's claims."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -7,11 +7,7 @@ from typing import Any, NamedTuple
 from .._types import Figure
 from ..mechanisms.run import Run
 from ..run.simulate import simulate
-
-YES, PARTLY, NO, OPEN = "confirmed", "in part", "not confirmed", "cannot be judged"
-Row = dict[str, str | float | int]
-NEAR = 0.03  # relative: what still counts as a printed number, or as another one
-NONE = "none"  # in a row, for what its run does not have
+from .claims import NONE, Claim, Row
 
 
 class StudyCase(NamedTuple):
@@ -49,40 +45,6 @@ class Studied(NamedTuple):
     study: Study
     captures: tuple[Any, ...]
     rows: tuple[Row, ...]
-
-
-Rows = dict[str, tuple[Row, ...]]
-
-
-class ClaimVerdict(NamedTuple):
-    """``finding``: what the model shows, with its numbers; ``verdict``: `YES`, `PARTLY`, `NO` or `OPEN`."""
-
-    finding: str
-    verdict: str
-
-
-Judge = Callable[[Rows], ClaimVerdict]
-
-
-class Claim(NamedTuple):
-    """A statement of a paper's text, where it stands, and how the rows answer it."""
-
-    claim: str
-    where: str
-    judge: Judge
-
-
-class Claims(list[Claim]):
-    """The claims of a paper's text in its order, each entered where the function is defined that judges it."""
-
-    def judge(self, claim: str, where: str) -> Callable[[Judge], Judge]:
-        """Return a decorator of the function that answers a claim; ``where``: section and figures of the paper."""
-
-        def entered(judge: Judge) -> Judge:
-            self.append(Claim(claim, where, judge))
-            return judge
-
-        return entered
 
 
 def simulated(case: StudyCase) -> Run:
@@ -134,22 +96,6 @@ class Paper(NamedTuple):
         return next(part for part in self.parts if study in part.studies)
 
 
-def verdict(parts: Sequence[bool]) -> str:
-    """Return `YES` if all of a claim's parts hold, `PARTLY` if some do."""
-    return YES if all(parts) else PARTLY if any(parts) else NO
-
-
-def near(value: float, other: float) -> bool:
-    """Return whether two numbers count as the same: see `NEAR`."""
-    # Relative to the printed number, the second one.
-    return abs(value / other - 1.0) < NEAR
-
-
-def number(row: Row, name: str) -> float:
-    """Return a number of a row."""
-    return float(row[name])
-
-
 def known(row: Row) -> Row:
     """Return a row with `NONE` in place of each NaN."""
     return {name: NONE if isinstance(value, float) and math.isnan(value) else value for name, value in row.items()}
@@ -188,6 +134,7 @@ def verdicts_of(claims: Sequence[Claim], studied: Sequence[Studied]) -> list[dic
     """Judge claim by claim: what the text says, what the model says, and whether they agree."""
     rows = {one.study.name: one.rows for one in studied}
     return [
-        {"claim": c.claim, "section": c.where, "model": v.finding, "verdict": v.verdict}
-        for c, v in ((claim, claim.judge(rows)) for claim in claims)
+        {"claim": claim.claim, "section": claim.where, "model": judged.finding, "verdict": judged.verdict}
+        for claim in claims
+        for judged in (claim.judge(rows),)
     ]

@@ -7,7 +7,8 @@ from scipy.interpolate import CubicSpline
 
 from ...mechanisms.history import History
 from ...mechanisms.probe_cone.capture import Capture
-from ..study import NONE, Row, StudyCase
+from ..claims import NONE, Row
+from ..study import StudyCase
 
 FIRST = 5  # impacts whose effective mass is compared
 COLUMNS = {

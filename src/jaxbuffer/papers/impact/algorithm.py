@@ -9,14 +9,15 @@ from ..._types import Figure
 from ...fields import replace
 from ...mechanisms.bar_drop import BarDrop, BarDropScenario
 from ...output.style import BLUE, COLOURS, ORANGE, drawing, label, panels
-from ..study import Claims, ClaimVerdict, Row, Rows, Studied, Study, StudyCase, near, verdict
+from ..claims import Claim, Row, cell, column, listed, near
+from ..study import Studied, Study, StudyCase
 from .bar_figures import OFFSETS
 from .fixed_steps import components, peaks
 
 INSTANTS = np.arange(0.0, 0.6, 1e-4)  # s, the algorithm's
 STEPS = {"1e-3": 1e-3, "1e-4": 1e-4, "1e-6": 1e-6}  # s: the paper's two, and one that resolves the contact
 OF_GRIDS: dict[str, Any] = {"": np.median, "_least": np.min, "_most": np.max}
-PRINTED = {"1e-3": 205.0, "1e-4": 250.0}  # N, by steps of these lengths
+PRINTED = {"1e-3": 205.0, "1e-4": 250.0}  # N, by steps of these lengths: for c = 1 and c = 6
 SPEED = 1.325  # m/s, the printed one, in the figure of the damper
 SPRING, DAMPER = range(2)
 NAMES = ("peak_force", "spring", "spring_seen", "damper", "damper_seen", "damper_as_printed")
@@ -128,44 +129,56 @@ def _over_time(axes: Any, run: Any, which: int, title: str) -> None:
     axes.legend(loc="upper left")
 
 
-CLAIMS = Claims()
+SEEN = ("spring_seen", "spring", "damper_seen", "damper")
+AS_PRINTED, MEANT = (cell("algorithm", 0, name) for name in ("damper_as_printed", "damper"))
+PEAK, LEAST, MOST = (column("algorithm", name) for name in ("peak_force", "bdf_1e-4_least", "bdf_1e-4_most"))
+MIDDLES = [cell("algorithm", case, f"bdf_{step}") for case, step in enumerate(PRINTED)]
 
 
-@CLAIMS.judge("Algorithm 1 gives 250 and 3000 N for c = 1, 450 and 5e4 N for c = 6", "2.1, fig. 7-10")
-def _seen(rows: Rows) -> ClaimVerdict:
-    names = ("spring_seen", "spring", "damper_seen", "damper")
-    pairs = [[float(row[name]) for name in names] for row in rows["algorithm"]]
-    finding = "; ".join("F₁ {:.3g} of {:.4g} N, F₂ {:.3g} of {:.4g} N".format(*numbers) for numbers in pairs)
-    forces = [number for numbers in pairs for number in numbers[::2]]
-    finding = (
-        f"c = 1 and 6: {finding}. It is given the motion, so that its force stops nothing, and its instants pass over a"
-        " damper that acts for some 10 µs"
-    )
-    return ClaimVerdict(finding, verdict([near(a, b) for a, b in zip(forces, (250, 3e3, 450, 5e4), strict=True)]))
+IN_BAND = tuple(
+    ((LEAST[case] <= force) & (force <= MOST[case])).map(lambda inside: "is" if inside else "is not")
+    for case, force in enumerate(PRINTED.values())
+)
+BY_STEPS = "{{:.4g}} N; {{:.3g}} N by steps of {} s, {{:.3g}} to {{:.3g}} N by steps of 1e-4 s"
 
-
-@CLAIMS.judge("STEP rises from 0 at the touch to c (with a = c, eq. 24)", "2.1, fig. 3, 5")
-def _printed_step(rows: Rows) -> ClaimVerdict:
-    printed, right = (float(rows["algorithm"][0][name]) for name in ("damper_as_printed", "damper"))
-    finding = (
+CLAIMS = (
+    Claim(
+        "Algorithm 1 gives 250 and 3000 N for c = 1, 450 and 5e4 N for c = 6",
+        "2.1, fig. 7-10",
+        "c = 1 and 6: {}. It is given the motion, so that its force stops nothing, and its instants pass over a damper "
+        "that acts for some 10 µs",
+        (
+            listed(
+                "F₁ {:.3g} of {:.4g} N, F₂ {:.3g} of {:.4g} N",
+                *(column("algorithm", name) for name in SEEN),
+                joint="; ",
+            ),
+        ),
+        tuple(
+            near(cell("algorithm", case, name), force)
+            for case, forces in enumerate(((250.0, 3e3), (450.0, 5e4)))
+            for name, force in zip(("spring_seen", "damper_seen"), forces, strict=True)
+        ),
+    ),
+    Claim(
+        "STEP rises from 0 at the touch to c (with a = c, eq. 24)",
+        "2.1, fig. 3, 5",
         "with the printed a = c damping is 2 c at the touch and falls to c at the depth d, a force that jumps; a = -c "
-        f"is meant. F₂ of the same motion: {printed:.4g} N against {right:.4g} N"
-    )
-    return ClaimVerdict(finding, verdict([near(printed, right)]))
-
-
-@CLAIMS.judge("Steps of 1e-3 s (c = 1) and 1e-4 s (c = 6) show the force", "2.2, fig. 12, 17")
-def _fixed(rows: Rows) -> ClaimVerdict:
-    parts, fine, within = [], [], []
-    # The paper steps by 1e-3 s for c = 1 and by 1e-4 s for c = 6.
-    for row, step in zip(rows["algorithm"], ("1e-3", "1e-4"), strict=True):
-        low, high = (float(row[f"bdf_1e-4_{end}"]) for end in ("least", "most"))
-        middle, right = float(row[f"bdf_{step}"]), float(row["peak_force"])
-        parts.append(
-            f"{right:.4g} N; {middle:.3g} N by steps of {step} s, {low:.3g} to {high:.3g} N by steps of 1e-4 s"
-        )
-        fine.append(near(middle, right))
-        within.append(f"{PRINTED[step]} N {'is' if low <= PRINTED[step] <= high else 'is not'}")
-    finding = f"c = 1: {parts[0]}; c = 6: {parts[1]}, by where the steps begin. Of the printed forces "
-    finding += f"{' and '.join(within)} in the band of 1e-4 s"
-    return ClaimVerdict(finding, verdict(fine))
+        "is meant. F₂ of the same motion: {:.4g} N against {:.4g} N",
+        (AS_PRINTED, MEANT),
+        (near(AS_PRINTED, MEANT),),
+    ),
+    Claim(
+        "Steps of 1e-3 s (c = 1) and 1e-4 s (c = 6) show the force",
+        "2.2, fig. 12, 17",
+        "; ".join(f"c = {c}: {BY_STEPS.format(step)}" for c, step in zip((1, 6), PRINTED, strict=True))
+        + ", by where the steps begin. Of the printed forces "
+        + " and ".join(f"{force} N {{}}" for force in PRINTED.values())
+        + " in the band of 1e-4 s",
+        (
+            *(it for case in range(2) for it in (PEAK[case], MIDDLES[case], LEAST[case], MOST[case])),
+            *IN_BAND,
+        ),
+        tuple(near(middle, PEAK[case]) for case, middle in enumerate(MIDDLES)),
+    ),
+)

@@ -4,7 +4,8 @@ import numpy as np
 from scipy.signal import find_peaks
 
 from ...mechanisms.bar_drop.run import BarDropRun
-from ..study import Row, StudyCase
+from ..claims import Row
+from ..study import StudyCase
 from .fixed_steps import components
 
 STEPS = (1e-3, 1e-4)  # s, the paper's two

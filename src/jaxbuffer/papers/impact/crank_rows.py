@@ -9,7 +9,8 @@ from ...mechanisms.run import Run
 from ...mechanisms.slider_crank import journal_path
 from ...mechanisms.slider_crank.design import Rod
 from ...multibody.flexible import free_bar
-from ..study import NONE, Row, StudyCase
+from ..claims import NONE, Row
+from ..study import StudyCase
 
 STARTED = 1e-2  # s: from here on the start is over
 TENTH = 0.1  # of the torque at the start

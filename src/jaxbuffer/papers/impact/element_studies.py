@@ -12,7 +12,8 @@ from ...fields import replace
 from ...mechanisms.bar_drop import BarDrop
 from ...mechanisms.bar_drop.run import BarDropRun
 from ...output.style import drawing, label, line, panels
-from ..study import NONE, Claims, ClaimVerdict, Row, Rows, Studied, Study, StudyCase, near, simulated, verdict
+from ..claims import NONE, Claim, Row, Value, column, near
+from ..study import Studied, Study, StudyCase, simulated
 from .bar_studies import ACCURATE, BENT, BODIES, DROP
 from .elements import DURATION, MeshedDrop, MeshedRun, follow
 
@@ -159,49 +160,51 @@ def figure(studied: Studied) -> Figure:
 FREE, COULOMB, STUCK, FINER, MODAL, MODAL_ROUGH, RIGID = range(7)
 
 
-def _list(rows: Rows, name: str, *cases: int, factor: float = 1.0) -> tuple[list[float], str]:
-    """Return the numbers of some cases, and the same in words."""
-    numbers = [factor * float(rows["elements"][case][name]) for case in cases]
-    return numbers, ", ".join(f"{number:.3g}" for number in numbers)
+def _of(name: str, *cases: int) -> Value:
+    return column("elements", name, cases)
 
 
-CLAIMS = Claims()
+PEAK, FIRST_PEAK = _of("peak_force", FREE, COULOMB, STUCK), _of("first_peak", FREE, MODAL, RIGID)
+RATIO, LASTS = PEAK[2] / PEAK[0], 1e3 * _of("impact_lasts", FREE, MODAL, RIGID)
+RISES = 1e3 * _of("rises_to", FREE, COULOMB, STUCK)
+PRESSURE = 1e-9 * _of("contact_pressure", FREE, STUCK)  # GPa
 
-
-@CLAIMS.judge("433 N without friction, 915 N rough (by our own elements)", "2.3, fig. 22-27")
-def _forces(rows: Rows) -> ClaimVerdict:
-    (free, _, rough), finding = _list(rows, "peak_force", FREE, COULOMB, STUCK)
-    finding = f"elements, μ = 0, 0.3, rough: {finding} N (finer mesh, μ = 0: {_list(rows, 'peak_force', FINER)[1]} N); "
-    finding += f"rough over frictionless {rough / free:.3g}, printed 2.11"
-    return ClaimVerdict(finding, verdict([near(free, 433.0), near(rough, 915.0), near(rough / free, 915.0 / 433.0)]))
-
-
-@CLAIMS.judge("Force has the same course by analysis, modes and elements", "4")
-def _same(rows: Rows) -> ClaimVerdict:
-    (elements, modal, rigid), finding = _list(rows, "first_peak", FREE, MODAL, RIGID)
-    rough = _list(rows, "first_peak", STUCK, MODAL_ROUGH)[1]
-    finding = f"first peak {finding} N by elements, 8 modes, rigid; rough {rough} N"
-    return ClaimVerdict(f"{finding} by elements, modes", verdict([near(modal, elements), near(rigid, elements)]))
-
-
-@CLAIMS.judge("The impact lasts 2 ms (by our own elements)", "2.3, fig. 23")
-def _lasts(rows: Rows) -> ClaimVerdict:
-    times, finding = _list(rows, "impact_lasts", FREE, MODAL, RIGID, factor=1e3)
-    return ClaimVerdict(f"{finding} ms by elements, 8 modes, rigid", verdict([near(times[0], 2.0)]))
-
-
-@CLAIMS.judge("On the rough plate the bar rises higher, to 230 mm (by our own elements)", "2.3, fig. 25")
-def _bounce(rows: Rows) -> ClaimVerdict:
-    (free, _, rough), finding = _list(rows, "rises_to", FREE, COULOMB, STUCK, factor=1e3)
-    finding = f"elements, μ = 0, 0.3, rough: {finding} mm; modes, μ = 0, rough: "
-    finding += f"{_list(rows, 'rises_to', MODAL, MODAL_ROUGH, factor=1e3)[1]} mm"
-    return ClaimVerdict(finding, verdict([rough > free, near(rough, 230.16)]))
-
-
-@CLAIMS.judge("Plate and contact are elastic (read: no yielding is mentioned)", "2.3")
-def _stressed(rows: Rows) -> ClaimVerdict:
-    squeezed, finding = _list(rows, "contact_pressure", FREE, STUCK, factor=1e-9)
-    finding = f"Hertz's pressure under the ball {finding} GPa, where hard steel yields from {1e-9 * YIELDS:g} GPa on; "
-    stress = _list(rows, "plate_stress", FREE, STUCK, factor=1e-6)[1]
-    finding += f"von Mises in the plate's elements {stress} MPa: μ = 0, rough"
-    return ClaimVerdict(finding, verdict([max(squeezed) < 1e-9 * YIELDS]))
+CLAIMS = (
+    Claim(
+        "433 N without friction, 915 N rough (by our own elements)",
+        "2.3, fig. 22-27",
+        "elements, μ = 0, 0.3, rough: {:.3g} N (finer mesh, μ = 0: {:.3g} N); rough over frictionless {:.3g}, printed "
+        "2.11",
+        (PEAK, _of("peak_force", FINER), RATIO),
+        (near(PEAK[0], 433.0), near(PEAK[2], 915.0), near(RATIO, 915.0 / 433.0)),
+    ),
+    Claim(
+        "Force has the same course by analysis, modes and elements",
+        "4",
+        "first peak {:.3g} N by elements, 8 modes, rigid; rough {:.3g} N by elements, modes",
+        (FIRST_PEAK, _of("first_peak", STUCK, MODAL_ROUGH)),
+        (near(FIRST_PEAK[1], FIRST_PEAK[0]), near(FIRST_PEAK[2], FIRST_PEAK[0])),
+    ),
+    Claim(
+        "The impact lasts 2 ms (by our own elements)",
+        "2.3, fig. 23",
+        "{:.3g} ms by elements, 8 modes, rigid",
+        (LASTS,),
+        (near(LASTS[0], 2.0),),
+    ),
+    Claim(
+        "On the rough plate the bar rises higher, to 230 mm (by our own elements)",
+        "2.3, fig. 25",
+        "elements, μ = 0, 0.3, rough: {:.3g} mm; modes, μ = 0, rough: {:.3g} mm",
+        (RISES, 1e3 * _of("rises_to", MODAL, MODAL_ROUGH)),
+        (RISES[2] > RISES[0], near(RISES[2], 230.16)),
+    ),
+    Claim(
+        "Plate and contact are elastic (read: no yielding is mentioned)",
+        "2.3",
+        f"Hertz's pressure under the ball {{:.3g}} GPa, where hard steel yields from {1e-9 * YIELDS:g} GPa on; von "
+        "Mises in the plate's elements {:.3g} MPa: μ = 0, rough",
+        (PRESSURE, 1e-6 * _of("plate_stress", FREE, STUCK)),
+        (PRESSURE.map(max) < 1e-9 * YIELDS,),
+    ),
+)

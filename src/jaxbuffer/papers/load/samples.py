@@ -12,7 +12,8 @@ from ...mechanisms.bar_drop import BarDrop, BarDropScenario
 from ...mechanisms.probe_cone import Scenario, table2
 from ...mechanisms.slider_crank import SliderCrank, SliderCrankScenario
 from ...run.simulate import simulate
-from ..study import Row, Study, StudyCase
+from ..claims import Row
+from ..study import Study, StudyCase
 
 LONGEST = 2e-3  # s, by which an impact is past its peak
 RUNS, SEED = 200, 38  # of each case, with the same designs and postures

@@ -8,7 +8,8 @@ from ...mechanisms.tank_drop.outcome import FORMS
 from ...mechanisms.tank_drop.run import rows_of
 from ...mechanisms.tank_drop.tank_run import TankRun
 from ...mechanisms.tank_drop.view import in_order
-from ..study import Row, StudyCase
+from ..claims import Row
+from ..study import StudyCase
 
 COLUMNS = {
     "outcome": "",

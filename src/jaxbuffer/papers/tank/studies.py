@@ -13,12 +13,6 @@ STIFFNESSES = (5e8, 5e9, 5e10)  # Pa/m, of an area
 WHOLE, STRUCK = {"duration": 0.06}, {"duration": 0.02}  # s: until the slider is on its way up
 ASSUMED = "dimensions, high-density polyethylene, walls of 5 mm, a cushion of 4 MPa/m and 150 mm"
 
-
-def _penalty(stiffness: float) -> StudyCase:
-    design = replace(BARE, {"support.stiffness": stiffness})
-    return StudyCase(f"penalty, {stiffness:g} Pa/m", stiffness, design, PAPERS, STRUCK)
-
-
 STUDIES = (
     Study(
         "drop",
@@ -55,7 +49,10 @@ STUDIES = (
         (
             StudyCase("defence node", 0.0, replace(BARE, {"support.method": "defence node"}), PAPERS, STRUCK),
             StudyCase("multiplier", 0.0, replace(BARE, {"support.method": "multiplier"}), PAPERS, STRUCK),
-            *map(_penalty, STIFFNESSES),
+            *(
+                StudyCase(f"penalty, {k:g} Pa/m", k, replace(BARE, {"support.stiffness": k}), PAPERS, STRUCK)
+                for k in STIFFNESSES
+            ),
         ),
     ),
 )
