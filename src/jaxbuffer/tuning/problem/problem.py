@@ -5,26 +5,29 @@ import dataclasses
 import functools
 import hashlib
 from collections.abc import Iterable, Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from ...errors import InputError, check_known, check_single, check_type, shown
-from ...fields import Part, as_typed, check_path, get, paths, replace, typed_unit, unit, unit_at
-from ...mechanisms.mechanism import Mechanism, RequiredEnd
-from ...mechanisms.quantity import PEAK_FORCE, Catalogue
+from ...errors import InputError
+from ...fields import Part, as_typed, get, paths, replace, unit, unit_at
+from ...mechanisms.mechanism import RequiredEnd
 from ...mechanisms.registry import mechanism_of
-from ...run.request import DEFAULT_TOLERANCE, TOLERANCES, check_pair
+from ...run.request import DEFAULT_TOLERANCE, check_pair
 from .cases import WHOLE_CORNERS, Case, Scatter, corner_signs, in_sentence, numbered
-from .custom_quantity import CustomQuantity, check_custom_quantities
-from .objective import ONE_LIMIT, Limits, Objective, SecondObjective, in_units, quantity_in_words
-from .tolerances import check_ends, corner_cases, read_tolerances
-from .variable import Variable, check_variables
+from .completion import completed
+from .custom_quantity import CustomQuantity
+from .objective import Limits, Objective, SecondObjective
+from .problem_data import ProblemData
+from .tolerances import corner_cases
+from .variable import Variable
+
+NONE: Mapping[str, Any] = MappingProxyType({})
 
 
-@dataclasses.dataclass(frozen=True)
-class Problem:
+class Problem(ProblemData):
     """A design problem: design variables, load cases, an objective and constraints.
 
     **Arguments:**
@@ -60,127 +63,57 @@ class Problem:
     peak_force, worst over the cases: 2 cases by buffer.k_A, buffer.c_A
     """
 
-    design: Part
-    scenarios: Sequence[Part | Case]
-    variables: Sequence[Variable]
-    objective: Objective = dataclasses.field(default_factory=Objective)
-    limits: Limits = dataclasses.field(default_factory=Limits)
-    then: SecondObjective | None = None
-    duration: float | None = None
-    rtol: float = DEFAULT_TOLERANCE
-    quantities: Mapping[str, CustomQuantity] = dataclasses.field(default_factory=dict)
-    scatter: Scatter | None = None
-    units: Mapping[str, str] = dataclasses.field(default_factory=dict)
-    tolerances: Mapping[str, Any] = dataclasses.field(default_factory=dict)
-    signs: tuple[tuple[float, ...], ...] = ()
-    cases: tuple[Case, ...] = dataclasses.field(init=False, default=())
-    drawn: tuple[Case, ...] = dataclasses.field(init=False, default=())  # the load cases without tolerances
-
-    def __post_init__(self) -> None:
-        mechanism = self.mechanism
-        # The class is frozen, so that fields which are completed here are set past its own assignment.
-        object.__setattr__(self, "quantities", check_custom_quantities(self.quantities, mechanism.quantities))
-        if self.duration is None:
-            object.__setattr__(self, "duration", mechanism.duration(self.design))
-        self._check_parts()
-        self._complete_objectives()
-        self._check_quantities(mechanism)
-        cases = tuple(s if isinstance(s, Case) else Case(s) for s in self.scenarios)
-        if self.scatter is not None and cases:
-            check_type("scatter", self.scatter, Scatter, "Scatter(24, {'approach_speed': Distribution(...)})")
-            cases = self.scatter.cases(cases, self.design)
-        if not cases:
-            raise InputError("scenarios is empty; tuning needs at least one")
-        self._read_units()
-        check_variables(self.design, self.variables, self.units)
-        self._check_values(cases)
-        cases = self._with_corners(cases)
-        object.__setattr__(self, "cases", cases)
-        for k, case in enumerate(cases):
+    def __init__(
+        self,
+        design: Part,
+        scenarios: Sequence[Part | Case],
+        variables: Sequence[Variable],
+        objective: Objective | None = None,
+        limits: Limits | None = None,
+        then: SecondObjective | None = None,
+        duration: float | None = None,
+        rtol: float = DEFAULT_TOLERANCE,
+        quantities: Mapping[str, CustomQuantity] = NONE,
+        scatter: Scatter | None = None,
+        units: Mapping[str, str] = NONE,
+        tolerances: Mapping[str, Any] = NONE,
+        signs: tuple[tuple[float, ...], ...] = (),
+    ) -> None:
+        given = ProblemData(
+            design=design,
+            scenarios=scenarios,
+            variables=variables,
+            objective=Objective() if objective is None else objective,
+            limits=Limits() if limits is None else limits,
+            then=then,
+            duration=mechanism_of(design).duration(design) if duration is None else duration,
+            rtol=rtol,
+            quantities=quantities,
+            scatter=scatter,
+            units=units,
+            tolerances=tolerances,
+            signs=signs,
+        )
+        data = completed(given)
+        super().__init__(**{field.name: getattr(data, field.name) for field in dataclasses.fields(data)})
+        for k, case in enumerate(self.cases):
             try:
-                check_pair(mechanism, case.of(self.design), case.scenario)
+                check_pair(self.mechanism, case.of(self.design), case.scenario)
             except InputError as error:
                 # A factor or a sampled field may lead out of the range that the design or the scenario allows.
-                raise error.between(f"{in_sentence(case.label(cases), self.number_text(k))}: ") from None
-        mechanism.tuning.check_problem(self)
+                label = in_sentence(case.label(self.cases), self.number_text(k))
+                raise error.between(f"{label}: ") from None
+        self.mechanism.tuning.check_problem(self)
 
-    def _check_values(self, cases: Sequence[Case]) -> None:
-        """Raise `InputError` where a load case sets a number that is tuned."""
-        for path in dict.fromkeys(path for case in cases for path, _ in case.values):
-            check_path(self.design, path)
-            if path in self.paths:
-                raise InputError(
-                    f"{path} is tuned, and the scenarios list values of it; keep one, or give it a tolerance instead"
-                )
-
-    def _with_corners(self, cases: tuple[Case, ...]) -> tuple[Case, ...]:
-        """Return the load cases, each followed by its corners; the tolerances are read on the way."""
-        tolerances = read_tolerances(self.tolerances, self.design, cases[0].scenario)
-        object.__setattr__(self, "tolerances", tolerances)
-        object.__setattr__(self, "drawn", cases)
-        if not tolerances:
-            return cases
-        bounds = {variable.path: (variable.low, variable.high) for variable in self.variables}
-        check_ends(tolerances, self.design, cases, bounds)
-        if any(len(row) != len(tolerances) for row in self.signs):
-            raise InputError(f"signs: a corner has {len(tolerances)} numbers, one a tolerance")
+    @functools.cached_property
+    def cases(self) -> tuple[Case, ...]:
+        """Return the load cases, each followed by its corners."""
+        if not self.tolerances:
+            return self.drawn
         # A case and its corners stand together: `corner_places` tells by that which cases are corners.
-        return tuple(it for case in cases for it in (case, *corner_cases([case], tolerances, self.corner_rows)))
-
-    def _read_units(self) -> None:
-        """Read bounds and limits that were given with a unit; people are shown the numbers in those units."""
-        given, own = tuple(self.variables), {name: derived.unit for name, derived in self.quantities.items()}
-        for variable in given:
-            check_type("variable", variable, Variable, "Variable('buffer.k_A', 100.0, 2000.0)")
-            check_path(self.design, variable.path)
-        # Units are read before the bounds become numbers, which no longer tell.
-        typed = {v.path: symbol for v in given if (symbol := typed_unit((v.low, v.high)))}
-        object.__setattr__(self, "variables", tuple(v.read(self.design) for v in given))
-        object.__setattr__(self, "units", {**typed, **self.units})
-        at_most, at_least = in_units(self.limits.at_most, own), in_units(self.limits.at_least, own)
-        object.__setattr__(self, "limits", dataclasses.replace(self.limits, at_most=at_most, at_least=at_least))
-
-    def _check_parts(self) -> None:
-        for name, values, example in (
-            ("scenarios", self.scenarios, "[Scenario(approach_speed=0.2)]"),
-            ("variables", self.variables, "[Variable('buffer.k_A', 100.0, 2000.0)]"),
-        ):
-            if not isinstance(values, Iterable) or isinstance(values, (str, bytes, Mapping)):
-                raise InputError(f"{name} = {shown(values)} is not a list; write {example}")
-        check_type("objective", self.objective, Objective, "Objective({'peak_force': 1.0})")
-        check_type("limits", self.limits, Limits, "Limits(at_most={'stroke': 0.025})")
-        if self.then is not None:
-            check_type("then", self.then, SecondObjective, "SecondObjective(Objective({'stroke': 1.0}))")
-        check_single("duration", self.duration, "s", ONE_LIMIT, low=0.0, low_open=True)
-        check_single("rtol", self.rtol, "-", ONE_LIMIT, **TOLERANCES)
-
-    def _complete_objectives(self) -> None:
-        """Let an objective without weights be the main quantity alone."""
-        if not self.names:
-            raise InputError(
-                f"{self.mechanism.name} has no quantity that an objective may use: declare one with tuned=True, or give"
-                " quantities of your own"
-            )
-        completed = self.objective.of(self.main_quantity)
-        object.__setattr__(self, "objective", completed)
-        if self.then is not None:
-            then = dataclasses.replace(self.then, objective=self.then.objective.of(self.main_quantity))
-            object.__setattr__(self, "then", then)
-
-    def _check_quantities(self, mechanism: Mechanism) -> None:
-        """Raise `InputError` where a quantity is another mechanism's, or a limit above what always holds."""
-        self.limits.check(mechanism, lambda path: get(self.design, path), self.quantities)
-        uses: dict[str, Iterable[str]] = {"objective": self.objective.weights, "constraints": self.limits.names}
-        uses |= {} if self.then is None else {"then": self.then.objective.weights}
-        for where, names in uses.items():
-            for name in names:
-                if name in mechanism.tuned and not mechanism.has(name, self.design):
-                    part = mechanism.quantities[name].part
-                    raise InputError(f"{where}.{name} needs {part}, which the design has not; give it, or leave it out")
-            check_known(names, self.names, where, quantity_in_words)
-        for name, high in mechanism.always(self.design).items():
-            limit, unit = self.limits.at_most.get(name, high), self.catalogue[name].unit
-            check_single(f"constraints.{name}", limit, unit, ONE_LIMIT, low=0.0, low_open=True, high=high)
+        return tuple(
+            it for case in self.drawn for it in (case, *corner_cases([case], self.tolerances, self.corner_rows))
+        )
 
     def number(self, k: int) -> int:
         """Return the number of the scenario of a load case, by its place: scenarios are counted from 1 in the order of
@@ -254,11 +187,6 @@ class Problem:
             raise InputError("variables is empty; tuning needs at least one")
 
     @property
-    def mechanism(self) -> Mechanism:
-        """Return the mechanism whose designs are tuned."""
-        return mechanism_of(self.design)
-
-    @property
     def end(self) -> RequiredEnd | None:
         """Return the strictest end that the limits ask for, or that a limited or lowered quantity waits for; None for
         none."""
@@ -291,59 +219,9 @@ class Problem:
         return np.column_stack(columns)
 
     @property
-    def names(self) -> tuple[str, ...]:
-        """Return the quantities that objectives and constraints may use: the `peak_quantity` first, the own ones
-        last."""
-        return (*self._tuned, *self.quantities)
-
-    @functools.cached_property  # asked for hundreds of times in a search
-    def _tuned(self) -> tuple[str, ...]:
-        names = [name for name in self.mechanism.tuned if self.mechanism.has(name, self.design)]
-        # First, because an `Evaluation` has the peak force apart from the rest.
-        return tuple(sorted(names, key=lambda name: name != self.mechanism.name_of(PEAK_FORCE)))
-
-    @functools.cached_property
-    def peak_quantity(self) -> str | None:
-        """Return the one of the `names` that is known of every impact; None where there is none."""
-        name = self.mechanism.name_of(PEAK_FORCE)
-        return name if name in self.names else None
-
-    @functools.cached_property
-    def main_quantity(self) -> str:
-        """Return the one of the `names` that stands for a run where nothing is said."""
-        return self.mechanism.main_quantity(self.names, self.design)
-
-    @property
-    def measured(self) -> tuple[str, ...]:
-        """Return the mechanism's quantities among `names`, then those that only the own ones are made of."""
-        parameters = (name for derived in self.quantities.values() for name in derived.parameters)
-        return tuple(dict.fromkeys((*self._tuned, *parameters)))
-
-    @property
-    def rest(self) -> tuple[str, ...]:
-        """Return the `names` without the `peak_quantity`."""
-        return tuple(name for name in self.names if name != self.peak_quantity)
-
-    @property
-    def measured_rest(self) -> tuple[str, ...]:
-        """Return the `measured` quantities without the `peak_quantity`."""
-        return tuple(name for name in self.measured if name != self.peak_quantity)
-
-    @property
-    def catalogue(self) -> Catalogue:
-        """Return the mechanism's quantities and the own ones."""
-        own = {name: derived.as_quantity(name) for name, derived in self.quantities.items()}
-        return {**self.mechanism.quantities, **own}
-
-    @property
     def scenarios_met(self) -> tuple[Part, ...]:
         """Return the cases' scenarios, as often as they occur."""
         return tuple(case.scenario for case in self.cases)
-
-    @property
-    def paths(self) -> tuple[str, ...]:
-        """Return the variables' dotted paths."""
-        return tuple(v.path for v in self.variables)
 
     @property
     def samples(self) -> str:
