@@ -1,5 +1,6 @@
 """What elements say of a run, in a mechanism that has no words of its own for them."""
 
+import math
 from types import SimpleNamespace
 
 import jax.numpy as jnp
@@ -7,6 +8,7 @@ import numpy as np
 
 from jaxbuffer.contact import KelvinVoigt
 from jaxbuffer.elements import Buffer, EndStop, EnergyShare, Latch, Oscillators, SpringDamper, Thrust
+from jaxbuffer.elements.telling import SummaryRow
 from jaxbuffer.fields import Part
 from jaxbuffer.mechanisms.energy import Balance, Energy
 from jaxbuffer.mechanisms.plain_summary import plain_summary
@@ -88,3 +90,11 @@ def test_a_rig_s_summary_says_each_number_once_and_no_part_that_exceeds_its_whol
     assert "  gap                      2.5 mm" in lines and "  turn                     90 deg" in lines
     assert "  energy lost              4.57 J (left arm damper 4.57)" in lines
     assert "  energy stored at the end -2.56 J (gravity -2.81, kinetic 0.25)" in lines
+
+
+def test_a_row_says_number_limit_and_time():
+    """Lengths in mm, angles in degrees; rounding is 0 without a time."""
+    row = SummaryRow("stroke", 0.0251, "m", limit=0.03, time=0.12, note=", end stop from 28 mm on")
+    assert row.line == ("stroke", "25.1 mm of 30 mm, end stop from 28 mm on at 0.12 s")
+    assert row._replace(value=1e-10, least=1e-9).text == "0 mm of 30 mm, end stop from 28 mm on"
+    assert SummaryRow("", math.pi / 6, "rad").text == "30 deg" and SummaryRow("", -2.5, "N").text == "-2.5 N"

@@ -13,7 +13,7 @@ from ..plane import PLANE
 from ..space.either import Frame, Turn, Vector
 from .element import ROUNDED_LENGTH, Closed, Element, Magnitudes, Own, Switch
 from .report import Report
-from .telling import largest, reached
+from .telling import SummaryRow
 
 
 class ControlState(NamedTuple):
@@ -157,8 +157,6 @@ class AttitudeControlReport(Report[AttitudeControl]):
 
     def summary(self, run: Any) -> list[tuple[str, str]]:
         control = self.element
-        moment = f"{control.name}_moment"
+        most = SummaryRow.largest(run, f"{control.name}_moment", "N m").text
         work = -float(run.energy.stored[control.name])  # what was put in is counted negative
-        return [
-            (self.words, f"at most {largest(run, moment):.6g} N m{reached(run, moment)}, which put in {work:.6g} J")
-        ]
+        return [(self.words, f"at most {most}, which put in {work:.6g} J")]

@@ -15,7 +15,7 @@ from ..multibody import AxialSpringDamper, Kinematics, Load, SpringDirection, lo
 from .element import ROUNDED_LENGTH, Closed, Element, Own
 from .picture import Level, Panel, PanelCurve
 from .report import EnergyShare, Report
-from .telling import largest, reached
+from .telling import SummaryRow, largest
 
 
 class BufferForce(AxialSpringDamper):
@@ -221,12 +221,11 @@ class BufferReport(Report[Buffer]):
 
     def summary(self, run: Any) -> list[tuple[str, str]]:
         buffer = self.element
-        force, of = f"{buffer.name}_force", "" if buffer.longest_stroke is None else f" of {_mm(buffer.longest_stroke)}"
-        return [
-            (f"peak {self.words} force", f"{largest(run, force):.6g} N{reached(run, force)}"),
-            (buffer.stroke.replace("_", " "), f"{_mm(largest(run, buffer.stroke))}{of}{reached(run, buffer.stroke)}"),
-            *((buffer.extension.replace("_", " "), text) for text in (extension_text(run, buffer.extension),) if text),
-        ]
+        force = SummaryRow.largest(run, f"{buffer.name}_force", "N", f"peak {self.words} force")
+        stroke = SummaryRow.largest(
+            run, buffer.stroke, "m", buffer.stroke.replace("_", " "), limit=buffer.longest_stroke
+        )
+        return [force.line, stroke.line, *extension_line(run, buffer.extension)]
 
     @property
     def summary_observables(self) -> tuple[str, ...]:
@@ -246,10 +245,11 @@ class BufferReport(Report[Buffer]):
         return (EnergyShare(friction, f"lost in the {friction}", (buffer.rubbed_in,)),) if buffer.rubs else ()
 
 
-def extension_text(run: Any, name: str = "extension") -> str:
-    """Return in words how far a buffer's rod goes out beyond its free position, and when; "" where it never does."""
-    longest = largest(run, name)
-    return f"{_mm(longest)} beyond the free length{reached(run, name)}" if longest > LEAST_SHOWN else ""
+def extension_line(run: Any, name: str = "extension") -> list[tuple[str, str]]:
+    """Return the line on how far a buffer's rod goes out beyond its free position, and when; none where it never
+    does."""
+    row = SummaryRow.largest(run, name, "m", name.replace("_", " "), note=" beyond the free length")
+    return [row.line] if row.value > LEAST_SHOWN else []
 
 
 def _mm(length: Scalar, digits: int = 6) -> str:

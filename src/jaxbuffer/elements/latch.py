@@ -18,7 +18,7 @@ from ..space.either import Turn, Vector
 from .element import ROUNDED_LENGTH, Closed, Element, Magnitudes, Own, Switch
 from .picture import Level, Panel, PanelCurve
 from .report import EnergyShare, Report
-from .telling import closed_at, largest, reached
+from .telling import SummaryRow, closed_at, largest
 
 
 class LatchState(NamedTuple):
@@ -271,14 +271,14 @@ class LatchReport(Report[Latch]):
 
     def summary(self, run: Any) -> list[tuple[str, str]]:
         latch = self.element
-        closed, force = closed_at(run, latch.name), f"{latch.name}_force"
+        closed = closed_at(run, latch.name)
         if not math.isfinite(closed):
             return []
         held = f", held {float(run.end_time) - closed:.4g} s later" if run.outcome.name == "held" else ""
-        strength = "" if latch.strength is None else f" of {float(latch.strength):.6g} N strength"
-        most = f"{self.words} force at most {largest(run, force):.6g} N{strength}{reached(run, force)}"
+        strength = "" if latch.strength is None else " strength"
+        most = SummaryRow.largest(run, f"{latch.name}_force", "N", limit=latch.strength, note=strength).text
         heading = "latched" if latch.name == "latch" else f"{self.words} closed"
-        return [(heading, f"at {closed:.6g} s{held}; {most}")]
+        return [(heading, f"at {closed:.6g} s{held}; {self.words} force at most {most}")]
 
     @property
     def summary_observables(self) -> tuple[str, ...]:

@@ -12,7 +12,7 @@ from ..plane import Vector
 from .element import ROUNDED_LENGTH, Closed, Element, Magnitudes, Own, Switch
 from .picture import Level, Panel, PanelCurve
 from .report import EnergyShare, Report
-from .telling import closed_at, largest, reached
+from .telling import SummaryRow, closed_at, largest
 
 LENGTH = 1e-3  # m, with which errors of the stroke that is held are compared
 
@@ -174,7 +174,7 @@ class LockoutReport(Report[Lockout]):
         engaged = closed_at(run, self.element.name)
         if not math.isfinite(engaged):
             return []
-        most = f"{largest(run, self._force):.6g} N{reached(run, self._force)}"
+        most = SummaryRow.largest(run, self._force, "N").text
         stroke = 1e3 * float(held_stroke(run, self.element.name))
         return [(self.words, f"holds a stroke of {stroke:.4g} mm from {engaged:.6g} s on; force at most {most}")]
 

@@ -13,7 +13,7 @@ from ..multibody import AxialSpringDamper, Kinematics, Load, MaterialPoint, Spri
 from ..space.either import Vector
 from .element import Closed, Element, Own, Switch
 from .report import EnergyShare, Report
-from .telling import largest, reached
+from .telling import SummaryRow, largest
 
 USUAL = {"stop": "end stop", "rebound": "rebound stop"}  # what stops of these names are called
 SOLID = 0.05  # of its thickness: where a rubber block is as good as solid, and its force goes on straight
@@ -162,8 +162,7 @@ class EndStopReport(Report[EndStop]):
 
     def summary(self, run: Any) -> list[tuple[str, str]]:
         stop = self.element
-        force = f"{stop.name}_force"
-        most = f", at most {largest(run, force):.6g} N{reached(run, force)}" if stop.watched else ""
+        most = f", at most {SummaryRow.largest(run, f'{stop.name}_force', 'N').text}" if stop.watched else ""
         return [(self.words, f"from {1e3 * float(stop.place):.6g} mm on{most}")]
 
     @property

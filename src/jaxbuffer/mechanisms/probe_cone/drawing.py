@@ -8,7 +8,6 @@ from jaxtyping import Float
 
 from ...contact import Segment
 from ...multibody import Coordinates
-from ...multibody.flexible import FlexibleBar
 from ..drawing import (
     Band,
     Coil,
@@ -67,7 +66,9 @@ def drawing(design: Design, bodies: tuple[str, ...] = ()) -> Drawing:
 
     def frames(history: Any) -> Float[np.ndarray, "steps frames 3"]:
         poses = with_tip(history, front)
-        poses = poses if bending is None else with_stations(poses, history, _order(bending), bending, P)
+        if bending is not None:
+            order = Coordinates(TIP, tuple(bending.modes.size if body == P else 0 for body in range(TIP)))
+            poses = with_stations(poses, history, order, bending, P)
         for part in parts:
             poses = part.with_frames(poses, history)
         return poses
@@ -81,11 +82,6 @@ def _drawn(design: Design, first: int) -> list[DrawnPart]:
     for part in parts_of(design):
         drawn.append(part.drawn(design, first + sum(it.frames for it in drawn)))
     return drawn
-
-
-def _order(bending: FlexibleBar) -> Coordinates:
-    """Return the order of the coordinates where the probe bends."""
-    return Coordinates(TIP, tuple(bending.modes.size if body == P else 0 for body in range(TIP)))
 
 
 def with_tip(history: Any, front: float) -> Float[np.ndarray, "steps frames 3"]:

@@ -1,13 +1,14 @@
 """A capture in a dozen lines, for people."""
 
+from functools import partial
 from typing import Any
 
 import jax
 import numpy as np
 
 from ...elements import Buffer
-from ...elements.buffer import extension_text
-from ...elements.telling import when
+from ...elements.buffer import extension_line
+from ...elements.telling import SummaryRow
 from ...value_text import percent_text
 from ..energy import energy_text
 from ..quantity import NEGLIGIBLE
@@ -29,17 +30,18 @@ def summary(capture: Capture) -> str:
         where = view.label(capture.scenario)
         return f"{view.title}: {outcome.reason} (after {int(capture.attempts)} steps; {where})"
     b = jax.tree.map(np.asarray, capture.balance)
-    at = capture.maximum_times
     of_parts = "".join(part.buffer_text(capture) for part in parts_of(capture.design, capture.scenario))
+    limits = "".join(f", {what} from {1e3 * float(at):.6g} mm on" for what, at in stroke_limits(capture.design))
+    row, longest = partial(SummaryRow.largest, capture), capture.design.buffer.longest_stroke
     rows: list[Row] = [
         ("scenario", view.label(capture.scenario)),
         ("end time", f"{float(capture.end_time):.6g} s, in contact {float(capture.contact_time):.4g} s"),
         *_contact_rows(capture),
-        ("peak hinge force", _force(capture, "hinge_force", at)),
-        ("peak buffer force", f"{_force(capture, 'buffer_force', at)}{of_parts}"),
-        ("stroke", _stroke(capture, at)),
-        *(("extension", text) for text in (extension_text(capture),) if text),
-        ("hinge angle", f"{np.degrees(float(capture.hinge_angle)):.6g} deg{when(at['hinge_angle'])}"),
+        row("hinge_force", "N", "peak hinge force", least=NEGLIGIBLE["N"]).line,
+        ("peak buffer force", f"{row('buffer_force', 'N', least=NEGLIGIBLE['N']).text}{of_parts}"),
+        row("stroke", "m", "stroke", limit=longest, note=limits, least=NEGLIGIBLE["m"]).line,
+        *extension_line(capture),
+        row("hinge_angle", "rad", "hinge angle").line,
     ]
     for element in capture.elements:
         # The lines of the buffer are lines of the whole, above.
@@ -47,7 +49,7 @@ def summary(capture: Capture) -> str:
             part = part_of_element(element.name)
             rows += element.report.summary(capture) if part is None else part.summary(capture, element)
     rows += [
-        ("penetration", _penetration(capture)),
+        ("penetration", f"at most {1e6 * float(capture.penetration):.3g} µm into {view.any_contact(capture.design)}"),
         ("capture margin", _margin(capture)),
         *_energy_rows(capture),
         (
@@ -82,24 +84,6 @@ def _contact_rows(capture: Capture) -> list[Row]:
     if capture.scenario.start == "free":
         text = f"{force:.6g} N, {_contact(capture, capture.impacts.contact[0])}"
     return [("peak contact force", peak), *larger, ("first impact", text)]
-
-
-def _force(capture: Capture, name: str, at: dict[str, float]) -> str:
-    """Return the largest value of a force and when it occurs; "0 N" where it is only rounding."""
-    force = float(capture.quantity(f"peak_{name}"))
-    return "0 N" if force < NEGLIGIBLE["N"] else f"{force:.6g} N{when(at[name])}"
-
-
-def _stroke(capture: Capture, at: dict[str, float]) -> str:
-    stroke, longest = float(capture.stroke), float(capture.design.buffer.longest_stroke)
-    limits = (f", {what} from {1e3 * float(place):.6g} mm on" for what, place in stroke_limits(capture.design))
-    of = f" of {1e3 * longest:.6g} mm{''.join(limits)}"
-    return f"0 mm{of}" if stroke < NEGLIGIBLE["m"] else f"{1e3 * stroke:.6g} mm{of}{when(at['stroke'])}"
-
-
-def _penetration(capture: Capture) -> str:
-    depth = 1e6 * float(capture.penetration)
-    return f"at most {depth:.3g} µm into {capture.mechanism.view.any_contact(capture.design)}"
 
 
 def _contact(capture: Capture, number: Any) -> str:

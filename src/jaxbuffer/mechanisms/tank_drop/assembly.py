@@ -95,7 +95,8 @@ def assembled(design: TankDrop, scenario: TankDropScenario) -> TankModel:
     # The section carries its share of the slider (M166).
     slider_inverse = jnp.stack([jnp.zeros(()), factor / jnp.asarray(design.slider.mass, float)])
     inverse = jnp.concatenate([inverse, slider_inverse[None], jnp.zeros((1, 2))])
-    support = _support(design, mesh, baffle)
+    # Of the outside, up to the level.
+    support = _pressed(design, mesh, mesh.sets.support, RigidPlane(baffle, (0.0, 1.0)))
     layers = (_cushion(design, mesh, under),) if design.cushion.kind == "layer" else ()
     system = FiniteElementSystem(
         positions,
@@ -150,11 +151,6 @@ def _with_ribs(design: TankDrop, quads: Quads) -> tuple[Quads, Float[Array, " el
     depth = jnp.where(last, narrowed * design.ribs.share, 1.0)
     density = design.material.density * jnp.where(last, 1.0 / narrowed, 1.0)
     return quads._replace(weight=quads.weight * depth[:, None]), density
-
-
-def _support(design: TankDrop, mesh: Section, baffle: int) -> NodeContact:
-    """Return the contact of the outside, up to the level, with the baffle."""
-    return _pressed(design, mesh, mesh.sets.support, RigidPlane(baffle, (0.0, 1.0)))
 
 
 def _pressed(design: TankDrop, mesh: Section, slaves: np.ndarray, plane: RigidPlane) -> NodeContact:
