@@ -4,12 +4,14 @@ import dataclasses
 import importlib
 import inspect
 import pkgutil
+import re
 import subprocess
 import sys
 import tomllib
 from pathlib import Path
 
 import pytest
+import yaml
 from typer.main import get_command
 
 import jaxbuffer
@@ -107,3 +109,14 @@ def test_the_order_of_the_mechanisms_does_not_depend_on_which_was_imported_first
     program = f"import sys; sys.path.insert(0, {str(SOURCE)!r}); {code.format('jaxbuffer.mechanisms.slider_crank')}"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["probe_cone", "docking3d", "bar_drop", "slider_crank", "tank_drop"]
+
+
+def test_version_changelog_and_citation_name_the_same_release():
+    root = SOURCE.parent
+    release = tomllib.loads((root / "pyproject.toml").read_text())["project"]
+    cited = yaml.safe_load((root / "CITATION.cff").read_text(encoding="utf-8"))
+    headings = re.findall(r"^## (.*)$", (root / "CHANGELOG.md").read_text(encoding="utf-8"), re.MULTILINE)
+    latest = next(heading for heading in headings if heading != "Unreleased")
+    assert cited["version"] == release["version"] and cited["license"] == release["license"]
+    assert latest == f"{cited['version']} ({cited['date-released']})"
+    assert {"cff-version", "message", "title", "authors"} <= cited.keys()  # without which it is no valid one
