@@ -22,5 +22,9 @@ def __getattr__(name: str) -> Any:
 
         return version()
     if name not in __all__:
+        from .deprecation import by_former_name
+
+        if (present := by_former_name(name)) is not None:
+            return _lazy(present)
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return _lazy(name)
