@@ -72,8 +72,9 @@ types: $(READY)  ## of all source, and what two checkers say of calls as users w
 	$(BIN)/mypy
 	$(BIN)/basedpyright
 
-smoke: $(READY)  ## wheel and sdist build, install into an environment of their own, and run there
-	.ci/smoke $(BIN)/python
+smoke: $(READY)  ## wheel and sdist build, install into environments of their own, and run there; oldest and newest Python
+	.ci/smoke $(BIN)/python $(NEWEST_PYTHON)
+	$(if $(NEWEST_PYTHON),,@echo "smoke: not tried with the newest Python: none of $(NEWEST_PYTHONS) is 3.12 or later")
 
 bench: $(PEERS)  ## speed against SciPy and SUNDIALS at equal accuracy, into benchmarks/results
 	$(BIN)/python -m benchmarks
