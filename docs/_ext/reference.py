@@ -5,9 +5,11 @@ from pathlib import Path
 from typing import Any
 
 from sphinx.application import Sphinx
+from sphinx.util import logging
 
 import jaxbuffer
 
+LOGGER = logging.getLogger(__name__)
 CODE = re.compile(r"(?<!`)`([^`]+)`(?!`)(\w?)")  # `simulate`, `Case`s
 PAGE = re.compile(r"\bdocs/([a-z_]+)\.md\b")  # docs/tuning.md
 IN_TEXT = re.compile(r"(?<!\]\()(?<![\[/\w`])`?docs/([a-z_]+)\.md\b`?(?!\])")  # but in a link's own text or target
@@ -17,6 +19,8 @@ FENCE = re.compile(r"(^```.*?^```)", re.MULTILINE | re.DOTALL)
 def docstring(app: Sphinx, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
     """From the Markdown of our docstrings to reStructuredText, in place."""
     text = "\n".join(lines)
+    if not text.strip():
+        LOGGER.warning("%s has an entry in the reference, and no docstring", name)
     text = re.sub(r"\n(- .*(?:\n(?!- |\n).+)*)", _item, text)
     text = CODE.sub(_code, text)
     lines[:] = PAGE.sub(r":doc:`docs/\1.md </\1>`", text).split("\n")
@@ -41,6 +45,14 @@ def links(app: Sphinx, page: str, source: list[str]) -> None:
         parts = FENCE.split(source[0])
         parts[::2] = [IN_TEXT.sub(r"[docs/\1.md](/\1.md)", part) for part in parts[::2]]
         source[0] = "".join(parts)
+
+
+def complete(app: Sphinx, env: Any) -> None:
+    """Warn of each public name that the reference lacks."""
+    entries = env.get_domain("py").objects
+    for name in jaxbuffer.__all__:
+        if f"jaxbuffer.{name}" not in entries:
+            LOGGER.warning("jaxbuffer.%s is public, and docs/api has no entry of it", name)
 
 
 def signature(app: Sphinx, what: str, name: str, obj: Any, options: Any, shown: str, returned: str) -> Any:
@@ -75,5 +87,6 @@ def setup(app: Sphinx) -> dict[str, bool]:
     app.connect("autodoc-process-docstring", docstring)
     app.connect("source-read", links)
     app.connect("autodoc-process-signature", signature)
+    app.connect("env-check-consistency", complete)
     app.connect("builder-inited", commands)
     return {"parallel_read_safe": True}
