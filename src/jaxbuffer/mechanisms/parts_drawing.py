@@ -63,7 +63,9 @@ def assembled_drawing(system: Assembled, bodies: tuple[str, ...] = ()) -> Drawin
             shapes += _shapes_on(contact, body, size)
     # In front of the balls, which would hide them.
     shapes += crosses
-    shapes += [_spring(force) for force in _springs(system)]
+    for force in _springs(system):
+        ends = _spot(force.first, force.first_point), _spot(force.second, force.second_point)
+        shapes.append(Spring(*ends, SPRING_WIDTH * float(force.free_length), part="springs"))
     shapes += _hinges(system, size)
     marks = [mark for element in system.elements if isinstance(element, EndStop) for mark in _marks(element)]
     for k, (mark, name) in enumerate(marks):
@@ -187,11 +189,6 @@ def _springs(system: Assembled) -> list[AxialSpringDamper]:
     forces = [*system.system.forces, *(getattr(element, "force", None) for element in system.elements)]
     axial = [force for force in forces if isinstance(force, AxialSpringDamper)]
     return [force for force in axial if isinstance(force.first_point, tuple) and isinstance(force.second_point, tuple)]
-
-
-def _spring(force: AxialSpringDamper) -> Spring:
-    ends = _spot(force.first, force.first_point), _spot(force.second, force.second_point)
-    return Spring(*ends, SPRING_WIDTH * float(force.free_length), part="springs")
 
 
 def _spot(body: int, point: Any) -> Spot:

@@ -10,7 +10,7 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from .. import files
@@ -60,9 +60,7 @@ def tried(folder: Path, jaxlib: str) -> tuple[str, ...]:
         with store.being_made(file):  # of many processes that start at once, one tries
             answers = _read(file)
             if not answers:
-                # All are tried at once, each in a process of its own.
-                begun = [_trial(flag) for flag in TRIALS]
-                answers = {flag: ended() for flag, ended in zip(TRIALS, begun, strict=True)}
+                answers = dict(zip(TRIALS, _takes(TRIALS), strict=True))
                 # A full disk, say: the next start tries again.
                 with contextlib.suppress(OSError):
                     files.write(file, json.dumps(answers, indent=1))
@@ -76,6 +74,12 @@ def _read(file: Path) -> dict[str, object]:
     except (OSError, ValueError):
         return {}
     return answers if isinstance(answers, dict) and answers.keys() >= set(TRIALS) else {}
+
+
+def _takes(flags: Sequence[str]) -> list[bool]:
+    """Return for each flag whether a process in which it is set compiles a program; all are tried at once."""
+    begun = [_trial(flag) for flag in flags]
+    return [ended() for ended in begun]
 
 
 def _trial(flag: str) -> Callable[[], bool]:
