@@ -75,7 +75,7 @@ CHAINED = "tests/tuning/test_custom_quantity.py::test_slopes_are_those_of_the_fu
 
 
 def _lose_force_in_chain() -> None:
-    from jaxbuffer.tuning.problem.problem import own_quantities
+    from jaxbuffer.tuning.problem import own_quantities
     from jaxbuffer.tuning.search import evaluation
 
     chained = own_quantities.compose
