@@ -60,6 +60,8 @@ from .mechanisms.probe_cone import (
     bending_frequencies as bending_frequencies,
     first_impact as first_impact,
     rigid_probe as rigid_probe,
+    size_buffer as size_buffer,
+    size_latch as size_latch,
     table2 as table2,
     with_bending as with_bending,
 )
@@ -85,6 +87,10 @@ from .output.results import save as save
 from .pages.review import report as report
 from .run.instants import at_times as at_times
 from .run.simulate import simulate as simulate
+from .run.sized import (
+    Sized as Sized,
+    size as size,
+)
 from .run.trust import (
     Trust as Trust,
     trust as trust,

@@ -12,6 +12,7 @@ from .many_runs import choose, pareto, sample, sweep, tune
 from .one_run import animate, laws, sensitivity, simulate
 from .options import plain, verb
 from .overrides import CommandOfQuantities
+from .sizing import size
 from .studies import check, compare, fields, init, report, reproduce, schema
 
 # In rich's markup a unit in brackets, [kg] say, would be a style and not be shown.
@@ -66,6 +67,7 @@ def root(
 
 
 verb(app, simulate, "One run: peak forces, stroke, hinge angle, energies.")
+verb(app, size, "A latch and a buffer that fit the study's scenarios, in closed form, simulated.")
 verb(app, sensitivity, "One run's gradients and elasticities, certified.", kind=CommandOfQuantities)
 verb(app, tune, "The best design over all scenarios, within bounds and limits.")
 verb(app, choose, "The best parts of catalogues, or values that can be built.")

@@ -16,7 +16,7 @@ from ..hybrid import LEAST_TOLERANCE, Options
 from .outcome import RunOutcome, Simulated
 from .quantity import Catalogue, Quantity, of_impact
 from .reading import Reader
-from .sizing import Sizing
+from .sizing import Sizer, Sizing
 from .system import ContactSystem
 from .view import Names, View
 
@@ -222,7 +222,8 @@ class Mechanism:
     - ``reader``: what that reads off single instants of a run, None for nothing;
     - ``smooth``: from design and scenario to a design that needs no events, for `diffrax.diffeqsolve`;
     - ``defaults`` of calls and studies; ``tuning``: what tuning needs besides; ``view``: what is told and drawn;
-      ``sizing``: what a study to begin with is made from, None for no such study.
+      ``sizing``: what a study to begin with is made from, None for no such study; ``sizer``: what sizes its parts, or
+      None.
     """
 
     name: str
@@ -243,6 +244,7 @@ class Mechanism:
     tuning: TuningRules = dataclasses.field(default=TuningRules(), compare=False)
     view: View = dataclasses.field(default=View(), compare=False)
     sizing: Sizing | None = dataclasses.field(default=None, compare=False)
+    sizer: Sizer | None = dataclasses.field(default=None, compare=False)
 
     def __post_init__(self) -> None:
         """Complete the defaults by the first of the mechanism's own quantities. **Raises:** `InputError` for defaults

@@ -1,9 +1,14 @@
-"""A study to begin with that a mechanism makes from a few numbers of its user's."""
+"""A study to begin with that a mechanism makes from a few numbers of its user's, and parts sized to fit a study."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from ..fields import Part
+import numpy as np
+from jaxtyping import Float
+
+from ..fields import Part, get, unit
+from ..tables import table, text
+from ..value_text import UNKNOWN, number_text, with_unit
 
 
 class ScaledNumber(NamedTuple):
@@ -42,3 +47,90 @@ class Sizing(NamedTuple):
 
     task: type[Part]
     study: Callable[[Any], ScaledStudy]
+
+
+class SizedNumber(NamedTuple):
+    """A number of a design, sized: its ``path``, its ``value`` in the field's unit, and in words the ``rule``."""
+
+    path: str
+    value: float
+    rule: str
+
+
+class Estimate(NamedTuple):
+    """What a closed form says of a sized design: the largest value of a ``quantity`` over the scenarios.
+
+    ``limit``: at most so much was wished, None where nothing was; ``rule``: the closed form in words.
+    """
+
+    quantity: str
+    value: float
+    unit: str
+    limit: float | None
+    rule: str
+
+    @property
+    def kept(self) -> bool:
+        """Return whether the closed form keeps the wish."""
+        return self.limit is None or self.value <= self.limit
+
+
+class TradeOff(NamedTuple):
+    """How closed forms go with one number of the design: its ``path``, its ``values``, and those of quantities by
+    name."""
+
+    path: str
+    values: Float[np.ndarray, " values"]
+    quantities: Mapping[str, Float[np.ndarray, " values"]]
+
+
+class SizedParts:
+    """Parts of a design that fit its scenarios, by closed forms. Print it for a summary.
+
+    - ``before``, ``design``: the design that was given, and the sized one.
+    - ``numbers``: what was sized, a `SizedNumber` each.
+    - ``estimates``: what the closed forms say of it, an `Estimate` each.
+    - ``trade_offs``: how these go with a stiffness.
+    - ``remarks``: which wishes stand in each other's way, in words.
+    - ``duration``: after which a run of the sized design is over, about [s]; 0 where that is not known.
+    """
+
+    def __init__(
+        self,
+        before: Any,
+        design: Any,
+        numbers: Sequence[SizedNumber],
+        estimates: Sequence[Estimate],
+        trade_offs: Sequence[TradeOff] = (),
+        remarks: Sequence[str] = (),
+        duration: float = 0.0,
+    ) -> None:
+        self.before, self.design = before, design
+        self.numbers, self.estimates = tuple(numbers), {it.quantity: it for it in estimates}
+        self.trade_offs, self.remarks, self.duration = tuple(trade_offs), tuple(remarks), duration
+
+    def numbers_table(self) -> Any:
+        """Return the table of what was sized."""
+        made = table("Sized", ("number",), ("before", "sized"))
+        made.add_column("rule")
+        for it in self.numbers:
+            was, symbol = get(self.before, it.path), unit(self.before, it.path)
+            shown = UNKNOWN if was is None else number_text(float(was), 4)
+            made.add_row(it.path, shown, with_unit(it.value, symbol, 4), it.rule)
+        return made
+
+    def __repr__(self) -> str:
+        made = table("By closed forms", ("quantity",), ("value", "wished"))
+        made.add_column("from")
+        for it in self.estimates.values():
+            wished = UNKNOWN if it.limit is None else with_unit(it.limit, it.unit, 4)
+            made.add_row(it.quantity, with_unit(it.value, it.unit, 4), wished, it.rule)
+        return text(self.numbers_table(), made, *self.remarks)
+
+
+class Sizer(NamedTuple):
+    """What sizes parts of a mechanism: what may be wished, declared fields of ``wishes`` that are named as quantities
+    where they limit one, and ``size``, which takes a design, its scenarios and wishes."""
+
+    wishes: type[Part]
+    size: Callable[[Any, Sequence[Any], Any], SizedParts]

@@ -43,6 +43,7 @@ def groups() -> dict[str, Group]:
             ("tuned.json", "design.toml"), ("history.csv", "force.json", "tune.txt", "design.mat", *_figures("tune"))
         ),
         "fit": Group(("fit.json",), ("design.toml", "fit.csv", "fit.txt", *_figures("fit"))),
+        "size": Group(("size.json",), ("design.toml", "size.txt", *_figures("size"))),
         "front": Group(("pareto.json",), ("design-[0-9]*.toml", "pareto.csv", "pareto.txt", *_figures("pareto"))),
         "choice": Group(("choice.json",), ("choice.csv", "choice.txt", "design.mat", *_figures("choice"))),
     }

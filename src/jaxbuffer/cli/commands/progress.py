@@ -63,7 +63,7 @@ def tuning(work: Callable[[Callable[[Record], None]], T], success: str | None = 
         return _interruptible(lambda: work(report))
 
 
-def fitting(work: Callable[[Callable[[str], None]], T]) -> T:
+def fitting(work: Callable[[Callable[[str], None]], T], text: str = "fitting") -> T:
     """Run ``work``, which reports how far it is: a spinner on a terminal, a plain line every few seconds elsewhere."""
     latest = -PERIOD
 
@@ -73,7 +73,7 @@ def fitting(work: Callable[[Callable[[str], None]], T]) -> T:
             latest = now
             _line(text)
 
-    with _bar("fitting", None, TEXT, CLOCK) as update:
+    with _bar(text, None, TEXT, CLOCK) as update:
         report = line if update is None else lambda text: update(description=text)
         return _interruptible(lambda: work(report))
 

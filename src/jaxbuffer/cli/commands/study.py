@@ -34,7 +34,7 @@ def init(
     slowest, _, fastest = speeds.partition(":")
     typed = {"active_mass": active_mass, "passive_mass": passive_mass, "slowest": slowest}
     typed |= {"fastest": fastest or slowest, "miss": miss, "attitude": attitude}
-    given = {name: _number_or_text(text) for name, text in typed.items() if text}
+    given = {name: number_or_text(text) for name, text in typed.items() if text}
     if own and (kind or given):
         raise InputError(
             "--own writes a mechanism of your own, the rest a study of one that there is: give one of them"
@@ -53,7 +53,7 @@ def init(
     return OK
 
 
-def _number_or_text(typed: str) -> float | str:
+def number_or_text(typed: str) -> float | str:
     """Return a number without a unit as such: it is in its field's unit."""
     try:
         return float(typed)

@@ -11,3 +11,5 @@ from .design import rigid_probe as rigid_probe
 from .design import table2 as table2
 from .mechanism import PROBE_CONE as PROBE_CONE
 from .outcome import Outcome as Outcome
+from .sized import size_buffer as size_buffer
+from .sized import size_latch as size_latch

@@ -16,6 +16,7 @@ from .problem import check_problem, left_open, unfinished
 from .quantities import QUANTITIES
 from .reading import READER
 from .scaled import VehiclesToDock, scaled_study
+from .sized.docking import SIZER
 from .solved import capture
 from .view import VIEW
 
@@ -53,6 +54,7 @@ PROBE_CONE = register(
         reader=READER,
         view=VIEW,
         sizing=Sizing(VehiclesToDock, scaled_study),
+        sizer=SIZER,
         tuning=TuningRules(
             # No buffer may come to its end.
             always={"stroke_share": 1.0} | _joined(part.always for part in PARTS),

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 from ...errors import InputError
 from ...fields import NON_NEGATIVE, POSITIVE, Number, Part, number
 from ..sizing import ScaledNumber, ScaledStudy
+from .sized.rules import REBOUND, REBOUND_DAMPING, closing_time, turn_stiffness
 
 # The docking that is scaled: reduced mass [kg], slowest and fastest approach [m/s].
 MASS, SLOW, FAST = 10.0, 0.08, 0.15
@@ -22,7 +23,7 @@ MISS = 0.03  # m: at λ = 1 what the cone is made for, a bit less than half its 
 PUT_IN = 0.05  # share of the slowest approach's energy that the latch's turning may put in
 CAPTURE_ARM = 0.3  # m at λ = 1, from the hinge to the tip: what an angle of the vehicle moves it by
 DURATION = 20.0  # s at λ = 1 and the slow approach
-STROKE = 0.025  # m at λ = 1
+STROKE, TIP_RADIUS = 0.025, 0.015  # m at λ = 1
 
 
 class VehiclesToDock(Part):
@@ -96,7 +97,7 @@ def _numbers(task: VehiclesToDock, scale: Scale) -> Iterator[ScaledNumber]:
         ("cone.length", 0.0735, (0.7, 2.0), "with λ, which fits the misses"),
         ("cone.throat_radius", 0.0165, (1.0, 1.3), "a tenth more than the tip's radius"),
         ("probe.length", 0.2, (0.7, 2.0), "with λ"),
-        ("probe.tip_radius", 0.015, (0.7, 1.0), "with λ; it must pass the throat"),
+        ("probe.tip_radius", TIP_RADIUS, (0.7, 1.0), "with λ; it must pass the throat"),
         ("buffer.free_length", 0.1365, (0.7, 2.0), "with λ"),
         ("buffer.cylinder_length", 0.1365, (0.7, 2.0), "with λ"),
     ):
@@ -133,29 +134,25 @@ def _buffer(scale: Scale) -> Iterator[ScaledNumber]:
     yield ScaledNumber("buffer.k_T", 150.0 * mass * speed**2, (0.2, 5.0), "μ v²", True)
     yield ScaledNumber("buffer.c_T", 6.0 * mass * speed * length, (0.1, 5.0), "μ v λ", True)
     yield ScaledNumber(
-        "buffer.rebound_stiffness", 20.0 * stiffness, (0.5, 5.0), "20 k_A: the spring does not pull after capture"
+        "buffer.rebound_stiffness", REBOUND * stiffness, (0.5, 5.0), "20 k_A: the spring does not pull after capture"
     )
-    yield ScaledNumber("buffer.rebound_damping", 2.0 * damping, (0.5, 5.0), "2 c_A")
+    yield ScaledNumber("buffer.rebound_damping", REBOUND_DAMPING * damping, (0.5, 5.0), "2 c_A")
 
 
 def _latch(task: VehiclesToDock, scale: Scale) -> Iterator[ScaledNumber]:
     mass, length, speed = scale.mass, scale.length, scale.slow
     stiffness = 80.0 * mass * (speed / length) ** 2
-    turning, rule = 20.0 * mass * speed**2, "μ v² of the slow approach"
+    # ½ k φ² is what a latch that closes at once puts in.
+    turning, rule = turn_stiffness(mass * MASS, float(task.slowest), float(task.attitude), PUT_IN)
     # Not less where a large angle allows a soft spring only: the swing on it has to end too.
     turn_damping = 4.0 * mass * speed * length
-    angle = float(task.attitude)
-    if angle > 0.0:
-        # ½ k φ² is what a latch that closes at once puts in.
-        most = PUT_IN * mass * MASS * float(task.slowest) ** 2 / angle**2
-        if most < turning:
-            turning, rule = most, f"½ k φ² is {PUT_IN:.0%} of the slow approach's energy"
     yield ScaledNumber("latch.stiffness", stiffness, (0.3, 5.0), "μ v²/λ² of the slow approach", True)
     damping = 0.9 * math.sqrt(stiffness * mass * MASS)
     yield ScaledNumber("latch.damping", damping, (0.3, 3.0), "0.9 √(k μ), nearly half the critical damping", True)
-    yield ScaledNumber("latch.turn_stiffness", turning, (0.2, 5.0), rule)
-    yield ScaledNumber("latch.turn_damping", turn_damping, (0.2, 2.0), "μ v λ of the slow approach")
-    yield ScaledNumber("latch.closing_time", 0.1 * length / speed, (0.3, 3.0), "0.1 s, with λ/v of the slow approach")
+    yield ScaledNumber("latch.turn_stiffness", turning, (0.2, 5.0), rule, True)
+    yield ScaledNumber("latch.turn_damping", turn_damping, (0.2, 2.0), "μ v λ of the slow approach", True)
+    closing = closing_time(TIP_RADIUS * length, float(task.slowest))
+    yield ScaledNumber("latch.closing_time", closing, (0.3, 3.0), "the slow tip goes on by half its radius meanwhile")
     strength = 10.0 * mass * scale.fast**2 / length
     yield ScaledNumber(
         "latch.strength", strength, (0.5, 5.0), "μ v²/λ of the fast approach, some five times what it bears here"

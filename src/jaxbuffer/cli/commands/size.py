@@ -1,0 +1,46 @@
+"""`jaxbuffer size`: parts that fit the study's scenarios."""
+
+from typing import Any
+
+from ...fields import declared
+from ...mechanisms.mechanism import Mechanism
+from ...output.size_files import size_files
+from ...run.sized import size as compute
+from ...study.config import Config
+from ..exits import LIMITS_BROKEN, OK, fail
+from .progress import fitting
+from .request import CommandLine, given, say_cautions
+from .study import number_or_text
+
+
+def size(request: CommandLine, **options: str | None) -> int:
+    """Size the study's parts, simulate them, and save the study with them."""
+    study = request.study()
+    wishes = {**_of_limits(study), **{name: number_or_text(it) for name, it in given(**options).items()}}
+    files = request.files("design.toml", "size.json", "size.txt", "size.png")
+    scenarios = [case.scenario for case in study.cases]
+    sized = fitting(
+        lambda report: compute(
+            study.design,
+            scenarios,
+            None if study.usual_duration else study.options.duration,
+            solver=study.options.stepper(),
+            rtol=study.options.rtol,
+            report=report,
+            **wishes,
+        ),
+        "sizing",
+    )
+    say_cautions([(sized.design, scenario) for scenario in scenarios])
+    contents = size_files(sized, study, request.made(study))
+    files.save_record(contents, sized, "size.json")
+    return fail(f"not as wished: {'; '.join(sized.missed)}", LIMITS_BROKEN) if sized.missed else OK
+
+
+def _of_limits(study: Config) -> dict[str, Any]:
+    """Return the wishes that the study's limits say."""
+    mechanism: Mechanism = study.mechanism
+    if mechanism.sizer is None or study.table.constraints is None:
+        return {}
+    wishes = declared(mechanism.sizer.wishes)
+    return {name: bound for name, bound in study.table.constraints.at_most.items() if name in wishes}

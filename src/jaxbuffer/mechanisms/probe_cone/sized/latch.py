@@ -1,0 +1,201 @@
+"""A latch that fits: it pulls the tip in with little energy, holds the vehicles in time, and stays under a strength."""
+
+import dataclasses
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ....fields import replace
+from ...sizing import Estimate, SizedNumber, SizedParts, TradeOff
+from .buffer import SPAN, check_linear
+from .encounter import Encounter, encounter
+from .oscillator import Row, at_rest_after
+from .rules import GROWING, closing_time, damping_for, pull_stiffness, turn_stiffness
+from .wishes import DockingWishes
+
+RATIOS = np.linspace(0.45, 0.9, 10)  # damping ratios of the row of latch and buffer, the usual one first
+TURN_RATIOS = np.linspace(0.7, 0.9, 5)  # of the turn
+PULL = 0.5  # of the energy that may be put in, what pulls the tip in; the rest turns the probe
+USED = 0.9  # of the largest force that is wished, which impacts before and rebounds after may exceed by a tenth
+SOFTEST = 1e-4  # of the stiffness that the energy allows, where one is sought that a force allows
+
+
+def size_latch(design: Any, scenarios: Sequence[Any], **wishes: Any) -> SizedParts:
+    """Return the latch that fits some scenarios, behind the design's buffer.
+
+    Of the energy that it may put in, half pulls the tip to its seat: k = ½ w μ v²/(r² + 0.3 (v τ)²), with the slowest
+    speed v, the largest miss r and the closing time τ, in which the tip goes on; half turns the probe onto the axis:
+    k_t = ½ w μ v²/φ². Both are upper bounds, whatever the damping. A damping ratio of 0.45 or, where that is too slow,
+    of up to 0.9 lets the reduced mass come to rest on buffer and latch in a row; one of 0.7 to 0.9 the turn of the
+    vehicles about the tip.
+
+    **Arguments:**
+
+    - ``design``: in the plane or in space; what is not sized is kept.
+    - ``scenarios``: in which it docks.
+    - ``wishes``: ``settling_time`` [s], within which the vehicles are held after latching (default: what comes of the
+      rest); ``latch_energy_share`` [-] (default 0.1); ``peak_latch_force`` [N] (default: the latch's strength, if it
+      has one).
+
+    **Returns:** `SizedParts`, whose ``design`` has the latch; ``remarks`` say which wishes stand in each other's way.
+
+    **Raises:** `InputError` for a buffer with a measured curve, and no scenario.
+
+    **Example:**
+
+    >>> scenarios = [jb.Scenario(approach_speed=speed) for speed in (0.05, 0.15)]
+    >>> sized = jb.size_latch(jb.table2(), scenarios, latch_energy_share="8 %")
+    >>> latch = sized.design.latch
+    >>> print(f"{latch.stiffness:.1f} N/m, {latch.damping:.1f} N s/m, {latch.turn_stiffness:.3f} N m/rad")
+    43.7 N/m, 22.4 N s/m, 0.058 N m/rad
+    """
+    return latch_for(design, encounter(design, scenarios), DockingWishes(**wishes))
+
+
+def latch_for(design: Any, met: Encounter, wishes: DockingWishes) -> SizedParts:
+    """Return the latch that fits an encounter and wishes."""
+    check_linear(design)
+    wishes = _with_strength(design, wishes)
+    share, within = float(wishes.latch_energy_share), wishes.settling_time
+    closing = closing_time(float(design.probe.tip_radius), met.slowest)
+    depth = float(design.latch.depth)
+    most = pull_stiffness(met.mass, met.slowest, math.hypot(met.miss, depth), closing, PULL * share)
+    stiffness, why = most, f"½ k r² and what closing in {closing:.3g} s adds are {PULL * share:.2g} of ½ μ v²"
+    if wishes.has("peak_latch_force"):
+        allowed = _stiffness_for_force(design, met, USED * float(wishes.peak_latch_force), most)
+        if allowed < most:
+            stiffness, why = allowed, f"{USED:.0%} of the largest force, in a row with the buffer"
+    ratio = _ratio(design, met, stiffness, within, share, float(design.latch.quiet))
+    turning, turn_why = turn_stiffness(met.mass, met.slowest, met.angle, (1.0 - PULL) * share)
+    turn_ratio = _turn_ratio(met, turning, within, share, float(design.latch.quiet))
+    numbers = (
+        SizedNumber("latch.stiffness", stiffness, why),
+        SizedNumber("latch.damping", _damping(design, met, stiffness, ratio), f"ζ = {ratio:.2g} with the buffer"),
+        SizedNumber("latch.turn_stiffness", turning, turn_why),
+        SizedNumber(
+            "latch.turn_damping", damping_for(turn_ratio, turning, met.turn_inertia), f"ζ = {turn_ratio:.2g} of the turn"
+        ),
+        SizedNumber("latch.closing_time", closing, "the tip goes half of its radius on meanwhile"),
+    )
+    sized = replace(design, {it.path: it.value for it in numbers})
+    estimates = latch_estimates(sized, met, wishes)
+    remarks = _in_the_way(estimates, stiffness < most)
+    return SizedParts(design, sized, numbers, estimates, [latch_trade_off(sized, met, ratio)], remarks)
+
+
+def _with_strength(design: Any, wishes: DockingWishes) -> DockingWishes:
+    if wishes.has("peak_latch_force") or not design.latch.has("strength"):
+        return wishes
+    return dataclasses.replace(wishes, peak_latch_force=float(design.latch.strength))
+
+
+def _row(design: Any, met: Encounter, stiffness: float, damping: float) -> Row:
+    buffer = design.buffer
+    return Row(met.mass, float(buffer.k_A), float(buffer.c_A), stiffness, damping)
+
+
+def _damping(design: Any, met: Encounter, stiffness: float, ratio: float) -> float:
+    """Return the latch's damping with which buffer and latch in a row have a damping ratio, to first order [N s/m]."""
+    soft, its = float(design.buffer.k_A), float(design.buffer.c_A)
+    # Each takes a share of the displacement, and loses by its square.
+    of_buffer, of_latch = stiffness / (soft + stiffness), soft / (soft + stiffness)
+    both = damping_for(ratio, stiffness * of_latch, met.mass)
+    return max(both - its * of_buffer**2, 0.05 * both) / of_latch**2
+
+
+def _ratio(design: Any, met: Encounter, stiffness: float, within: Any, share: float, quiet: float) -> float:
+    """Return the smallest damping ratio that is quick enough, the quickest where none is."""
+    if within is None:
+        return float(RATIOS[0])
+    left = quiet / (1.0 + share)
+    times = [
+        _row(design, met, stiffness, _damping(design, met, stiffness, it)).meeting(left).at_rest for it in RATIOS
+    ]
+    quick = [k for k, time in enumerate(times) if time <= float(within)]
+    return float(RATIOS[quick[0] if quick else int(np.argmin(times))])
+
+
+def _turn_ratio(met: Encounter, turning: float, within: Any, share: float, quiet: float) -> float:
+    times = [_turn_time(met, turning, float(it), quiet) for it in TURN_RATIOS]
+    quick = [k for k, time in enumerate(times) if within is None or time <= float(within)]
+    return float(TURN_RATIOS[quick[0] if quick else int(np.argmin(times))])
+
+
+def _turn_time(met: Encounter, turning: float, ratio: float, quiet: float) -> float:
+    """Return when the turn that the latch put in is at rest [s]."""
+    put_in = turning * met.angle**2 / (met.mass * met.slowest**2)
+    frequency = math.sqrt(turning / met.turn_inertia)
+    return at_rest_after(ratio, frequency, min(quiet / put_in, 1.0)) if put_in > 0.0 else 0.0
+
+
+def _force(design: Any, met: Encounter, stiffness: float, damping: float) -> float:
+    """Return the latch's largest force [N]: along the axis, of the fastest approach, and across it, of the miss."""
+    along = met.fastest * _row(design, met, stiffness, damping).meeting(0.1).force
+    return math.hypot(along, stiffness * met.miss)
+
+
+def _stiffness_for_force(design: Any, met: Encounter, force: float, most: float) -> float:
+    """Return the largest stiffness up to ``most`` whose force is at most so large, by halving [N/m]."""
+    low, high = math.log(SOFTEST * most), math.log(most)
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        stiffness = math.exp(middle)
+        if _force(design, met, stiffness, _damping(design, met, stiffness, float(RATIOS[0]))) > force:
+            high = middle
+        else:
+            low = middle
+    return math.exp(low) if high < math.log(most) else most
+
+
+def latch_estimates(design: Any, met: Encounter, wishes: DockingWishes) -> tuple[Estimate, ...]:
+    """Return what closed forms say of a design's latch."""
+    latch, share = design.latch, float(wishes.latch_energy_share)
+    stiffness, damping, turning = (float(it) for it in (latch.stiffness, latch.damping, latch.turn_stiffness))
+    row = _row(design, met, stiffness, damping).meeting(float(latch.quiet) / (1.0 + share))
+    ratio = float(latch.turn_damping) / (2.0 * math.sqrt(turning * met.turn_inertia))
+    turn = _turn_time(met, turning, min(ratio, 0.999), float(latch.quiet))
+    slower = "on buffer and latch in a row" if row.at_rest >= turn else "of the turn about the tip"
+    wished = [None if it is None else float(it) for it in (wishes.settling_time, wishes.peak_latch_force)]
+    return (
+        Estimate("settling_time", max(row.at_rest, turn), "s", wished[0], f"decay {slower}"),
+        Estimate("latch_energy_share", _put_in(design, met, stiffness), "-", share, "½ k (r² + 0.3 (v τ)²) + ½ k_t φ²"),
+        Estimate(
+            "peak_latch_force", _force(design, met, stiffness, damping), "N", wished[1], "fastest approach, and k r"
+        ),
+    )
+
+
+def _put_in(design: Any, met: Encounter, stiffness: float) -> float:
+    """Return the share of the slowest approach's energy that closing puts in at most [-]."""
+    latch = design.latch
+    square = met.miss**2 + float(latch.depth) ** 2 + GROWING * (met.slowest * float(latch.closing_time)) ** 2
+    return (stiffness * square + float(latch.turn_stiffness) * met.angle**2) / (met.mass * met.slowest**2)
+
+
+def latch_trade_off(design: Any, met: Encounter, ratio: float) -> TradeOff:
+    """Return how energy, force and time go with the latch's stiffness, at one damping ratio."""
+    values, quiet = float(design.latch.stiffness) * SPAN, float(design.latch.quiet)
+    dampings = [_damping(design, met, float(it), ratio) for it in values]
+    rows = [_row(design, met, float(k), c).meeting(quiet) for k, c in zip(values, dampings, strict=True)]
+    quantities = {
+        "latch_energy_share": [_put_in(design, met, float(k)) for k in values],
+        "peak_latch_force": [_force(design, met, float(k), c) for k, c in zip(values, dampings, strict=True)],
+        "settling_time": [it.at_rest for it in rows],
+    }
+    return TradeOff("latch.stiffness", values, {name: np.array(it) for name, it in quantities.items()})
+
+
+def _in_the_way(estimates: Sequence[Estimate], by_force: bool) -> list[str]:
+    """Return a line where the vehicles are not held in time, with what keeps the latch soft."""
+    time = estimates[0]
+    if time.kept or time.limit is None:
+        return []
+    keeps = "peak_latch_force" if by_force else "latch_energy_share"
+    if "turn" in time.rule:
+        keeps = "latch_energy_share, by the angle,"
+    return [
+        f"held after {time.value:.3g} s for the {time.limit:.3g} s wished: {keeps} keeps the latch soft; allow more of"
+        " it or more time, or miss by less"
+    ]
