@@ -66,6 +66,7 @@ from .mechanisms.probe_cone import (
     with_bending as with_bending,
 )
 from .mechanisms.run import Run as Run
+from .mechanisms.sizing import SizedParts as SizedParts
 from .mechanisms.slider_crank import (
     SliderCrank as SliderCrank,
     SliderCrankScenario as SliderCrankScenario,

@@ -12,8 +12,8 @@ from .style import BLUE, GREY, ORANGE, RED, label, panels, styled
 
 @styled
 def size_figure(sized: Sized) -> Figure:
-    """Draw each quantity of the trade-offs over its number: closed form, what was wished, the sized design, and what its
-    runs reach."""
+    """Draw each quantity of the trade-offs over its number: closed form, wish, the sized design, and what its runs
+    reach."""
     shown = [(trade, name) for trade in sized.parts.trade_offs for name in trade.quantities]
     columns = min(len(shown), 3)
     rows = math.ceil(len(shown) / columns)
@@ -35,6 +35,8 @@ def size_figure(sized: Sized) -> Figure:
 
 
 def _panel(axes: Axes, sized: Sized, trade: TradeOff, name: str) -> None:
+    from matplotlib.ticker import LogLocator
+
     quantity, estimate = sized.mechanism.quantities[name], sized.parts.estimates[name]
     symbol, factor = quantity.in_figures
     x_symbol, x_factor = display_unit(unit(sized.design, trade.path))
@@ -45,7 +47,9 @@ def _panel(axes: Axes, sized: Sized, trade: TradeOff, name: str) -> None:
     axes.axvline(chosen, color=GREY, linewidth=0.8, label="sized")
     values = [factor * float(quantity.of(run)) for run in sized.runs.values()]
     axes.plot([chosen] * len(values), values, "o", color=ORANGE, markersize=5, zorder=3, label="simulated, a scenario")
-    axes.xaxis.set_major_formatter("{x:g}")
-    axes.yaxis.set_major_formatter("{x:g}")
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.set_major_formatter("{x:g}")
+        axis.set_minor_formatter("")
     title = quantity.title or name.replace("_", " ")
-    label(axes, f"{title[:1].upper()}{title[1:]}", f"{trade.path} [{x_symbol}]", f"{title} [{symbol}]", False)
+    label(axes, f"{title[:1].upper()}{title[1:]}", f"{trade.path} [{x_symbol}]", f"[{symbol}]", False)

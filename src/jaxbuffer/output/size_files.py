@@ -59,5 +59,5 @@ def size_record(sized: Sized) -> dict[str, Any]:
 
 
 def _comment(sized: Sized) -> str:
-    lines = ["Sized by closed forms, confirmed by simulation:", *(f"{it.path}: {it.rule}" for it in sized.parts.numbers)]
+    lines = ["Sized by closed forms, and simulated:", *(f"{it.path}: {it.rule}" for it in sized.parts.numbers)]
     return "\n".join([*lines, *(f"not as wished: {it}" for it in sized.missed)])

@@ -11,7 +11,6 @@ from ..errors import InputError
 from ..fields import Part, get
 from ..hybrid import Solver
 from ..mechanisms.mechanism import EndCount, Mechanism
-from ..mechanisms.quantity import Quantity
 from ..mechanisms.registry import mechanism_of
 from ..mechanisms.run import Run
 from ..mechanisms.sizing import Estimate, SizedParts
@@ -87,21 +86,19 @@ class Sized:
         return self.mechanism.quantities[name].in_words(value, 4)
 
     def __repr__(self) -> str:
-        made = table("Closed forms, and the largest value simulated", ("quantity",), ("wished", "formula", "simulated"))
-        for heading in ("scenario", "", "formula"):
+        made = table(
+            "Largest values, by closed form and simulated", ("quantity",), ("wished", "closed form", "simulated")
+        )
+        for heading in ("scenario", "", "from"):
             made.add_column(heading)
         for name, it in self.parts.estimates.items():
-            found, quantity = self.confirmed[name], self.mechanism.quantities[name]
+            found = self.confirmed[name]
             state = "" if it.limit is None else "kept" if found.kept else "missed"
             values = (self._shown(name, value) for value in (it.limit, it.value, found.value))
-            made.add_row(_title(quantity, name), *values, str(found.where), state, it.rule)
+            made.add_row(name, *values, str(found.where), state, it.rule)
         ended = f"{self.ends} runs" if self.ends else f"{len(self.runs)} runs"
         line = f"{ended} of at most {self.duration:.4g} s"
         return text(self.parts.numbers_table(), made, line, *self.parts.remarks)
-
-
-def _title(quantity: Quantity, name: str) -> str:
-    return quantity.title or name.replace("_", " ")
 
 
 def size(
@@ -145,7 +142,7 @@ def size(
     if duration is None:
         duration = max(mechanism.duration(parts.design), LONGER * parts.duration)
     runs = dict[int, Run]()
-    numbers = sorted({int(round(it)) for it in np.linspace(1, len(scenarios), min(MOST, len(scenarios)))})
+    numbers = sorted({round(float(it)) for it in np.linspace(1, len(scenarios), min(MOST, len(scenarios)))})
     for done, number in enumerate(numbers, 1):
         report(f"simulating {done} of {len(numbers)} scenarios")
         runs[number] = simulate(parts.design, scenarios[number - 1], duration, solver=solver, rtol=rtol)

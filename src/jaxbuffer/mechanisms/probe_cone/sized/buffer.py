@@ -26,8 +26,8 @@ def size_buffer(design: Any, scenarios: Sequence[Any], **wishes: Any) -> SizedPa
 
     The spring is that of one mass μ that meets it: k_A = μ (v D/s)², where D is the first swing over v/ω at a damping
     ratio of 0.3, at which the largest force is about least. The tip stands still meanwhile: where it goes on into a
-    latch, the stroke is less. The end stop takes what a faster approach has left, in half a stroke, or half of the way that
-    is left.
+    latch, the stroke is less. The end stop takes what a faster approach has left, in half a stroke or half of the way
+    left.
 
     **Arguments:**
 
@@ -38,11 +38,11 @@ def size_buffer(design: Any, scenarios: Sequence[Any], **wishes: Any) -> SizedPa
 
     **Returns:** `SizedParts`, whose ``design`` has the buffer.
 
-    **Raises:** `InputError` for a buffer with a measured spring curve, a stroke beyond the free length, and no scenario.
+    **Raises:** `InputError` for a buffer with a measured curve, a stroke beyond the free length, and no scenario.
 
     **Example:**
 
-    >>> sized = jb.size_buffer(jb.table2(), [jb.Scenario(approach_speed=speed) for speed in (0.05, 0.15)], stroke="2 cm")
+    >>> sized = jb.size_buffer(jb.table2(), [jb.Scenario(approach_speed=0.15)], stroke="2 cm")
     >>> print(f"{sized.design.buffer.k_A:.1f} N/m, {1e3 * sized.estimates['stroke'].value:.1f} mm")
     292.2 N/m, 20.0 mm
     """
@@ -97,8 +97,8 @@ def buffer_estimates(design: Any, met: Encounter, stroke: float | None) -> tuple
     """Return stroke and force of a buffer that takes the fastest approach, the tip standing still."""
     ratio, swing, force = _taken(float(design.buffer.k_A), float(design.buffer.c_A), met)
     return (
-        Estimate("stroke", swing, "m", stroke, f"v/ω times D at ζ = {ratio:.2g}; the tip stands still"),
-        Estimate("peak_buffer_force", force, "N", None, "μ times the largest deceleration"),
+        Estimate("stroke", swing, "m", stroke, f"first swing at ζ = {ratio:.2g}, tip still"),
+        Estimate("peak_buffer_force", force, "N", None, "largest deceleration, tip still"),
     )
 
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ....fields import replace
+from ....value_text import percent_text
 from ...sizing import Estimate, SizedNumber, SizedParts, TradeOff
 from .buffer import SPAN, check_linear
 from .encounter import Encounter, encounter
@@ -20,6 +21,7 @@ TURN_RATIOS = np.linspace(0.7, 0.9, 5)  # of the turn
 PULL = 0.5  # of the energy that may be put in, what pulls the tip in; the rest turns the probe
 USED = 0.9  # of the largest force that is wished, which impacts before and rebounds after may exceed by a tenth
 SOFTEST = 1e-4  # of the stiffness that the energy allows, where one is sought that a force allows
+HALVINGS = 40  # of that range on a logarithmic scale: to eleven digits
 
 
 def size_latch(design: Any, scenarios: Sequence[Any], **wishes: Any) -> SizedParts:
@@ -58,31 +60,30 @@ def latch_for(design: Any, met: Encounter, wishes: DockingWishes) -> SizedParts:
     """Return the latch that fits an encounter and wishes."""
     check_linear(design)
     wishes = _with_strength(design, wishes)
-    share, within = float(wishes.latch_energy_share), wishes.settling_time
+    share, quiet = float(wishes.latch_energy_share), float(design.latch.quiet)
     closing = closing_time(float(design.probe.tip_radius), met.slowest)
     depth = float(design.latch.depth)
     most = pull_stiffness(met.mass, met.slowest, math.hypot(met.miss, depth), closing, PULL * share)
-    stiffness, why = most, f"½ k r² and what closing in {closing:.3g} s adds are {PULL * share:.2g} of ½ μ v²"
-    if wishes.has("peak_latch_force"):
-        allowed = _stiffness_for_force(design, met, USED * float(wishes.peak_latch_force), most)
-        if allowed < most:
-            stiffness, why = allowed, f"{USED:.0%} of the largest force, in a row with the buffer"
-    ratio = _ratio(design, met, stiffness, within, share, float(design.latch.quiet))
+    stiffness, ratio = _stiffness_and_ratio(design, met, wishes, most)
+    why = f"½ k r² and what closing in {closing:.3g} s adds are {percent_text(PULL * share)} of ½ μ v²"
+    if stiffness < most:
+        why = f"{percent_text(USED)} of the largest force, on buffer and latch"
     turning, turn_why = turn_stiffness(met.mass, met.slowest, met.angle, (1.0 - PULL) * share)
-    turn_ratio = _turn_ratio(met, turning, within, share, float(design.latch.quiet))
+    turn_ratio = _turn_ratio(met, turning, wishes.settling_time, quiet)
+    inertia = met.turn_inertia
     numbers = (
         SizedNumber("latch.stiffness", stiffness, why),
         SizedNumber("latch.damping", _damping(design, met, stiffness, ratio), f"ζ = {ratio:.2g} with the buffer"),
         SizedNumber("latch.turn_stiffness", turning, turn_why),
         SizedNumber(
-            "latch.turn_damping", damping_for(turn_ratio, turning, met.turn_inertia), f"ζ = {turn_ratio:.2g} of the turn"
+            "latch.turn_damping", damping_for(turn_ratio, turning, inertia), f"ζ = {turn_ratio:.2g} of the turn"
         ),
         SizedNumber("latch.closing_time", closing, "the tip goes half of its radius on meanwhile"),
     )
     sized = replace(design, {it.path: it.value for it in numbers})
     estimates = latch_estimates(sized, met, wishes)
     remarks = _in_the_way(estimates, stiffness < most)
-    return SizedParts(design, sized, numbers, estimates, [latch_trade_off(sized, met, ratio)], remarks)
+    return SizedParts(design, sized, numbers, estimates, [latch_trade_off(sized, met, wishes, ratio)], remarks)
 
 
 def _with_strength(design: Any, wishes: DockingWishes) -> DockingWishes:
@@ -105,19 +106,25 @@ def _damping(design: Any, met: Encounter, stiffness: float, ratio: float) -> flo
     return max(both - its * of_buffer**2, 0.05 * both) / of_latch**2
 
 
-def _ratio(design: Any, met: Encounter, stiffness: float, within: Any, share: float, quiet: float) -> float:
-    """Return the smallest damping ratio that is quick enough, the quickest where none is."""
-    if within is None:
-        return float(RATIOS[0])
-    left = quiet / (1.0 + share)
-    times = [
-        _row(design, met, stiffness, _damping(design, met, stiffness, it)).meeting(left).at_rest for it in RATIOS
-    ]
-    quick = [k for k, time in enumerate(times) if time <= float(within)]
-    return float(RATIOS[quick[0] if quick else int(np.argmin(times))])
+def _stiffness_and_ratio(design: Any, met: Encounter, wishes: DockingWishes, most: float) -> tuple[float, float]:
+    """Return the stiffness, up to ``most``, that a force allows, and the smallest damping ratio that is quick enough
+    with it; the quickest ratio where none is."""
+    within, left = wishes.settling_time, float(design.latch.quiet) / (1.0 + float(wishes.latch_energy_share))
+    quickest = (math.inf, most, float(RATIOS[0]))
+    for ratio in map(float, RATIOS):
+        stiffness = most
+        if wishes.has("peak_latch_force"):
+            stiffness = _stiffness_for_force(design, met, USED * float(wishes.peak_latch_force), most, ratio)
+        if within is None:
+            return stiffness, ratio
+        time = _row(design, met, stiffness, _damping(design, met, stiffness, ratio)).meeting(left).at_rest
+        if time <= float(within):
+            return stiffness, ratio
+        quickest = min(quickest, (time, stiffness, ratio))
+    return quickest[1:]
 
 
-def _turn_ratio(met: Encounter, turning: float, within: Any, share: float, quiet: float) -> float:
+def _turn_ratio(met: Encounter, turning: float, within: Any, quiet: float) -> float:
     times = [_turn_time(met, turning, float(it), quiet) for it in TURN_RATIOS]
     quick = [k for k, time in enumerate(times) if within is None or time <= float(within)]
     return float(TURN_RATIOS[quick[0] if quick else int(np.argmin(times))])
@@ -136,17 +143,19 @@ def _force(design: Any, met: Encounter, stiffness: float, damping: float) -> flo
     return math.hypot(along, stiffness * met.miss)
 
 
-def _stiffness_for_force(design: Any, met: Encounter, force: float, most: float) -> float:
+def _stiffness_for_force(design: Any, met: Encounter, force: float, most: float, ratio: float) -> float:
     """Return the largest stiffness up to ``most`` whose force is at most so large, by halving [N/m]."""
-    low, high = math.log(SOFTEST * most), math.log(most)
-    for _ in range(50):
-        middle = 0.5 * (low + high)
-        stiffness = math.exp(middle)
-        if _force(design, met, stiffness, _damping(design, met, stiffness, float(RATIOS[0]))) > force:
-            high = middle
-        else:
-            low = middle
-    return math.exp(low) if high < math.log(most) else most
+
+    def too_much(stiffness: float) -> bool:
+        return _force(design, met, stiffness, _damping(design, met, stiffness, ratio)) > force
+
+    if not too_much(most):
+        return most
+    low, high = SOFTEST * most, most
+    for _ in range(HALVINGS):
+        middle = math.sqrt(low * high)
+        low, high = (low, middle) if too_much(middle) else (middle, high)
+    return low
 
 
 def latch_estimates(design: Any, met: Encounter, wishes: DockingWishes) -> tuple[Estimate, ...]:
@@ -156,14 +165,12 @@ def latch_estimates(design: Any, met: Encounter, wishes: DockingWishes) -> tuple
     row = _row(design, met, stiffness, damping).meeting(float(latch.quiet) / (1.0 + share))
     ratio = float(latch.turn_damping) / (2.0 * math.sqrt(turning * met.turn_inertia))
     turn = _turn_time(met, turning, min(ratio, 0.999), float(latch.quiet))
-    slower = "on buffer and latch in a row" if row.at_rest >= turn else "of the turn about the tip"
+    slower = "the vehicles on buffer and latch" if row.at_rest >= turn else "the turn about the tip"
     wished = [None if it is None else float(it) for it in (wishes.settling_time, wishes.peak_latch_force)]
     return (
-        Estimate("settling_time", max(row.at_rest, turn), "s", wished[0], f"decay {slower}"),
+        Estimate("settling_time", max(row.at_rest, turn), "s", wished[0], f"rest of {slower}"),
         Estimate("latch_energy_share", _put_in(design, met, stiffness), "-", share, "½ k (r² + 0.3 (v τ)²) + ½ k_t φ²"),
-        Estimate(
-            "peak_latch_force", _force(design, met, stiffness, damping), "N", wished[1], "fastest approach, and k r"
-        ),
+        Estimate("peak_latch_force", _force(design, met, stiffness, damping), "N", wished[1], "fast approach, and k r"),
     )
 
 
@@ -174,16 +181,15 @@ def _put_in(design: Any, met: Encounter, stiffness: float) -> float:
     return (stiffness * square + float(latch.turn_stiffness) * met.angle**2) / (met.mass * met.slowest**2)
 
 
-def latch_trade_off(design: Any, met: Encounter, ratio: float) -> TradeOff:
+def latch_trade_off(design: Any, met: Encounter, wishes: DockingWishes, ratio: float) -> TradeOff:
     """Return how energy, force and time go with the latch's stiffness, at one damping ratio."""
-    values, quiet = float(design.latch.stiffness) * SPAN, float(design.latch.quiet)
-    dampings = [_damping(design, met, float(it), ratio) for it in values]
-    rows = [_row(design, met, float(k), c).meeting(quiet) for k, c in zip(values, dampings, strict=True)]
-    quantities = {
-        "latch_energy_share": [_put_in(design, met, float(k)) for k in values],
-        "peak_latch_force": [_force(design, met, float(k), c) for k, c in zip(values, dampings, strict=True)],
-        "settling_time": [it.at_rest for it in rows],
-    }
+    values = float(design.latch.stiffness) * SPAN
+    quantities = dict[str, list[float]]()
+    for stiffness in map(float, values):
+        damping = _damping(design, met, stiffness, ratio)
+        other = replace(design, {"latch.stiffness": stiffness, "latch.damping": damping})
+        for it in latch_estimates(other, met, wishes):
+            quantities.setdefault(it.quantity, []).append(it.value)
     return TradeOff("latch.stiffness", values, {name: np.array(it) for name, it in quantities.items()})
 
 
@@ -192,10 +198,10 @@ def _in_the_way(estimates: Sequence[Estimate], by_force: bool) -> list[str]:
     time = estimates[0]
     if time.kept or time.limit is None:
         return []
-    keeps = "peak_latch_force" if by_force else "latch_energy_share"
+    keeps, less = ("peak_latch_force", "") if by_force else ("latch_energy_share", ", or miss by less")
     if "turn" in time.rule:
-        keeps = "latch_energy_share, by the angle,"
+        keeps, less = "latch_energy_share", ", or turn by less"
     return [
         f"held after {time.value:.3g} s for the {time.limit:.3g} s wished: {keeps} keeps the latch soft; allow more of"
-        " it or more time, or miss by less"
+        f" it or more time{less}"
     ]

@@ -2,6 +2,8 @@
 
 import math
 
+from ....value_text import percent_text
+
 GROWING = 0.3  # ∫ċ t² dt/τ² = 6 (1/4 - 1/5) of M175's share c
 TIP_WAY = 8.0 / 15.0  # of the tip's radius, that it goes on while the latch closes
 STIFFEST_TURN = 312.5  # N m/rad for each J of μ v²: 20 N m/rad where 10 kg come at 8 cm/s
@@ -30,7 +32,7 @@ def turn_stiffness(mass: float, speed: float, angle: float, share: float) -> tup
     the rule in words. ``angle``: φ [rad]."""
     stiffest = STIFFEST_TURN * mass * speed**2
     if angle > 0.0 and (most := share * mass * speed**2 / angle**2) < stiffest:
-        return most, f"½ k φ² is {share:.0%} of the slow approach's energy"
+        return most, f"½ k φ² is {percent_text(share)} of the slow approach's energy"
     return stiffest, "μ v² of the slow approach"
 
 

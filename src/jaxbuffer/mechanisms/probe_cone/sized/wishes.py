@@ -18,7 +18,10 @@ class DockingWishes(Part):
     )
     peak_latch_force: Number = number(None, "N", **POSITIVE, doc="largest force of the latch; not set: its strength")
     stroke: Number = number(
-        None, "m", **POSITIVE, doc="stroke that the fastest approach takes; not set: buffer.max_stroke, or 18 % of the free length"
+        None,
+        "m",
+        **POSITIVE,
+        doc="stroke that the fastest approach takes; not set: buffer.max_stroke, or 18 % of the free length",
     )
     overspeed: Number = number(
         1.5, "-", low=1.0, doc="times the fastest approach that the end stop still takes, at half of the way left"
