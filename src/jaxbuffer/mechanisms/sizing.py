@@ -93,6 +93,12 @@ class SizedParts:
     - ``trade_offs``: how these go with a stiffness.
     - ``remarks``: which wishes stand in each other's way, in words.
     - ``duration``: after which a run of the sized design is over, about [s]; 0 where that is not known.
+
+    **Example:**
+
+    >>> sized = jb.size_buffer(jb.table2(), [jb.Scenario(approach_speed=0.1)], stroke="2 cm")
+    >>> [(it.path, round(it.value, 1)) for it in sized.numbers[:2]]
+    [('buffer.k_A', 131.7), ('buffer.c_A', 23.5)]
     """
 
     def __init__(

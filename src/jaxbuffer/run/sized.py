@@ -38,6 +38,13 @@ class Sized:
     - ``parts``: what the closed forms say, `SizedParts`; ``design``: the sized design.
     - ``runs``: of the sized design, by the scenario's number; ``duration`` [s] of each at most.
     - ``confirmed``: what they say of each estimate, by quantity.
+
+    **Example:**
+
+    >>> meeting = jb.Scenario(start="free", offset="1 cm", approach_speed=0.1)
+    >>> sized = jb.size(jb.table2(), [meeting])
+    >>> print(f"held in {sized.estimates['settling_time'].value:.1f} s: {sized.runs[1].outcome.name}")
+    held in 4.2 s: held
     """
 
     def __init__(self, parts: SizedParts, runs: Mapping[int, Run], duration: float) -> None:
@@ -48,6 +55,11 @@ class Sized:
     def design(self) -> Any:
         """Return the sized design."""
         return self.parts.design
+
+    @property
+    def estimates(self) -> Mapping[str, Estimate]:
+        """Return what the closed forms say, by quantity."""
+        return self.parts.estimates
 
     @property
     def mechanism(self) -> Mechanism:
@@ -133,7 +145,7 @@ def size(
     >>> meetings = [jb.Scenario(start="free", offset="1 cm", approach_speed=speed) for speed in (0.08, 0.15)]
     >>> sized = jb.size(jb.table2(), meetings, latch_energy_share="8 %")
     >>> sized.missed, f"{float(sized.runs[2].peak_latch_force):.1f} N"
-    ([], '3.1 N')
+    ([], '3.4 N')
     """
     mechanism = mechanism_of(design)
     if mechanism.sizer is None:

@@ -158,6 +158,8 @@ def _problem(mechanism: Mechanism, design: Part) -> Iterator[str]:
         yield heading["variables"]
         for path, bounds in starts_inside.items():
             yield line_of(entry_of(path, bounds), metadata(design, path)["unit"])
+        for path, bounds in defaults.example_variables.items():
+            yield line_of(f"# {entry_of(path, bounds)}", metadata(design, path)["unit"])
         yield ""
     yield heading["objective"]
     known = [name for name in mechanism.tuned if mechanism.has(name, design)]

@@ -13,10 +13,24 @@ from .request import CommandLine, given, say_cautions
 from .study import number_or_text
 
 
-def size(request: CommandLine, **options: str | None) -> int:
+def size(
+    request: CommandLine,
+    settling_time: str | None,
+    latch_energy_share: str | None,
+    peak_latch_force: str | None,
+    stroke: str | None,
+    overspeed: str | None,
+) -> int:
     """Size the study's parts, simulate them, and save the study with them."""
     study = request.study()
-    wishes = {**_of_limits(study), **{name: number_or_text(it) for name, it in given(**options).items()}}
+    typed = given(
+        settling_time=settling_time,
+        latch_energy_share=latch_energy_share,
+        peak_latch_force=peak_latch_force,
+        stroke=stroke,
+        overspeed=overspeed,
+    )
+    wishes = {**_of_limits(study), **{name: number_or_text(it) for name, it in typed.items()}}
     files = request.files("design.toml", "size.json", "size.txt", "size.png")
     scenarios = [case.scenario for case in study.cases]
     sized = fitting(

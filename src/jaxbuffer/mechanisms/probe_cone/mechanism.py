@@ -1,6 +1,7 @@
 """The probe-cone mechanism, as everything else knows it."""
 
 from collections.abc import Iterable, Mapping
+from typing import Any
 
 from ...errors import InputError
 from ...fields import replace
@@ -34,7 +35,7 @@ def smooth(design: Design, scenario: Scenario) -> Design:
     return replace(design, {"contact.memory": "smooth"})
 
 
-def _joined(of_parts: Iterable[Mapping[str, float]]) -> dict[str, float]:
+def _joined(of_parts: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
     """Return what parts say, by name, in one."""
     return {name: value for numbers in of_parts for name, value in numbers.items()}
 
@@ -89,6 +90,7 @@ PROBE_CONE = register(
             },
             limits={"stroke": 0.025},  # m, what fits into Table 2's cylinder
             example=_joined(part.example for part in PARTS),
+            example_variables=_joined(part.example_variables for part in PARTS),
             example_limits=_joined(part.example_limits for part in PARTS),
         ),
         smooth=smooth,

@@ -318,6 +318,11 @@ LATCH = LatchPart(
         RequiredEnd("held", ("held",), "latch.stiffness", "relative_energy", "latch.quiet"),
     ),
     example={"latch.stiffness": 2000.0, "latch.damping": 50.0, "latch.strength": 50.0},  # N/m, N s/m, N
+    example_variables={
+        "latch.stiffness": [500.0, 8000.0],  # N/m
+        "latch.damping": [10.0, 200.0],  # N s/m
+        "latch.closing_time": [0.01, 0.1],  # s
+    },
     example_limits={"relative_energy": 0.05},  # at most a twentieth is left after the 20 s
     limitation=(
         "Without latches (latch.stiffness) the run ends at capture: what the parts do afterwards is not simulated."

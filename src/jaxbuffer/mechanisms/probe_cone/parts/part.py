@@ -108,6 +108,7 @@ class ProbePart:
     ends: tuple[RequiredEnd, ...] = ()
     example: Mapping[str, float] = dataclasses.field(default_factory=dict)
     example_limits: Mapping[str, float] = dataclasses.field(default_factory=dict)
+    example_variables: Mapping[str, Any] = dataclasses.field(default_factory=dict)
     limitation: str = ""
 
     def present(self, design: Any, scenario: Any = None) -> bool:

@@ -83,7 +83,7 @@ def hinge_to_tip(design: Any) -> float:
 
 
 def turn_inertia(design: Any) -> float:
-    """Return the inertia that the angle between two vehicles meets which are pinned at the tip [kg m²].
+    """Return the inertia that the angle between two vehicles meets which are pinned at the tip [kg m²] (M185).
 
     With arms a and b from their centres of mass to the pin and no angular momentum, A θ̇₁ + B θ̇₂ = 0 with A = I₁ + μ a
     (a + b) and B = I₂ + μ b (a + b); the kinetic energy is then half of this times the square of θ̇₁ - θ̇₂.

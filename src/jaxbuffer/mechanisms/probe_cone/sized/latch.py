@@ -25,7 +25,7 @@ HALVINGS = 40  # of that range on a logarithmic scale: to eleven digits
 
 
 def size_latch(design: Any, scenarios: Sequence[Any], **wishes: Any) -> SizedParts:
-    """Return the latch that fits some scenarios, behind the design's buffer.
+    """Return the latch that fits some scenarios, behind the design's buffer (M185, M187).
 
     Of the energy that it may put in, half pulls the tip to its seat: k = ½ w μ v²/(r² + 0.3 (v τ)²), with the slowest
     speed v, the largest miss r and the closing time τ, in which the tip goes on; half turns the probe onto the axis:
@@ -51,7 +51,7 @@ def size_latch(design: Any, scenarios: Sequence[Any], **wishes: Any) -> SizedPar
     >>> sized = jb.size_latch(jb.table2(), scenarios, latch_energy_share="8 %")
     >>> latch = sized.design.latch
     >>> print(f"{latch.stiffness:.1f} N/m, {latch.damping:.1f} N s/m, {latch.turn_stiffness:.3f} N m/rad")
-    43.7 N/m, 22.4 N s/m, 0.058 N m/rad
+    30.3 N/m, 18.5 N s/m, 0.049 N m/rad
     """
     return latch_for(design, encounter(design, scenarios), DockingWishes(**wishes))
 

@@ -35,7 +35,7 @@ def at_rest_after(ratio: float, frequency: float, share: float) -> float:
 
 
 class Row(NamedTuple):
-    """A mass [kg] that meets two springs with dampers in a row, with nothing between them that weighs.
+    """A mass [kg] that meets two springs with dampers in a row, with nothing between them that weighs (M187).
 
     ``first``, ``second``: their stiffnesses [N/m]; ``first_damping``, ``second_damping`` [N s/m]: not both zero.
     """

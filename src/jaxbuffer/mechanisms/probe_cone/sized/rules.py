@@ -17,7 +17,7 @@ def closing_time(radius: float, slowest: float) -> float:
 
 
 def pull_stiffness(mass: float, speed: float, miss: float, closing: float, share: float) -> float:
-    """Return the stiffness of a latch whose pull puts in at most a share of ½ μ v² [N/m].
+    """Return the stiffness of a latch whose pull puts in at most a share of ½ μ v² [N/m] (M185).
 
     While the share c of M175 grows, a tip at rest that far off its seat comes nearer, and one that passes the seat at v
     is nowhere farther from it than v t: both for any damping, because E/c falls where nothing but the closing puts in.
