@@ -142,7 +142,8 @@ class Choice(Saved):
 
 def _parts(choice: Choice) -> list[str | Table]:
     """Return the message, tables, and lines about how the result came about."""
-    tables = [_ranking(choice), *([] if choice.best is None else [_limits(choice, choice.best), _fields(choice)])]
+    best = choice.best
+    tables = [_ranking(choice)] if best is None else [_limits(choice, best), _ranking(choice), _fields(choice)]
     return [choice.message[:1].upper() + choice.message[1:], *tables, *lines(choice)]
 
 

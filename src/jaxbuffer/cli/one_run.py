@@ -5,16 +5,19 @@ from typing import Annotated
 import typer
 
 from . import completion
-from .options import ScenarioNumber, Scheduler, Trust
+from .options import Levers, ScenarioNumber, Scheduler, Trust
 
 
-def simulate(scenario_number: ScenarioNumber = None, trust: Trust = "on") -> None:
+def simulate(scenario_number: ScenarioNumber = None, trust: Trust = "on", levers: Levers = "off") -> None:
     """Simulate one run (of the default mechanism: a capture) and print its peak forces, motion and energies.
 
     Of a capture that did not succeed it says what held it back: way and energy left, where the rest went, and the
     impact that turned it round. A second run at a tenth of the tolerance tells how far its numbers can be trusted, and
     where little decides what happens, a bounce more or less say (--trust off spares it). Which parameter to change
     first takes derivatives: jaxbuffer sensitivity does that.
+
+    The limits of [problem.constraints] stand first, each with its value, bound and room; --levers on adds the three
+    numbers of the design that move each of them most, variables or not.
 
     Another mechanism is chosen by kind = "NAME" in CONFIG.toml; `jaxbuffer fields` lists them with their fields.
 

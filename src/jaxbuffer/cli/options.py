@@ -72,6 +72,15 @@ Trust = Annotated[
     ),
 ]
 
+Levers = Annotated[
+    str,
+    typer.Option(
+        metavar="WHEN",
+        help="Whether to find what moves each limited quantity most: on or off; it differentiates the run.",
+        autocompletion=completion.one_of("on", "off"),
+    ),
+]
+
 Scheduler = Annotated[
     str | None,
     typer.Option(

@@ -1,5 +1,7 @@
 """The files of a run and of its sensitivities: names, and what makes their contents."""
 
+from typing import Any
+
 from ..labelled.netcdf import SUFFIX, content
 from ..mechanisms.run import Run
 from ..run.trust import Trust
@@ -7,6 +9,7 @@ from ..sensitivities.result import Sensitivity, sensitivity_rows
 from ..tables import text
 from ..tuning.problem.cases import numbered
 from ..tuning.problem.objective import Constraints
+from ..tuning.report.levers import NO_LEVERS, Levers, lever_table, levers_record
 from ..tuning.report.limit_rows import run_limit_table
 from . import matlab, records, style
 from .field_files import field_files
@@ -24,20 +27,23 @@ def run_files(
     constraints: Constraints | None = None,
     trust: Trust | None = None,
     number: str = "",
+    levers: Levers = NO_LEVERS,
 ) -> Contents:
     """Return the files of `jaxbuffer simulate`, named after what the mechanism calls a run.
 
     **Arguments:** ``run``: without its history it has neither figures nor tables of it; ``made``: how it came about;
     ``constraints``: of its study; ``trust``: how far its numbers can be trusted; ``number``: of its scenario among the
-    study's, "" for a single one.
+    study's, "" for a single one; ``levers`` of its limits, where they were asked for.
     """
     name, label = run.mechanism.view.run_name, numbered(run.mechanism.view.label(run.scenario), number)
     files: Writers = {
-        f"{name}.json": lambda: record_text(records.run_record(run, constraints, trust, number), made),
+        f"{name}.json": lambda: record_text(
+            {**records.run_record(run, constraints, trust, number), **_levers(levers)}, made
+        ),
         "force.json": lambda: compact_json(force_record({name: run}, label)),
         "history.csv": lambda: csv_text(*records.run_history(run)),
         "motion.json": lambda: compact_json(motion_record(run)),
-        f"{name}.txt": lambda: f"{run_text(run, constraints, number)}\n",
+        f"{name}.txt": lambda: f"{run_text(run, constraints, number, levers)}\n",
         **style.both(name, lambda: run_figure(run)),
         **style.both("motion", lambda: motion_figure(run)),
         f"{name}{SUFFIX}": lambda: content(run.to_xarray()),
@@ -49,10 +55,20 @@ def run_files(
     return files if run.history is not None else {file: files[file] for file in without_history}
 
 
-def run_text(run: Run, constraints: Constraints | None = None, number: str = "") -> str:
-    """Return a run's summary, and below it the table of its study's limits; arguments as of `run_files`."""
+def _levers(levers: Levers) -> dict[str, Any]:
+    return {"levers": levers_record(levers)} if levers else {}
+
+
+def run_text(run: Run, constraints: Constraints | None = None, number: str = "", levers: Levers = NO_LEVERS) -> str:
+    """Return how a run ended, the table of its study's limits with their levers, and the rest of its summary; arguments
+    as of `run_files`."""
     limits = None if constraints is None else run_limit_table(run, constraints, number)
-    return repr(run) if limits is None else f"{run!r}\n\n{text(limits)}"
+    if limits is None or constraints is None:
+        return repr(run)
+    ended, _, rest = repr(run).partition("\n")
+    moved = lever_table(levers, constraints.catalogue(run.mechanism))
+    # Margins first: they are what a reader asks for.
+    return "\n".join([ended, text(limits, *([] if moved is None else [moved])), rest])
 
 
 def sensitivity_files(result: Sensitivity, made: Made = None) -> Contents:

@@ -12,6 +12,7 @@ from ..labelled.record import amount, amounts, headings, json_number, part_recor
 from ..tuning.problem.cases import Case
 from ..tuning.problem.problem import Problem
 from ..tuning.report.front import Front, point_status
+from ..tuning.report.levers import levers_record
 from ..tuning.report.limits_in_the_way import first_impact_levers
 from ..tuning.report.message import headline
 from ..tuning.report.tuned import SHOWN, Tuned, tuned_warnings
@@ -49,6 +50,7 @@ def tuned_record(tuned: Tuned) -> dict[str, Any]:
         "above_lower_bound": amount(tuned.above_lower_bound, "-"),
         "lowest_first_impact_within_bounds": amount(lowest, "N"),
         "first_impact_levers": [line.strip() for line in levers],
+        "levers": levers_record(tuned.levers),
         "captures": tuned.captures,
         "settings": dataclasses.asdict(tuned.settings),
         "variables": _variables(tuned),

@@ -140,7 +140,7 @@ def given(**options: Any) -> dict[str, Any]:
     return {name: value for name, value in options.items() if value is not None}
 
 
-def asked_for(trust: str) -> bool:
-    """Return whether a second run is asked for."""
-    check_choice("trust", trust, ("on", "off"))
-    return trust == "on"
+def asked_for(typed: str, option: str = "trust") -> bool:
+    """Return whether an option is on, a second run by default."""
+    check_choice(option, typed, ("on", "off"))
+    return typed == "on"

@@ -14,14 +14,16 @@ from ...sensitivities.horizon import horizon
 from ...study.config import Config
 from ...study.own_quantities import own_quantities
 from ...tuning.problem.objective import Constraints
+from ...tuning.report.levers import NO_LEVERS, Levers, run_levers
 from ..exits import LIMITS_BROKEN, OK, fail
 from ..streams import note
 from .progress import working
 from .request import CommandLine, asked_for
 
 
-def simulate(request: CommandLine, scenario_number: str | None, trust: str) -> int:
+def simulate(request: CommandLine, scenario_number: str | None, trust: str, levers: str) -> int:
     """Simulate a run, and show how far its numbers can be trusted and whether it keeps to the study's limits."""
+    moved = asked_for(levers, "levers")
     study = request.one_scenario(scenario_number)
     limits, name = study_constraints(study), study.mechanism.view.run_name
     named = (f"{name}.{kind}" for kind in ("json", "png", "txt", "nc", "mat"))
@@ -34,11 +36,12 @@ def simulate(request: CommandLine, scenario_number: str | None, trust: str) -> i
     if run.history is not None and run.history.time.size == HISTORY_STEPS < int(run.accepted):
         note(f"the history holds the first {HISTORY_STEPS} steps only")
     verdict = trusted(run, closer) if asked_for(trust) else None
-    contents = run_files(run, request.made(study), limits, verdict, study.scenario_number)
+    found = levers_of(study, run, limits) if moved and limits is not None else NO_LEVERS
+    contents = run_files(run, request.made(study), limits, verdict, study.scenario_number, found)
     # Said only where files are wanted, since it is about files.
     if request.output is not None and (missing := left_out(contents)):
         note(missing)
-    files.save_record(contents, run_text(run, limits, study.scenario_number), f"{name}.json")
+    files.save_record(contents, run_text(run, limits, study.scenario_number, found), f"{name}.json")
     return keeps_limits(limits, run)
 
 
@@ -53,6 +56,16 @@ def simulated(study: Config, history: bool, again: bool) -> tuple[Run, Run | Non
 
     closer = tenth(options.rtol) if again else None
     return working("simulating", lambda: (at(options.rtol), None if closer is None else at(closer)))
+
+
+def levers_of(study: Config, run: Run, limits: Constraints) -> Levers:
+    """Differentiate the run by all numbers of its design, and return what moves its limited quantities most."""
+    given = study.table.variables
+    variables = study.mechanism.variables(run.design) if given is None else given
+    options = study.options
+    assert options.duration is not None
+    task = (run, limits.limits.names, set(variables), options.duration, options.rtol, options.stepper())
+    return working("finding levers", lambda: run_levers(*task))
 
 
 def trusted(run: Run, closer: Run | None) -> Trust:

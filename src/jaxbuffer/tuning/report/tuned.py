@@ -27,6 +27,7 @@ from ..search.store import Record
 from ..tolerances.corners import Corners
 from ..tolerances.spread import Spread, Tightening, spread_lines, spread_table
 from .broken_limits import broken_limits
+from .levers import Lever, lever_table, tuned_levers
 from .limits_in_the_way import first_impact_levers, limits_in_the_way
 from .message import SearchReport, headline
 
@@ -142,6 +143,11 @@ class Tuned(Saved):
         return lines
 
     @property
+    def levers(self) -> dict[str, list[Lever]]:
+        """Return the three strongest levers of each limited quantity, and of the first impact, by name."""
+        return tuned_levers(self.goal, self.after, self.lower_bound)
+
+    @property
     def above_lower_bound(self) -> float:
         """Return how far the worst peak is above the lower bound of its own first impacts, relative [-].
 
@@ -202,7 +208,8 @@ def tuned_parts(tuned: Tuned) -> list[str | Table]:
     # A slice of one: the line is there only where some are left out.
     lines += [f"and {len(broken) - SHOWN} more" for _ in broken[SHOWN : SHOWN + 1]]
     limits = limits_in_the_way(tuned.goal, tuned.after, tuned.lower_bound, tuned.inactive_variables)
-    tables = [_tuned_objective(tuned), limits, _tuned_cases(tuned), _left_open(tuned), _tuned_variables(tuned)]
+    tables = [limits, lever_table(tuned.levers, problem.catalogue), _tuned_objective(tuned)]
+    tables += [_tuned_cases(tuned), _left_open(tuned), _tuned_variables(tuned)]
     tables.append(spread_table(problem, tuned.spreads))
     first = headline(tuned.message, tuned.goal.feasible(tuned.after), tuned.end_count(tuned.after))
     return [first, *(it for it in tables if it is not None), *lines]
@@ -211,7 +218,7 @@ def tuned_parts(tuned: Tuned) -> list[str | Table]:
 def _tuned_objective(tuned: Tuned) -> Table:
     """Return the objectives and the load cases that succeed, before and after."""
     problem, (start, end) = tuned.problem, tuned.objective
-    summary = table("Objective and what limits it", ("",), ("before", "after"))
+    summary = table("Objective", ("",), ("before", "after"))
     change = "" if relative_change(start, end) is None else f" ({change_text(start, end, '+.2f')})"
     unit, factor = problem.objective.in_figures(problem.catalogue)
     summary.add_row(
