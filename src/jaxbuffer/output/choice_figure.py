@@ -5,6 +5,7 @@ import numpy as np
 from .._types import Axes, Figure
 from ..choosing.alternatives import Alternative
 from ..choosing.choice import Choice
+from ..value_text import percent_text
 from .layout import legend_below, with_line_breaks
 from .style import BLUE, COLOURS, GREY, MARKS, ORANGE, RED, label, panels, styled
 
@@ -24,8 +25,20 @@ def choice_figure(choice: Choice) -> Figure:
     tally = choice.tally
     share = 100.0 * tally.spared / max(tally.possible, 1)
     title = f"Best of {tally.combinations} combinations" if choice.feasible else "No combination keeps all limits"
-    figure.suptitle(f"{title}; {tally.runs} runs of {tally.possible}, {share:.0f} % spared")
+    runs = f"{title}; {tally.runs} runs of {tally.possible}, {share:.0f} % spared"
+    figure.suptitle("\n".join(filter(None, (runs, _tightest(choice)))))
     return figure
+
+
+def _tightest(choice: Choice) -> str:
+    """Return the limit that the best combination is nearest to or farthest beyond, in words; "" for none."""
+    if choice.best is None or not choice.best.margins:
+        return ""
+    it = choice.best.margins[0]
+    quantity = choice.criterion.catalogue[it.limit.name]
+    room = "" if it.share is None else f", room {percent_text(it.share, '.3g')}"
+    value = quantity.in_words(it.value, 4)
+    return f"the first's tightest limit: {it.limit.line(quantity)}, {value}{room}, at {choice.label(it.case)}"
 
 
 def _objective(axes: Axes, choice: Choice, drawn: tuple[Alternative, ...]) -> None:

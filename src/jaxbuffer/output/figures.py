@@ -36,10 +36,11 @@ class Window(NamedTuple):
 
 
 @styled
-def run_figure(run: Run) -> Figure:
+def run_figure(run: Run, margin: str = "") -> Figure:
     """Draw the contact force with its peak enlarged, and the mechanism's own panels over time.
 
-    **Arguments:** ``run``: one simulated with ``history=True``.
+    **Arguments:** ``run``: one simulated with ``history=True``; ``margin``: the limit that stands in the way most, in
+    words, "" where nothing is limited.
     """
     mechanism, end = run.mechanism, float(_history(run).time[-1])
     to_end = any(panel.to_end for panel in mechanism.view.panels(run))
@@ -67,7 +68,8 @@ def run_figure(run: Run) -> Figure:
         cut.append(f"begin at {time_text(start)}{whole}: nothing touches before")
     if until < end:
         cut.append(f"end at {time_text(until)}: nothing touches from there to {time_text(end)}")
-    figure.suptitle(f"{title}\n{'some ' if to_end else ''}time axes {' and '.join(cut)}" if cut else title)
+    axes_cut = f"{'some ' if to_end else ''}time axes {' and '.join(cut)}" if cut else ""
+    figure.suptitle("\n".join(filter(None, (title, margin, axes_cut))))
     window = Window(start, until, *seconds(until))
     if force is not None:
         _forces(force, zoom, run, window)

@@ -10,7 +10,7 @@ from ..tables import text
 from ..tuning.problem.cases import numbered
 from ..tuning.problem.objective import Constraints
 from ..tuning.report.levers import NO_LEVERS, Levers, lever_table, levers_record
-from ..tuning.report.limit_rows import run_limit_table
+from ..tuning.report.limit_rows import run_limit_table, tightest_text
 from . import matlab, records, style
 from .field_files import field_files
 from .figures import run_figure
@@ -44,7 +44,7 @@ def run_files(
         "history.csv": lambda: csv_text(*records.run_history(run)),
         "motion.json": lambda: compact_json(motion_record(run)),
         f"{name}.txt": lambda: f"{run_text(run, constraints, number, levers)}\n",
-        **style.both(name, lambda: run_figure(run)),
+        **style.both(name, lambda: run_figure(run, "" if constraints is None else tightest_text(run, constraints))),
         **style.both("motion", lambda: motion_figure(run)),
         f"{name}{SUFFIX}": lambda: content(run.to_xarray()),
         f"{name}{matlab.SUFFIX}": lambda: matlab.run_mat(run),

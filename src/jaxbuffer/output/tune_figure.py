@@ -1,5 +1,6 @@
 """Figures of a tuning and of a front."""
 
+import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -7,11 +8,12 @@ import numpy as np
 
 from .._types import Axes, Figure
 from ..fields import get
+from ..mechanisms.limit import Limit
 from ..mechanisms.run import Run
 from ..tuning.report.front import Front
 from ..tuning.report.tuned import Tuned
 from ..tuning.search.evaluation import main_values
-from ..value_text import before_and_after, range_text, relative_change, unit_text, with_unit
+from ..value_text import before_and_after, percent_text, range_text, relative_change, unit_text, with_unit
 from .layout import legend_below, with_line_breaks
 from .pulses import force_over_time, last_contact
 from .style import BLUE, COLOURS, GREY, ORANGE, RED, blank, label, panels, styled
@@ -39,11 +41,11 @@ def tune_figure(tuned: Tuned, worst: Sequence[Run] = ()) -> Figure:
 
     problem = tuned.problem
     stages = sorted({it["stage"] for it in tuned.records})
-    draws = [_variables, _limits, *(lambda axes, tuned, stage=stage: _search(axes, tuned, stage) for stage in stages)]
+    draws = [_limits, _variables, *(lambda axes, tuned, stage=stage: _search(axes, tuned, stage) for stage in stages)]
     limits = _rows(tuned)
     # All rows are as high as the label with the most lines.
     each = LINE * (1 + max(it.text.count("\n") for it in limits)) + 0.06
-    right = [0.4 * len(problem.variables) + 0.9, each * len(limits) + 0.9, *(2.3 for _ in stages)]
+    right = [each * len(limits) + 0.9, 0.4 * len(problem.variables) + 0.9, *(2.3 for _ in stages)]
     rows = ROW * min(len(problem.cases), MOST) + 1.0
     left = [2.6, rows] if worst else [rows]
     layout = ConstrainedLayoutEngine(w_pad=0.12)  # inch; the right column's labels are long
@@ -196,9 +198,23 @@ def _rows(tuned: Tuned) -> list[QuantityChange]:
         text = f"{before_and_after(factor * before, factor * after)}{unit_text(symbol)}"
         if limit is not None:
             text += f", {'at least' if lowest else 'limit'} {with_unit(factor * limit, symbol, 4)}"
+            text += _room(tuned, k, Limit(name, limit, lowest), after)
         text = f"{with_line_breaks(f'{title}:', WIDE, SMALL)}\n{text}"
         rows.append(QuantityChange(before, after, limit, lowest, text))
-    return rows
+    # Margins first.
+    return sorted(rows, key=lambda row: row.limit is None)
+
+
+def _room(tuned: Tuned, quantity: int, limit: Limit, worst: float) -> str:
+    """Return the room that the tuned design has to a limit and, of several scenarios, in which one, on a line."""
+    room = limit.margin(worst)
+    if room is None or not math.isfinite(worst):
+        return ""
+    where = ""
+    if len(tuned.problem.cases) > 1:
+        case = int(np.flatnonzero(tuned.reported(tuned.after)[:, quantity] == worst)[0])
+        where = f" in {tuned.problem.number_text(case)}"
+    return f"\nroom {percent_text(room, '.3g')}{where}"
 
 
 def _limits(axes: Axes, tuned: Tuned) -> None:

@@ -6,8 +6,9 @@ from typing import NamedTuple
 
 from ..labelled.record import Record
 from ..output.folder import Results
+from ..tuning.report.levers import lever_title
 from ..tuning.report.limit_rows import LimitRow, State, limit_rows
-from ..value_text import UNKNOWN, percent_text
+from ..value_text import UNKNOWN, number_text, percent_text
 from .limit_check import LimitCheck, breaks, limit_check
 from .page import Cell, PageSection, Table
 from .records import words
@@ -39,7 +40,7 @@ def limits(results: Results, every: Sequence[Results] = (), named: bool = False)
         f"{of} against {f'the limits of {check.source_folder}' if check.source_folder else 'the limits of its study'}"
     )
     where = f"{results.folder}: " if named else ""
-    tables = [Table(f"{where}{caption}", HEADINGS, limit_cells(check))]
+    tables = [Table(f"{where}{caption}", HEADINGS, limit_cells(check)), *_levers(results)]
     # A run's warnings stand in its own section, and it has one scenario alone to break a limit in.
     if results.tuned is None:
         return PageSection("Limits", tables=tables)
@@ -50,6 +51,26 @@ def limits(results: Results, every: Sequence[Results] = (), named: bool = False)
         tables.append(Table(heading, BEYOND, beyond, folded=len(beyond) > MANY))
         warnings = [_summed(check, beyond), *warnings]
     return PageSection("Limits", warnings=warnings, tables=tables)
+
+
+def _levers(results: Results) -> list[Table]:
+    """Return the table of the numbers that move each limited quantity most; none where they are not known."""
+    record = results.records.get("run") if results.tuned is None else results.tuned
+    levers = {} if record is None else record.get("levers", {})
+    if not levers:
+        return []
+    known = results.mechanism.quantities
+    rows: list[Row] = [
+        [lever_title(name, known), it["path"], number_text(it["elasticity"], 2, sign=True), _place(it)]
+        for name, each in levers.items()
+        for it in each
+    ]
+    caption = "Levers: the numbers that move what is limited most, in % for 1 % more of each"
+    return [Table(caption, ("quantity", "number", "change [%]", "tuned"), rows, folded=len(rows) > MANY)]
+
+
+def _place(lever: Mapping[str, object]) -> str:
+    return "variable" if lever["variable"] else "no variable"
 
 
 class LimitCounts(NamedTuple):

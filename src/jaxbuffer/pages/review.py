@@ -73,9 +73,9 @@ def review(every: Sequence[Results], title: str = "") -> Page:
     """Return one page of all folders together: the first one's design, then what each of them holds."""
     # The tuned design is the page's, wherever its folder stands: other folders may be of the start.
     first = next((results for results in every if results.tuned), next((f for f in every if f.records), every[0]))
-    made = [(first, requirements(first, every)), (first, design(first))]
-    # A run that repeats a scenario of a tuning would say the same a second time.
-    made += [(results, limits(results, every)) for results in every if not repeats_tuning(results, every)]
+    # Margins first. A run that repeats a scenario of a tuning would say the same a second time.
+    made = [(results, limits(results, every)) for results in every if not repeats_tuning(results, every)]
+    made += [(first, requirements(first, every)), (first, design(first))]
     made += [(results, scenarios(results)) for results in every]
     made += [(results, make(results)) for make in (tolerances, choice, fit) for results in every]
     for results in every:

@@ -62,9 +62,12 @@ def levers_of(study: Config, run: Run, limits: Constraints) -> Levers:
     """Differentiate the run by all numbers of its design, and return what moves its limited quantities most."""
     given = study.table.variables
     variables = study.mechanism.variables(run.design) if given is None else given
-    options = study.options
+    options, quantities = study.options, study.mechanism.quantities
     assert options.duration is not None
-    task = (run, limits.limits.names, set(variables), options.duration, options.rtol, options.stepper())
+    # An end that is asked for has no slopes; the time until it has.
+    awaited = [name for name, it in quantities.items() if it.awaits and it.awaits in limits.limits.ends]
+    names = dict.fromkeys([*limits.limits.names, *awaited])
+    task = (run, tuple(names), set(variables), options.duration, options.rtol, options.stepper())
     return working("finding levers", lambda: run_levers(*task))
 
 

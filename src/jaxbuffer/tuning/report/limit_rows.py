@@ -124,8 +124,24 @@ def run_limit_table(run: Run, constraints: Constraints, number: str = "") -> Tab
 
     ``number``: of its scenario among the study's, "" for a single one.
     """
+    shown, label = run_rows(run, constraints), run.mechanism.view.label(run.scenario)
+    return limit_table(shown, several=False, where=in_sentence(label, number) if number else "") if shown else None
+
+
+def tightest_text(run: Run, constraints: Constraints) -> str:
+    """Return the limit that stands in the way most, in a line; "" for none."""
+    shown = run_rows(run, constraints)
+    if not shown:
+        return ""
+    first = shown[0]
+    room = "" if first.room == UNKNOWN else f", room {first.room}"
+    return f"{first.state}: {first.name} {first.value} ({first.bound}){room}"
+
+
+def run_rows(run: Run, constraints: Constraints) -> list[ShownRow]:
+    """Return the rows of `run_limit_table`."""
     if run.outcome.failed:
-        return None
+        return []
     mechanism, label = run.mechanism, run.mechanism.view.label(run.scenario)
     always = mechanism.always(run.design)
     limits: Limits = constraints.limits.with_always(always)
@@ -134,5 +150,7 @@ def run_limit_table(run: Run, constraints: Constraints, number: str = "") -> Tab
     shown = [ShownRow.of(row, constraints.catalogue(mechanism), always) for row in rows]
     success = limits.success(mechanism, run.design)
     if success is not None and (limits.require_success or limits.ends):
-        shown.append(ShownRow.of_end(success, [label], [bool(limits.ended(mechanism, int(run.outcome)))]))
-    return limit_table(shown, several=False, where=in_sentence(label, number) if number else "") if shown else None
+        end = ShownRow.of_end(success, [label], [bool(limits.ended(mechanism, int(run.outcome)))])
+        # An end that is missed comes first, as broken limits do.
+        shown.insert(0 if end.state == "broken" else len(shown), end)
+    return shown
