@@ -33,7 +33,7 @@ def report(
 ) -> Path:
     """Make a page for a design review of the results in some folders; only ``what_if`` computes anything.
 
-    The page is one HTML file that needs nothing else: the design, limits, scenarios, forces over time, elasticities,
+    The page is one HTML file that needs nothing else: limits, the design, scenarios, forces over time, elasticities,
     the search, samples, fronts, and where the numbers come from (docs/report.md).
 
     **Arguments:**
