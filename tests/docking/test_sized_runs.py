@@ -67,6 +67,12 @@ def test_bounds_of_a_tuning_hold_what_was_sized(tmp_path):
     assert read.design == design and read.duration == 30.0
 
 
+def test_one_design_is_sized(tmp_path, capsys):
+    (tmp_path / "study.toml").write_text('[problem.grid]\n"active.mass" = [20.0, 22.0]\n', encoding="utf-8")
+    assert run(["size", str(tmp_path / "study.toml")]) == 2
+    assert "[problem.grid] lists values of active.mass" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [

@@ -13,6 +13,7 @@ from ..labelled.record import headings
 from ..labelled.saved import Saved
 from ..tables import html, table, text
 from ..tuning.problem.problem import Problem
+from ..tuning.report.limit_rows import ShownRow
 from ..tuning.search.evaluation import validity_lines
 from ..tuning.search.goal import Goal
 from ..tuning.tolerances.corners import SEARCHED
@@ -255,16 +256,24 @@ def _ranking(choice: Choice) -> Table:
 
 def _limits(choice: Choice, best: Alternative) -> Table:
     """Return every limit of the best combination with its worst load case."""
-    made = table("Limits of the first", ("limit",), ("worst", "left"))
-    made.add_column("at")
-    for it in best.margins:
-        quantity = choice.criterion.catalogue[it.limit.name]
-        worst = quantity.in_words(it.value, 5)
-        made.add_row(it.limit.line(quantity), worst, percent_text(it.share, ".3g"), choice.label(it.case))
-    for limit in choice.criterion.limits:
-        quantity, value = choice.criterion.catalogue[limit.name], best.totals[limit.name]
-        made.add_row(limit.line(quantity), quantity.in_words(value, 5), percent_text(limit.margin(value), ".3g"), "")
+    made = table("Limits of the first", ("limit",), ("value", "bound", "room"))
+    made.add_column("load case")
+    for row in limits_of(choice, best):
+        made.add_row(row.name, row.value, row.bound, row.room, row.where)
     return made
+
+
+def limits_of(choice: Choice, best: Alternative) -> list[ShownRow]:
+    """Return every limit of a combination as people are shown it, those on price and mass too, the least room first."""
+    each = [(it.share, it.limit, it.value, choice.label(it.case)) for it in best.margins]
+    totals = ((limit, best.totals[limit.name]) for limit in choice.criterion.limits)
+    each += [(limit.margin(value), limit, value, "") for limit, value in totals]
+    rows = []
+    for room, limit, value, where in sorted(each, key=lambda it: -math.inf if it[0] is None else it[0]):
+        quantity = choice.criterion.catalogue[limit.name]
+        bound, text = limit.bound_text(*quantity.in_figures), quantity.in_words(value, 5)
+        rows.append(ShownRow(quantity.title or limit.name, text, bound, percent_text(room, ".3g"), where))
+    return rows
 
 
 def _fields(choice: Choice) -> Table:

@@ -4,8 +4,7 @@ import numpy as np
 
 from .._types import Axes, Figure
 from ..choosing.alternatives import Alternative
-from ..choosing.choice import Choice
-from ..value_text import percent_text
+from ..choosing.choice import Choice, limits_of
 from .layout import legend_below, with_line_breaks
 from .style import BLUE, COLOURS, GREY, MARKS, ORANGE, RED, label, panels, styled
 
@@ -32,13 +31,12 @@ def choice_figure(choice: Choice) -> Figure:
 
 def _tightest(choice: Choice) -> str:
     """Return the limit that the best combination is nearest to or farthest beyond, in words; "" for none."""
-    if choice.best is None or not choice.best.margins:
+    rows = [] if choice.best is None else limits_of(choice, choice.best)
+    if not rows:
         return ""
-    it = choice.best.margins[0]
-    quantity = choice.criterion.catalogue[it.limit.name]
-    room = "" if it.share is None else f", room {percent_text(it.share, '.3g')}"
-    value = quantity.in_words(it.value, 4)
-    return f"the first's tightest limit: {it.limit.line(quantity)}, {value}{room}, at {choice.label(it.case)}"
+    first = rows[0]
+    at = f", at {first.where}" if first.where else ""
+    return f"the first's tightest limit: {first.name} {first.value} ({first.bound}), room {first.room}{at}"
 
 
 def _objective(axes: Axes, choice: Choice, drawn: tuple[Alternative, ...]) -> None:

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from ...errors import InputError
 from ...fields import declared
 from ...mechanisms.mechanism import Mechanism
 from ...output.size_files import size_files
@@ -32,6 +33,8 @@ def size(
     )
     wishes = {**_of_limits(study), **{name: number_or_text(it) for name, it in typed.items()}}
     files = request.files("design.toml", "size.json", "size.txt", "size.png")
+    if built := dict.fromkeys(path for case in study.cases for path, _ in case.values):
+        raise InputError(f"[problem.grid] lists values of {', '.join(built)}: one design is sized; leave them out")
     scenarios = [case.scenario for case in study.cases]
     sized = fitting(
         lambda report: compute(

@@ -35,6 +35,7 @@ DOCKING3D = register(
         valid=valid,
         run=capture,
         reader=reader(misses),
+        sizing=None,  # which makes a scenario of the plane
         view=VIEW,
         defaults=dataclasses.replace(
             PROBE_CONE.defaults,

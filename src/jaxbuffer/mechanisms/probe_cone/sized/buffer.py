@@ -71,8 +71,9 @@ def buffer_for(design: Any, met: Encounter, wishes: DockingWishes) -> SizedParts
     # ½ μ (f v)² = ½ k_A (s + d)² + ½ k_s d², without the dampers.
     left = met.mass * fast**2 - stiffness * (stroke + room) ** 2
     stop = max(left / room**2, stiffness)
+    swing = f"{first_swing(DAMPING):.2f}"
     numbers = (
-        SizedNumber("buffer.k_A", stiffness, "μ (0.68 v/s)²: the fastest approach takes the stroke s"),
+        SizedNumber("buffer.k_A", stiffness, f"μ ({swing} v/s)²: the fastest approach takes the stroke s"),
         SizedNumber("buffer.c_A", damping, f"2 ζ √(k_A μ), ζ = {DAMPING:g}: about the least force"),
         SizedNumber("buffer.max_stroke", stroke, "the stroke, where the end stop begins"),
         SizedNumber(
