@@ -87,6 +87,12 @@ from .output.motion import draw as draw
 from .output.results import save as save
 from .pages.review import report as report
 from .run.instants import at_times as at_times
+from .run.plant import (
+    Loads as Loads,
+    Observed as Observed,
+    Plant as Plant,
+    stepper as stepper,
+)
 from .run.simulate import simulate as simulate
 from .run.sized import (
     Sized as Sized,

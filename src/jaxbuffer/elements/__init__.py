@@ -32,3 +32,4 @@ from .stepping import SteppingHints as SteppingHints
 from .stop import EndStop as EndStop
 from .stop import RubberBlock as RubberBlock
 from .thrust import Thrust as Thrust
+from .wrench import Wrench as Wrench

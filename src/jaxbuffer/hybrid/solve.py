@@ -125,7 +125,7 @@ def solve_with_tangents(
 
     def with_tangents(values: list[Array], others: Any, *rest: Any) -> Result:
         assembled = lambda values: assemble(values, others)  # noqa: E731
-        build, tangents, moving = push_through_assembly(assembled, _motion, values, _sizes(values))
+        build, tangents, moving = push_through_assembly(assembled, motion, values, _sizes(values))
         result = by(build, tangents, *rest)
         # The system does not depend on the other values at all: their tangents are zero, and were not stepped.
         place = {k: 1 + row for row, k in enumerate(moving)}
@@ -135,7 +135,7 @@ def solve_with_tangents(
     return one_by_one(with_tangents, values, others, jnp.asarray(duration, float), options, allowed)
 
 
-def _motion(system: HybridSystem) -> tuple[Array, ...]:
+def motion(system: HybridSystem) -> tuple[Array, ...]:
     """Return all of a system that tangents are lifted through, at its start."""
     state, active = system.start()
     none = jnp.zeros(())

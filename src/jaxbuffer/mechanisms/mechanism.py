@@ -41,9 +41,9 @@ class Defaults:
     ``grid`` of a sweep, as TOML writes it, and ``mapped``: the quantities drawn of one, the main one first, () for the
     first ones that sweeps have; ``variables`` of a tuning with their bounds, as TOML writes them, and ``limits`` it
     keeps to; ``success``: how runs should end, in a word, None for the first of the mechanism's successes;
-    ``with_part``: those that are others for a design that has a number at a path; ``example``: values that an example
-    study has beside the design's defaults, with ``example_limits`` of its own and ``example_variables``, with their
-    bounds, that it suggests.
+    ``pushed``: the bodies that a caller of `stepper` pushes, () for all; ``with_part``: those that are others for a
+    design that has a number at a path; ``example``: values that an example study has beside the design's defaults, with
+    ``example_limits`` of its own and ``example_variables``, with their bounds, that it suggests.
     """
 
     duration: float = 1.0
@@ -54,6 +54,7 @@ class Defaults:
     variables: Mapping[str, Any] = dataclasses.field(default_factory=dict)
     limits: Mapping[str, float] = dataclasses.field(default_factory=dict)
     success: str | None = None
+    pushed: tuple[str, ...] = ()
     with_part: Mapping[str, Mapping[str, Any]] = dataclasses.field(default_factory=dict)
     example: Mapping[str, float] = dataclasses.field(default_factory=dict)
     example_limits: Mapping[str, float] = dataclasses.field(default_factory=dict)

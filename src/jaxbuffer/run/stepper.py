@@ -34,7 +34,7 @@ class Events:
     def step(self, request: Request, unchecked: bool, enabled: Bool[Array, ""] | bool) -> Result:
         """See `Stepper`."""
         allowed = enabled & request.allowed if unchecked else None
-        build, options = request.mechanism.system, _options(request)
+        build, options = request.mechanism.system, events_options(request)
         return solve_at_fixed_times(build, request.parameters, request.duration, options, allowed)
 
     def step_with_tangents(
@@ -46,7 +46,7 @@ class Events:
         def assembled(values: list[Array], others: Any) -> HybridSystem:
             return make(values, others).system
 
-        allowed, options = request.allowed, _options(request)
+        allowed, options = request.allowed, events_options(request)
         return solve_with_tangents(assembled, values, others, request.duration, options, allowed)
 
     def differentiable(self, request: Request, result: Result, values: list[Array]) -> Result:
@@ -84,7 +84,7 @@ def run_of(request: Request, result: Any) -> Run:
     return stepper_of(request.mechanism).read(request, result)
 
 
-def _options(request: Request) -> Options:
+def events_options(request: Request) -> Options:
     """Return the options with a run's tolerances; the system says how closely its events are located at these."""
     tolerance = StepTolerance(*request.tolerances)
     return dataclasses.replace(request.options, tolerance=tolerance, event_time=None, shortfall=None)

@@ -74,15 +74,19 @@ def run(
     """
     task = Task.of(build, tangents, jnp.asarray(duration, float), options)
     start = initial_state(task, allowed)
-    if lanes.in_turn():
-        end = lax.while_loop(_running, lambda state: _iterate(task, state), start)
-    else:
-        going_on = lambda state: lanes.in_any_lane(_running(state))  # noqa: E731
-        end = lax.while_loop(going_on, lambda state: _iterate_where_running(task, state), start)
+    end = loop_from(task, start)
     begin = Start(start.point.rows[None], start.active)
     # Where nothing jumps a force at the start is zero, and says nothing.
     log = end.log.with_start_values(end.first_values) if task.system.jumps else end.log
     return Result(end.status, begin, log, end.steps, end.attempts, end.steps.count)
+
+
+def loop_from(task: Task[P], start: LoopState) -> LoopState:
+    """Iterate from a state of the loop until the run has ended, or its duration is over."""
+    if lanes.in_turn():
+        return lax.while_loop(_running, lambda state: _iterate(task, state), start)
+    going_on = lambda state: lanes.in_any_lane(_running(state))  # noqa: E731
+    return lax.while_loop(going_on, lambda state: _iterate_where_running(task, state), start)
 
 
 def _running(state: LoopState) -> Bool[Array, ""]:

@@ -88,7 +88,8 @@ def next_step_sizes(task: Task[P], state: LoopState, trial: Trial, decision: Dec
     impact begins with steps of its own; out of contact again, steps go on as they went before.
     """
     outcome = decision.outcome
-    chosen = ~state.locating & ~state.reevaluating
+    # Nor from the one that ends because the time is up, which may be far shorter than accuracy asks for.
+    chosen = ~state.locating & ~state.reevaluating & ~event.timed_out
     looks_back, abandoned = outcome == StepOutcome.LOOK_BACK, outcome == StepOutcome.ABANDON
     learns = (outcome == StepOutcome.REJECT) | looks_back | abandoned | decision.accepted & chosen
     # The controller cuts a step with an infinite norm to a tenth.

@@ -88,6 +88,7 @@ PROBE_CONE = register(
                 "buffer.c_T": [0.2, 20.0],  # N m s/rad
                 "probe.tip_mass": [0.02, 0.2],  # kg
             },
+            pushed=("active", "passive"),
             limits={"stroke": 0.025},  # m, what fits into Table 2's cylinder
             example=_joined(part.example for part in PARTS),
             example_variables=_joined(part.example_variables for part in PARTS),
