@@ -32,21 +32,18 @@ Build = Callable[..., HybridSystem]
 class Checkpoint(NamedTuple):
     """Where a run stands between two intervals.
 
-    ``state``; ``largest``: the largest value of each observable so far; ``touchdowns`` of each contact so far;
-    ``loop``: all else that the loop goes on with: modes, step sizes, status; ``event_time`` [s]: how closely events
-    are located. Derivatives are those of ``state`` and ``largest``.
+    ``time`` [s]; ``state``; ``largest``: the largest value of each observable so far; ``touchdowns`` of each contact so
+    far; ``loop``: all else that the loop goes on with: modes, step sizes, status; ``event_time`` [s]: how closely
+    events are located. Derivatives are those of ``state`` and ``largest``, and of the ``time`` at which a guard ends
+    the run.
     """
 
+    time: Float[Array, ""]
     state: Float[Array, " state"]
     largest: Float[Array, " observables"]
     touchdowns: Int[Array, " contacts"]
     loop: LoopState
     event_time: Float[Array, ""]
-
-    @property
-    def time(self) -> Float[Array, ""]:
-        """Return how far the run has come [s]."""
-        return self.loop.point.time
 
     @property
     def running(self) -> Array:
@@ -73,7 +70,9 @@ def first_checkpoint(build: Build, parameters: Any, options: Options, allowed: A
     still = jax.lax.stop_gradient(system)
     task = Task.of(lambda it: it, Tangents(still), jnp.asarray(jnp.inf), options)
     loop = initial_state(task, allowed)._replace(logged=jax.lax.stop_gradient(largest), attempts=jnp.asarray(1))
-    return Checkpoint(state, largest, (active > 0.5).astype(int), _stripped(loop), jnp.asarray(task.event_time))
+    return Checkpoint(
+        jnp.zeros(()), state, largest, (active > 0.5).astype(int), _stripped(loop), jnp.asarray(task.event_time)
+    )
 
 
 def next_checkpoint(
@@ -95,8 +94,11 @@ def next_checkpoint(
     ended = log.count > 0
     values = jnp.where(log.used[:, None], log.values, -jnp.inf)
     contacts = jnp.arange(before.touchdowns.shape[0])
-    touched = jnp.sum((log.used & (log.kind == Kind.TOUCHDOWN))[:, None] & (log.which[:, None] == contacts), axis=0)
+    touched = jnp.sum(
+        (log.used & (log.kind == Kind.TOUCHDOWN))[:, None] & (log.which[:, None] == contacts[None]), axis=0
+    )
     return Checkpoint(
+        time=jnp.where(ended, log.time[last], before.time),
         state=jnp.where(ended, log.rows[last, 0], before.state),
         largest=jnp.maximum(before.largest, jnp.max(values, axis=0)),
         touchdowns=before.touchdowns + touched + log.missed,
@@ -195,9 +197,7 @@ def _stripped(loop: LoopState) -> LoopState:
     """Return the loop's state without what an interval makes anew."""
     none: Any = None
     point = loop.point._replace(rows=none, rate=none)
-    return loop._replace(
-        point=point, phase=none, bracket=none, step_end=none, first_values=none, log=none, steps=none
-    )
+    return loop._replace(point=point, phase=none, bracket=none, step_end=none, first_values=none, log=none, steps=none)
 
 
 def _size(value: Array, size: Array | None) -> Float[Array, ""]:

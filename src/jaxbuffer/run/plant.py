@@ -118,9 +118,7 @@ class Plant(eqx.Module):
         """Return the bodies' names, in the order of positions and velocities."""
         return self.mechanism.names(self.parameters[0]).bodies
 
-    def loads(
-        self, force: Mapping[str, Any] | None = None, moment: Mapping[str, Any] | None = None
-    ) -> Loads:
+    def loads(self, force: Mapping[str, Any] | None = None, moment: Mapping[str, Any] | None = None) -> Loads:
         """Return loads from those of single bodies, zero where none is given.
 
         **Arguments:** ``force``: by the body's name, (2,) in the plane and (3,) in space [N]; ``moment``: by name, a
@@ -161,10 +159,10 @@ class Plant(eqx.Module):
 
         **Raises:** `InputError` for a length or a load that is out of range.
         """
+        check_single("length", length, "s", "one number", **POSITIVE)
         loads = self.loads() if loads is None else loads
         check_type("state", state, Checkpoint, "plant.start(), or what the step before returned")
         check_type("loads", loads, Loads, "plant.loads(force={...}, moment={...})")
-        check_single("length", length, "s", "one number", **POSITIVE)
         for what, value, shape in zip(("force", "moment"), loads, self.shapes, strict=True):
             wanted = (len(self.pushed), *shape)
             if np.shape(value) != wanted:
@@ -289,17 +287,18 @@ def _observed(plant: Plant, system: Assembled, state: Checkpoint) -> Observed:
     at, active = system.evaluate(state.state), state.loop.active
     snapshot, moving = system.snapshot_at(at, active), at.kin.velocity_order.placements
     contacts = system.impact_contacts
-    code = outcome_code(plant.mechanism.outcomes, system.end_outcomes, state.loop.status)
-    return Observed(
-        time=state.time,
-        position=at.kin.poses(),
-        velocity=moving(at.kin.v),
-        contact_force=snapshot.normal,
-        friction_force=snapshot.friction,
-        values=dict(snapshot.others),
-        peak_force=jnp.max(state.largest[:contacts], initial=0.0),
-        largest=dict(zip(system.observed[contacts:], state.largest[contacts:], strict=True)),
-        touchdowns=state.touchdowns[:contacts],
-        code=jnp.where(state.running, RUNNING, code),
-        outcomes=plant.mechanism.outcomes,
-    )
+    outcomes = plant.mechanism.outcomes
+    code = jnp.where(state.running, RUNNING, outcome_code(outcomes, system.end_outcomes, state.loop.status))
+    numbers = {
+        "time": state.time,
+        "position": at.kin.poses(),
+        "velocity": moving(at.kin.v),
+        "contact_force": snapshot.normal,
+        "friction_force": snapshot.friction,
+        "values": dict(snapshot.others),
+        "peak_force": jnp.max(state.largest[:contacts], initial=0.0),
+        "largest": dict(zip(system.observed[contacts:], state.largest[contacts:], strict=True)),
+    }
+    known = jnp.where(code < outcomes["failed_steps"], 1.0, jnp.nan)
+    numbers = jax.tree.map(lambda it: it * known, numbers)
+    return Observed(**numbers, touchdowns=state.touchdowns[:contacts], code=code, outcomes=outcomes)
