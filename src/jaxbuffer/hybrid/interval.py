@@ -144,7 +144,9 @@ def _interval_jvp(primals: tuple, tangents: tuple) -> tuple[_Interval, _Interval
         of_state = assembled(values).scales()
         own = jnp.diag(of_state) if state_moves is not None else jnp.zeros((0, state.shape[0]))
         none = jnp.zeros((len(pushed.moving), state.shape[0]))
-        directions = [jnp.pad(it, [(own.shape[0], 0)] + [(0, 0)] * (it.ndim - 1)) for it in pushed.tangents.directions]
+        # The system does not change along the tangents by the state's own numbers.
+        still = lambda it: jnp.pad(it, [(own.shape[0], 0)] + [(0, 0)] * (it.ndim - 1))  # noqa: E731
+        directions = jax.tree.map(still, pushed.tangents.directions)
         rows = jnp.concatenate([state[None], own, none])
         interval = _through(pushed.fill, Tangents(pushed.tangents.primal, directions), rows, *rest)
         shares = _places(len(values), pushed.moving, own.shape[0])

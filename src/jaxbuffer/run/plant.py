@@ -241,7 +241,8 @@ def stepper(
 
 
 def _shapes(mechanism: Mechanism, parameters: Parameters) -> tuple[tuple[int, ...], tuple[int, ...]]:
-    """Return the shapes of a force and of a moment on one body. **Raises:** `InputError` for a mechanism without bodies."""
+    """Return the shapes of a force and of a moment on one body. **Raises:** `InputError` for a mechanism that is not
+    assembled from bodies."""
     dimensions = []
 
     def look() -> Array:
