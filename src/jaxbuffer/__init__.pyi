@@ -79,6 +79,7 @@ from .mechanisms.tank_drop import (
     TankDropScenario as TankDropScenario,
 )
 from .output.animation import animate as animate
+from .output.fmu import export_fmu as export_fmu
 from .output.folder import (
     Results as Results,
     load as load,

@@ -7,6 +7,7 @@ import typer
 import jaxbuffer
 
 from . import completion
+from .exports import export_fmu
 from .fitting import fit
 from .many_runs import choose, pareto, sample, sweep, tune
 from .one_run import animate, laws, sensitivity, simulate
@@ -86,6 +87,13 @@ verb(
     laws,
     "The contact laws side by side: restitution and one impact.",
     without=("solver", "rtol", "duration", "as_json"),
+)
+verb(
+    app,
+    export_fmu,
+    "One run as a co-simulation unit (FMI 3.0), for control in the loop.",
+    without=("solver", "duration", "figures", "as_json", "output"),
+    module="export",
 )
 plain(app, fields, "A mechanism's fields and quantities, with units.", "study")
 plain(app, init, "A commented study to begin with.", "study")

@@ -1,7 +1,8 @@
 """A run in intervals: what one ends with, the next goes on from, with other loads or parameters.
 
-An interval is differentiated by the state that it starts from and by every number of the system. As in `solve`, tangents
-are integrated beside the state under the same error control; here those by the state's own numbers are among them.
+An interval is differentiated by the state that it starts from and by every number of the system. As in `solve`,
+tangents are integrated beside the state under the same error control; here those by the state's own numbers are among
+them.
 """
 
 import dataclasses

@@ -26,6 +26,7 @@ from .stepper import events_options
 
 ROOM = 8  # for events of one step in order; of later ones the largest values and the end are kept
 AXES = ("inertial", "body")
+STATES = "plant.start(), or what the step before returned"
 RUNNING = -1  # the outcome's code of a run that has not ended
 
 
@@ -148,6 +149,11 @@ class Plant(eqx.Module):
         that."""
         return _start(self)
 
+    def observe(self, state: Checkpoint) -> Observed:
+        """Return what is observed of a state, at the start say, without loads."""
+        check_type("state", state, Checkpoint, STATES)
+        return _observe(self, state)
+
     def step(self, state: Checkpoint, loads: Loads | None, length: Scalar) -> tuple[Checkpoint, Observed]:
         """Advance a run, and return its state and what is observed of it at the end of the step.
 
@@ -161,7 +167,7 @@ class Plant(eqx.Module):
         """
         check_single("length", length, "s", "one number", **POSITIVE)
         loads = self.loads() if loads is None else loads
-        check_type("state", state, Checkpoint, "plant.start(), or what the step before returned")
+        check_type("state", state, Checkpoint, STATES)
         check_type("loads", loads, Loads, "plant.loads(force={...}, moment={...})")
         for what, value, shape in zip(("force", "moment"), loads, self.shapes, strict=True):
             wanted = (len(self.pushed), *shape)
@@ -262,6 +268,11 @@ def _start(plant: Plant) -> Checkpoint:
     build = plant._build
     parameters = (*plant.parameters, _scalars(plant.loads()))
     return first_checkpoint(build, parameters, events_options(plant._request), plant._request.allowed)
+
+
+@stored
+def _observe(plant: Plant, state: Checkpoint) -> Observed:
+    return _observed(plant, plant._build(*plant.parameters, _scalars(plant.loads())), state)
 
 
 @stored

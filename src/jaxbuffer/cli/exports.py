@@ -1,0 +1,35 @@
+"""The commands that write a study for other programs, as their help shows them."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from . import completion
+from .options import ScenarioNumber
+
+Target = Annotated[Path | None, typer.Option(metavar="FILE", help="What to write.")]
+
+
+def export_fmu(
+    output: Target = None,
+    scenario_number: ScenarioNumber = None,
+    axes: Annotated[
+        str,
+        typer.Option(
+            metavar="AXES",
+            help="Along which forces and moments act: inertial (default), or body.",
+            show_default=False,
+            autocompletion=completion.one_of("inertial", "body"),
+        ),
+    ] = "inertial",
+) -> None:
+    """Write a run as a Functional Mock-up Unit (FMI 3.0, co-simulation), to put guidance and control in its loop.
+
+    Inputs: force and moment on each vehicle, held over a step. Outputs: pose and rates of each body, forces, largest
+    values, touchdowns, and the outcome, -1 while the run goes on. The tool that runs the unit needs a Python with
+    jaxbuffer; packing it needs pythonfmu3: pip install 'jaxbuffer[fmu]'.
+
+    \b
+    Example: jaxbuffer export-fmu study.toml --output docking.fmu
+    """
