@@ -57,7 +57,8 @@ def test_what_a_command_does_takes_the_options_that_its_help_shows():
         importlib.import_module(f"{commands.__name__}.{it.name}") for it in pkgutil.iter_modules(commands.__path__)
     ]
     for name, command in get_command(app).commands.items():
-        defined = [vars(module)[name] for module in modules if name in vars(module)]
+        own = name.replace("-", "_")
+        defined = [vars(module)[own] for module in modules if own in vars(module)]
         (function,) = [it for it in defined if it.__module__.startswith(commands.__name__)]
         taken, shown = {*inspect.signature(function).parameters}, {parameter.name for parameter in command.params}
         if "search" in taken:  # the settings of a search, as keywords that nothing else is passed among

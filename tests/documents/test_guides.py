@@ -18,7 +18,18 @@ from documents.examples import GUIDES, commands
 from jaxbuffer.cli.entry import run
 
 # for `make test-long`
-LONG = ("quickstart", "clusters", "laws", "gradients", "tuning", "robust", "tank_drop", "data_sheet", "choose")
+LONG = (
+    "quickstart",
+    "clusters",
+    "laws",
+    "gradients",
+    "tuning",
+    "robust",
+    "tank_drop",
+    "data_sheet",
+    "choose",
+    "control_loop",
+)
 
 # `jaxbuffer` for the shell: sends where it is and its words, prints what comes back and ends with the command's code
 SENDER = """

@@ -92,7 +92,7 @@ verb(
     app,
     export_fmu,
     "One run as a co-simulation unit (FMI 3.0), for control in the loop.",
-    without=("solver", "duration", "figures", "as_json", "output"),
+    without=("solver", "duration", "figures", "as_json"),
     module="export",
 )
 plain(app, fields, "A mechanism's fields and quantities, with units.", "study")

@@ -1,6 +1,5 @@
 """The commands that write a study for other programs, as their help shows them."""
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -8,11 +7,8 @@ import typer
 from . import completion
 from .options import ScenarioNumber
 
-Target = Annotated[Path | None, typer.Option(metavar="FILE", help="What to write.")]
-
 
 def export_fmu(
-    output: Target = None,
     scenario_number: ScenarioNumber = None,
     axes: Annotated[
         str,
@@ -28,7 +24,7 @@ def export_fmu(
 
     Inputs: force and moment on each vehicle, held over a step. Outputs: pose and rates of each body, forces, largest
     values, touchdowns, and the outcome, -1 while the run goes on. The tool that runs the unit needs a Python with
-    jaxbuffer; packing it needs pythonfmu3: pip install 'jaxbuffer[fmu]'.
+    jaxbuffer; packing it needs pythonfmu3: pip install 'jaxbuffer[fmu]'. DIR is the file to write.
 
     \b
     Example: jaxbuffer export-fmu study.toml --output docking.fmu

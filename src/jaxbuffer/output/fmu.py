@@ -55,7 +55,12 @@ def export_fmu(
 
     **Example:**
 
-    >>> jb.export_fmu(jb.table2(), jb.Scenario(), "docking.fmu")  # doctest: +SKIP
+    >>> import tempfile, pathlib
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = pathlib.Path(folder) / "docking.fmu"
+    ...     jb.export_fmu(jb.table2(), jb.Scenario(), file)
+    ...     file.exists()
+    True
     """
     target = user_path(file)
     if target.suffix != ".fmu" or not target.stem.isidentifier():

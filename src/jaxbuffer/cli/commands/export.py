@@ -1,7 +1,5 @@
 """`jaxbuffer export-fmu`: a study as a file for other programs."""
 
-from pathlib import Path
-
 from ...errors import InputError
 from ...output.fmu import export_fmu as write_fmu
 from ..exits import OK
@@ -9,9 +7,9 @@ from ..streams import show
 from .request import CommandLine
 
 
-def export_fmu(request: CommandLine, output: Path | None, scenario_number: str | None, axes: str) -> int:
+def export_fmu(request: CommandLine, scenario_number: str | None, axes: str) -> int:
     """Write a Functional Mock-up Unit."""
-    if output is None:
+    if (output := request.output) is None:
         raise InputError("export-fmu needs --output FILE, docking.fmu say")
     study = request.one_scenario(scenario_number)
     if output.exists() and not request.force:
