@@ -38,7 +38,7 @@ of = lambda kind, *wanted: getattr(unit, "get" + kind)([place[name] for name in 
 print(*of("Float64", *names), *of("Int32", "outcome"))
 step, tried = 0.05, False
 for k in range(24):
-    unit.setFloat64([place["active.force.x"], place["active.moment"]], [0.3 if k < 4 else 0.0, 0.02])
+    unit.setFloat64([place["active.force.x"], place["active.moment"]], [0.3 if k < 4 else 0.0, 0.01 if k < 4 else 0.0])
     before = unit.getFMUState() if k == 2 else None
     unit.doStep(k * step, step)
     if before is not None:  # another load, and back
@@ -64,14 +64,14 @@ def unit(tmp_path, monkeypatch):
     pytest.importorskip("pythonfmu3")
     monkeypatch.chdir(tmp_path)
     (tmp_path / "study.toml").write_text("[scenario]\napproach_speed = 0.1\n")
-    assert run(["export-fmu", "study.toml", "--buffer.k_A", "800", "--output", "docking.fmu"]) == 0
+    assert run(["export-fmu", "study.toml", "--buffer.k_A", "510", "--output", "docking.fmu"]) == 0
     return tmp_path / "docking.fmu"
 
 
 def test_a_unit_says_what_goes_in_and_comes_out(unit, capsys):
     with zipfile.ZipFile(unit) as packed:
         described = ET.fromstring(packed.read("modelDescription.xml"))
-        assert "k_A = 800.0" in packed.read("resources/design.toml").decode()
+        assert "k_A = 510.0" in packed.read("resources/design.toml").decode()
     assert described.get("fmiVersion") == "3.0" and described.get("modelName") == "docking"
     variables = {it.get("name"): it for it in described.find("ModelVariables")}
     inputs = [name for name, it in variables.items() if it.get("causality") == "input"]
@@ -92,11 +92,11 @@ def test_a_unit_says_what_goes_in_and_comes_out(unit, capsys):
 @pytest.mark.slow
 def test_a_co_simulation_is_the_stepper(unit, programs):
     pytest.importorskip("fmpy")
-    plant = jb.stepper(jb.replace(jb.table2(), {"buffer.k_A": 800.0}), jb.Scenario(approach_speed=0.1))
+    plant = jb.stepper(jb.replace(jb.table2(), {"buffer.k_A": 510.0}), jb.Scenario(approach_speed=0.1))
     state = plant.start()
     all_seen = [plant.observe(state)]
     for k in range(24):
-        loads = plant.loads({"active": (0.3 if k < 4 else 0.0, 0.0)}, {"active": 0.02})
+        loads = plant.loads({"active": (0.3 if k < 4 else 0.0, 0.0)}, {"active": 0.01 if k < 4 else 0.0})
         state, seen = plant.step(state, loads, 0.05)
         all_seen.append(seen)
     command = [sys.executable, "-c", TOOL, str(unit), str(unit.parent / "unpacked"), str(programs)]
