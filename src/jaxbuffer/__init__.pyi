@@ -84,6 +84,10 @@ from .output.folder import (
     Results as Results,
     load as load,
 )
+from .output.mjcf import (
+    export_mjcf as export_mjcf,
+    mjcf as mjcf,
+)
 from .output.motion import draw as draw
 from .output.results import save as save
 from .pages.review import report as report

@@ -28,7 +28,7 @@ def by_mujoco(name):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_mujoco_and_the_independent_program_agree(name, evidence):
-    """Nothing of the product takes part: two programs of others have the same bodies and joints."""
+    """In MuJoCo what `jb.mjcf` writes moves as the bodies of a program that shares nothing with the product."""
     case, theirs = CASES[name], by_mujoco(name)
     assert (theirs.outcome, theirs.impacts) == (case.values["outcome"], case.values["impacts"])
     both = [name for name in QUANTITIES if name in theirs.values]

@@ -1,4 +1,4 @@
-"""The docking in space built in MuJoCo (Todorov 2012) from its own bodies, joints and springs.
+"""The docking in space in MuJoCo (Todorov 2012), from the bodies, joints and springs that `jb.mjcf` writes.
 
 MuJoCo says how all accelerates in minimal coordinates: a free body, two hinges, a slide, a ball joint of a free tip.
 Its own contacts are soft constraints of another law, so that the contact is ours, a force from outside; so is the
@@ -14,12 +14,11 @@ from scipy.integrate import DOP853
 from scipy.optimize import brentq, minimize_scalar
 from scipy.spatial.transform import Rotation
 
-from jaxbuffer import Design3D, Scenario3D
+from jaxbuffer import Design3D, Scenario3D, mjcf
 
 SLOWEST = 1e-5  # m/s, the least memory of a touchdown
 SAMPLES = np.array([0.0, 1e-4, 1e-3, 1e-2, 0.1, 0.3, 0.5, 0.7, 0.9, 1.0])  # of each step, where events are looked for
 FIRST_STEP = 1e-6  # s, after each event
-ROD_INERTIA = 1e-12  # kg m², of a slender rod about its axis: MuJoCo takes no zero
 
 
 class Found(NamedTuple):
@@ -55,9 +54,14 @@ class Docking:
         self.stiffness = 2 / 3 * contact.young_modulus / (1 - contact.poisson_ratio**2) * math.sqrt(self.radius)
         self.loss = 0.75 * (1 - contact.restitution**2)
         self.friction, self.slip_speed = float(contact.friction), float(contact.slip_speed)
-        self.model = mujoco.MjModel.from_xml_string(_xml(design))
+        self.model = mujoco.MjModel.from_xml_string(mjcf(design, scenario))
         self.data = mujoco.MjData(self.model)
-        self.tip, self.cone, self.active = (self.model.body(name).id for name in ("tip", "T", "S"))
+        self.cone, self.probe = (self.model.body(name).id for name in ("passive", "probe"))
+        # A welded tip is part of the probe, before its centre of mass.
+        self.tip, before = self.probe, probe.length / 2 * probe.rod_mass / (probe.rod_mass + probe.tip_mass)
+        self.arm = np.array([float(before), 0.0, 0.0])
+        if probe.free_tip:
+            self.tip, self.arm = self.model.body("tip").id, np.zeros(3)
         self.memory: float | None = None
 
     def start(self) -> np.ndarray:
@@ -101,9 +105,15 @@ class Docking:
         mujoco.mj_objectVelocity(self.model, self.data, mujoco.mjtObj.mjOBJ_BODY, body, moves, 0)
         return self.data.xpos[body].copy(), moves[3:], moves[:3]
 
+    def _tip(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Place, velocity and spin of the tip's centre in inertial axes."""
+        place, velocity, spin = self._moving(self.tip)
+        arm = self.data.xmat[self.tip].reshape(3, 3) @ self.arm
+        return place + arm, velocity + np.cross(spin, arm), spin
+
     def touching(self, y: np.ndarray) -> Touching:
         self._set(y)
-        centre, velocity, spin = self._moving(self.tip)
+        centre, velocity, spin = self._tip()
         origin, carried, turning = self._moving(self.cone)
         axes = self.data.xmat[self.cone].reshape(3, 3)
         off = axes.T @ (centre - origin)
@@ -169,8 +179,8 @@ class Docking:
     def misses(self, y: np.ndarray) -> dict[str, float]:
         """By how much the probe misses the cone's axis."""
         self._set(y)
-        axes, probe = (self.data.xmat[body].reshape(3, 3) for body in (self.cone, self.model.body("P").id))
-        off = axes.T @ (self.data.xpos[self.tip] - self.data.xpos[self.cone])
+        axes, probe = (self.data.xmat[body].reshape(3, 3) for body in (self.cone, self.probe))
+        off = axes.T @ (self._tip()[0] - self.data.xpos[self.cone])
         return {
             "lateral_miss": math.hypot(off[1], off[2]),
             "swing_miss": math.acos(float(axes[:, 0] @ probe[:, 0])),
@@ -238,35 +248,3 @@ def _note(docking: Docking, dense, start: float, end: float, largest: dict[str, 
         )  # fmt: skip
         best = max((values[k][name], float(times[k])), (-float(top.fun), float(top.x)))
         largest[name] = max(largest.get(name, (0.0, 0.0)), best)
-
-
-def _xml(design: Design3D) -> str:
-    """The bodies and joints in MuJoCo's language; S, B, P and the tip one behind the other, T free."""
-    active, passive, buffer, probe = design.active, design.passive, design.buffer, design.probe
-    length, cylinder, rod = float(probe.length), float(buffer.cylinder_length), float(probe.rod_mass)
-    across, about = rod * length**2 / 12, 0.5 * rod * probe.rod_radius**2
-    ball = 0.4 * probe.tip_mass * probe.tip_radius**2
-    hinge = f'type="hinge" pos="{cylinder / 2!r} 0 0" stiffness="{buffer.k_T!r}" damping="{buffer.c_T!r}"'
-    inertial = lambda mass, x, y: (  # noqa: E731
-        f'<inertial pos="0 0 0" mass="{float(mass)!r}" diaginertia="{float(x)!r} {float(y)!r} {float(y)!r}"/>'
-    )
-    return f"""<mujoco>
-  <compiler angle="radian" boundmass="0" boundinertia="0"/>
-  <option gravity="0 0 0"><flag contact="disable" constraint="disable"/></option>
-  <worldbody>
-    <body name="S"><freejoint/>{inertial(active.mass, active.roll_inertia, active.inertia)}
-      <body name="B" pos="{active.hinge_offset - cylinder / 2!r} 0 0">
-        <joint {hinge} axis="0 1 0"/><joint {hinge} axis="0 0 1"/>
-        {inertial(buffer.cylinder_mass, ROD_INERTIA, buffer.cylinder_mass * cylinder**2 / 12)}
-        <body name="P" pos="{-cylinder / 2 + buffer.free_length + length / 2!r} 0 0">
-          <joint type="slide" axis="1 0 0" stiffness="{buffer.k_A!r}" damping="{buffer.c_A!r}"/>
-          {inertial(rod, about, across)}
-          <body name="tip" pos="{length / 2!r} 0 0">{'<joint type="ball"/>' if probe.free_tip else ""}
-            {inertial(probe.tip_mass, ball, ball)}
-          </body>
-        </body>
-      </body>
-    </body>
-    <body name="T"><freejoint/>{inertial(passive.mass, passive.roll_inertia, passive.inertia)}</body>
-  </worldbody>
-</mujoco>"""
