@@ -7,7 +7,7 @@ import typer
 import jaxbuffer
 
 from . import completion
-from .exports import export_fmu
+from .exports import export_fmu, export_mjcf
 from .fitting import fit
 from .many_runs import choose, pareto, sample, sweep, tune
 from .one_run import animate, laws, sensitivity, simulate
@@ -93,6 +93,13 @@ verb(
     export_fmu,
     "One run as a co-simulation unit (FMI 3.0), for control in the loop.",
     without=("solver", "duration", "figures", "as_json"),
+    module="export",
+)
+verb(
+    app,
+    export_mjcf,
+    "A mechanism's bodies and joints for MuJoCo, and as tables.",
+    without=("solver", "rtol", "duration", "figures", "as_json"),
     module="export",
 )
 plain(app, fields, "A mechanism's fields and quantities, with units.", "study")

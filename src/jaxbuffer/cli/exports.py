@@ -29,3 +29,16 @@ def export_fmu(
     \b
     Example: jaxbuffer export-fmu study.toml --output docking.fmu
     """
+
+
+def export_mjcf(scenario_number: ScenarioNumber = None) -> None:
+    """Write the bodies, joints and linear springs of a mechanism as MuJoCo's MJCF, to check it elsewhere.
+
+    The start is the key frame "start". MuJoCo's contacts are of another law, so that contacts, and all else that it
+    cannot have, stand in words in a comment. Tables of bodies and joints, as URDF has them, lie beside the file.
+    DIR is the file to write.
+
+    \b
+    Files: docking.xml, docking.bodies.csv, docking.joints.csv
+    Example: jaxbuffer export-mjcf study.toml --output docking.xml
+    """

@@ -100,7 +100,7 @@ def _springs(mechanism: Assembled) -> tuple[dict[tuple[int, int], Any], list[str
     """Return the springs that a joint can have, by their two bodies, and all else that acts, in words."""
     springs, words = dict[tuple[int, int], Any](), list[str]()
     for element in mechanism.elements:
-        force = element.force if isinstance(element, SpringDamper | Buffer) else None
+        force: Any = element.force if isinstance(element, SpringDamper | Buffer) else None
         linear = type(force) in SPRINGS and not getattr(force, "published_damping", False)
         if force is not None and linear and getattr(force, "guide", ()) is not None:
             springs[force.first, force.second] = force

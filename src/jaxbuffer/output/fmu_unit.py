@@ -5,6 +5,7 @@
 
 import json
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -64,7 +65,7 @@ class PlantUnit:
         mine: Any = self
         mine.register_units([fmi.Unit(name, **of) for name, of in UNITS.items()])
         time = fmi.Float64("time", causality=fmi.Fmi3Causality.independent, variability=fmi.Fmi3Variability.continuous)
-        time.getter = lambda: float(self._seen.time)
+        time.getter = partial(self._number, "time", ())
         mine.register_variable(time, nested=False)
         for k, body in enumerate(self._plant.pushed):
             for suffix, place in _components(self._force.shape[1:]):
@@ -74,8 +75,7 @@ class PlantUnit:
         for name, unit, of in self._outputs():
             self._output(fmi, fmi.Float64, name, of, unit=unit if unit in UNITS else None)
         for k, contact in enumerate(self._contacts):
-            of = lambda k=k: int(self._seen.touchdowns[k])  # noqa: E731
-            self._output(fmi, fmi.Int32, f"{contact}.touchdowns", of)
+            self._output(fmi, fmi.Int32, f"{contact}.touchdowns", partial(self._number, "touchdowns", k))
         self._output(fmi, fmi.Int32, "outcome", lambda: int(self._seen.code))
         self._output(fmi, fmi.String, "outcome_name", self._outcome_name)
         self._output(fmi, fmi.Boolean, "running", lambda: int(self._seen.code) == RUNNING)
@@ -108,28 +108,30 @@ class PlantUnit:
         names = self._plant.mechanism.names(self._plant.parameters[0])
         return names.of_contacts(len(self._seen.contact_force))
 
-    def _outputs(self) -> list[tuple[str, str, Callable[[], float]]]:
+    def _outputs(self) -> list[tuple[str, str, Callable[[], Any]]]:
         """Return name, unit and value of each output that is a real number."""
-        rows: list[tuple[str, str, Callable[[], float]]] = [("run_time", "s", lambda: float(self._seen.time))]
+        of, rows = self._number, list[tuple[str, str, Callable[[], Any]]]()
+        rows.append(("run_time", "s", partial(of, "time", ())))
         dimensions, turns = self._force.shape[1], self._moment.shape[1:]
         for array, of_place, of_turn, names in MOTION:
             suffixes = [(f".{array}{axis}", of_place) for axis, _ in _components((dimensions,))]
             suffixes += [(f".{names[dimensions == 3]}{axis}", of_turn) for axis, _ in _components(turns)]
             for k, body in enumerate(self._plant.bodies):
-                rows += [
-                    (f"{body}{suffix}", unit, lambda array=array, k=k, i=i: float(getattr(self._seen, array)[k, i]))
-                    for i, (suffix, unit) in enumerate(suffixes)
-                ]
+                each = enumerate(suffixes)
+                rows += [(f"{body}{suffix}", unit, partial(of, array, (k, i))) for i, (suffix, unit) in each]
         for k, contact in enumerate(self._contacts):
-            rows.append((f"{contact}.contact_force", "N", lambda k=k: float(self._seen.contact_force[k])))
-            rows.append((f"{contact}.friction_force", "N", lambda k=k: float(self._seen.friction_force[k])))
+            rows += [
+                (f"{contact}.{array}", "N", partial(of, array, k)) for array in ("contact_force", "friction_force")
+            ]
         units = self._plant.mechanism.names(self._plant.parameters[0]).others
-        for name in self._seen.values:
-            rows.append((name, units.get(name, ""), lambda name=name: float(self._seen.values[name])))
-        rows.append(("peak_force", "N", lambda: float(self._seen.peak_force)))
-        for name in self._seen.largest:
-            rows.append((f"largest.{name}", units.get(name, ""), lambda name=name: float(self._seen.largest[name])))
-        return rows
+        rows += [(name, units.get(name, ""), partial(of, "values", name)) for name in self._seen.values]
+        rows.append(("peak_force", "N", partial(of, "peak_force", ())))
+        largest = self._seen.largest
+        return rows + [(f"largest.{name}", units.get(name, ""), partial(of, "largest", name)) for name in largest]
+
+    def _number(self, name: str, place: Any) -> Any:
+        """Return a number of what is seen: of an array at a place, of several by name."""
+        return getattr(self._seen, name)[place].item()
 
     def _outcome_name(self) -> str:
         return "running" if (outcome := self._seen.outcome) is None else outcome.name

@@ -138,7 +138,7 @@ def _start(tree: BodyTree) -> tuple[list[float], list[float]]:
     at, rates = list[float](), list[float]()
 
     def visit(body: int) -> None:
-        frame = tree.kin.frame(body)
+        frame: Any = tree.kin.frame(body)  # of the plane or of space
         if (link := tree.links.get(body)) is not None:
             at.extend(joint.at for joint in link.joints)
             rates.extend(joint.rate for joint in link.joints)
