@@ -37,7 +37,7 @@ def mjcf(design: Part, scenario: Part | None = None) -> str:
 
     >>> text = jb.mjcf(jb.docking3d(), jb.Scenario3D())
     >>> [line.strip() for line in text.splitlines() if '<body name="probe"' in line]
-    ['<body name="probe" pos="0.09 0 0">']
+    ['<body name="probe" pos="0.1899891304347826 0 0">']
     """
     tree = tree_of(design, scenario)
     lines = ["<mujoco>", *_comment(tree), '  <compiler angle="radian" boundmass="0" boundinertia="0"/>']
