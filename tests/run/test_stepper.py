@@ -184,6 +184,14 @@ def test_derivatives_by_held_forces_are_those_of_parabolas():
         assert_allclose(slopes[:, k], wanted * np.eye(2), rtol=1e-9, atol=1e-12)
 
 
+@pytest.mark.slow
+def test_many_loads_at_once_are_those_one_by_one():
+    plant = jb.stepper(jb.table2(), TOUCHING)
+    moments = jnp.array([[0.0, 0.0], [0.05, 0.0], [-0.03, 0.02]])
+    peak = lambda it: plant.step(plant.start(), jb.Loads(jnp.zeros((2, 2)), it), 0.1)[1].peak_force  # noqa: E731
+    assert_allclose(jax.vmap(peak)(moments), [peak(it) for it in moments], rtol=1e-8)
+
+
 def message(call):
     with pytest.raises(jb.InputError) as error:
         call()
