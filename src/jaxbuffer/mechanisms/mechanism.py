@@ -43,8 +43,6 @@ class Defaults:
     keeps to; ``success``: how runs should end, in a word, None for the first of the mechanism's successes;
     ``pushed``: the bodies that a caller of `stepper` pushes, () for all; ``with_part``: those that are others for a
     design that has a number at a path; ``example``: values that an example study has beside the design's defaults, with
-    ``pushed``: the bodies that a caller of `stepper` pushes, () for all; ``with_part``: those that are others for a
-    design that has a number at a path; ``example``: values that an example study has beside the design's defaults, with
     ``example_limits`` of its own and ``example_variables``, with their bounds, that it suggests.
     """
 
