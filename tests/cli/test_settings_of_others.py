@@ -61,7 +61,7 @@ def test_figures_look_alike_whatever_the_user_s_matplotlibrc_says(computed, tmp_
     [RuntimeError("latex was not able to process\nthe string"), pytest.param(MemoryError(), marks=pytest.mark.slow)],
 )
 def test_a_figure_that_fails_is_one_line_after_all_data(computed, monkeypatch, capsys, tmp_path, error):
-    def fails(run):
+    def fails(*_):
         raise error
 
     monkeypatch.setattr("jaxbuffer.output.run_files.run_figure", fails)

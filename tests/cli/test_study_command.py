@@ -309,7 +309,7 @@ def test_a_shell_completes_commands(tmp_path):
     code = "from jaxbuffer.cli import main; main([])"
     environment = {**os.environ, **asked, "PYTHONPATH": source}
     shown = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
-    assert shown.stdout.split() == ["simulate"]
+    assert shown.stdout.split() == ["simulate", "size"]
 
 
 def test_a_mechanism_of_ones_own_to_begin_with_runs_as_it_is(computed, capsys, monkeypatch):

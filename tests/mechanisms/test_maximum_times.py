@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from jaxbuffer.hybrid import Kind
 from jaxbuffer.mechanisms.quantity import Quantity
 from jaxbuffer.mechanisms.run import Run
 
@@ -20,10 +21,9 @@ def test_an_extension_of_an_atom_s_width_is_reached_at_no_time():
         _observed=("stroke", "extension", "force"),
         _located=SimpleNamespace(
             count=3,
-            used=np.ones(3, bool),
             time=np.array([0.0, 1.5, 4.0]),
             values=np.array([[0.0, 0.0, 0.0], [0.001, 6e-16, 2e-12], [0.012, 0.0, 0.0]]),
-            kind=np.zeros(3, int) - 1,
+            kind=np.full(3, int(Kind.PEAK)),
         ),
     )
     times = Run.maximum_times.fget(run)

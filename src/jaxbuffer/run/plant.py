@@ -1,6 +1,7 @@
 """`stepper`: a run that its caller advances, with forces and moments on the vehicles held over each step."""
 
 import dataclasses
+import functools
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
@@ -291,19 +292,19 @@ def _shapes(mechanism: Mechanism, parameters: Parameters) -> tuple[tuple[int, ..
     return ((3,), (3,)) if dimensions[0] == 3 else ((2,), ())
 
 
-@stored
+@functools.partial(stored, what="a stepper's start")
 def _start(plant: Plant) -> Checkpoint:
     build = plant._build
     parameters = (*plant.parameters, _scalars(plant.loads()))
     return first_checkpoint(build, parameters, events_options(plant._request), plant._request.allowed)
 
 
-@stored
+@functools.partial(stored, what="what a stepper sees")
 def _observe(plant: Plant, state: Checkpoint) -> Observed:
     return _observed(plant, plant._build(*plant.parameters, _scalars(plant.loads())), state)
 
 
-@stored
+@functools.partial(stored, seconds=20.0, what="a stepper's step")
 def _step(plant: Plant, state: Checkpoint, loads: Loads, length: Array) -> tuple[Checkpoint, Observed]:
     build, options = plant._build, events_options(plant._request)
     parameters = (*plant.parameters, _scalars(loads))
