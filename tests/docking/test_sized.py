@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 import jaxbuffer as jb
 from jaxbuffer.mechanisms.probe_cone.sized.encounter import encounter, hinge_to_tip, play, turn_inertia
-from jaxbuffer.mechanisms.probe_cone.sized.oscillator import Row, at_rest_after, first_swing, largest_force
+from jaxbuffer.mechanisms.probe_cone.sized.oscillator import SpringsInARow, at_rest_after, first_swing, largest_force
 from jaxbuffer.mechanisms.probe_cone.sized.rules import closing_time, pull_stiffness, turn_stiffness
 
 TIGHT = {"rtol": 1e-11, "atol": 1e-13, "method": "DOP853"}
@@ -46,7 +46,7 @@ def test_the_envelope_bounds_when_an_oscillator_is_at_rest_by_a_period_at_most(r
 
 
 def test_a_row_is_two_springs_with_a_light_mass_between_them():
-    row = Row(10.0, 160.0, 20.0, 60.0, 30.0)
+    row = SpringsInARow(10.0, 160.0, 20.0, 60.0, 30.0)
     between = 1e-6
 
     def rates(t, y):
@@ -64,7 +64,7 @@ def test_a_row_is_two_springs_with_a_light_mass_between_them():
 
 def test_a_row_with_a_stiff_second_spring_is_one_oscillator():
     ratio, share = 0.3, 1e-3
-    met = Row(10.0, 160.0, 2.0 * ratio * math.sqrt(1600.0), 1e8, 0.0).meeting(share)
+    met = SpringsInARow(10.0, 160.0, 2.0 * ratio * math.sqrt(1600.0), 1e8, 0.0).arrest(share)
     frequency = 4.0
     assert met.swing == pytest.approx(first_swing(ratio) / frequency, rel=3e-5)
     assert met.force == pytest.approx(10.0 * frequency * largest_force(ratio), rel=3e-5)

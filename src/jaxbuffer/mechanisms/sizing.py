@@ -57,7 +57,7 @@ class SizedNumber(NamedTuple):
     rule: str
 
 
-class Estimate(NamedTuple):
+class ClosedForm(NamedTuple):
     """What a closed form says of a sized design: the largest value of a ``quantity`` over the scenarios.
 
     ``limit``: at most so much was wished, None where nothing was; ``rule``: the closed form in words.
@@ -89,7 +89,7 @@ class SizedParts:
 
     - ``before``, ``design``: the design that was given, and the sized one.
     - ``numbers``: what was sized, a `SizedNumber` each.
-    - ``estimates``: what the closed forms say of it, an `Estimate` each.
+    - ``estimates``: what the closed forms say of it, a `ClosedForm` each.
     - ``trade_offs``: how these go with a stiffness.
     - ``remarks``: which wishes stand in each other's way, in words.
     - ``duration``: after which a run of the sized design is over, about [s]; 0 where that is not known.
@@ -106,7 +106,7 @@ class SizedParts:
         before: Any,
         design: Any,
         numbers: Sequence[SizedNumber],
-        estimates: Sequence[Estimate],
+        estimates: Sequence[ClosedForm],
         trade_offs: Sequence[TradeOff] = (),
         remarks: Sequence[str] = (),
         duration: float = 0.0,

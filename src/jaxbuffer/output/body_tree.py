@@ -115,9 +115,11 @@ def _link(joint: Any, kin: Kinematics, force: Any) -> Link:
     point, other = triple(joint.first_point), triple(joint.second_point)
     stiffness, damping = (0.0, 0.0) if force is None else (float(force.stiffness), float(force.damping))
     spin = triple(components(first.in_axes(second.spin - first.spin) if kin.basis.dimensions == 3 else 0.0))
-    place = _difference(point, other)
+    place = triple(np.subtract(point, other))
     if isinstance(joint, Universal) and not isinstance(force, AxialSpringDamper):
-        _check_aligned(kin, first, second)
+        turn = np.asarray(components(kin.basis.relative_rotation(first, second)), float)
+        if np.max(np.abs(turn)) > 1e-12:
+            raise InputError("MJCF is written for a start at which the bodies of a universal joint are in line")
         axes = (triple(joint.first_axis), triple(joint.second_axis))
         spring = (stiffness, damping, 0.0)
         return Link(
@@ -146,12 +148,6 @@ def _along(joint: Prismatic) -> Triple:
     """Return the direction of a line that is given by its normals."""
     normal = triple(joint.normal)
     return triple(np.cross(normal, (0.0, 0.0, 1.0) if len(joint.normal) == 2 else triple(joint.binormal)))
-
-
-def _check_aligned(kin: Kinematics, first: Any, second: Any) -> None:
-    turn = np.asarray(components(kin.basis.relative_rotation(first, second)), float)
-    if np.max(np.abs(turn)) > 1e-12:
-        raise InputError("MJCF is written for a start at which the bodies of a universal joint are in line")
 
 
 def _said(element: Element) -> str:
@@ -191,10 +187,6 @@ def triple(values: Any) -> Triple:
     """Return two or three components as three numbers."""
     x, y, z = [float(it) for it in (*values, 0.0, 0.0)][:3]
     return x, y, z
-
-
-def _difference(a: Triple, b: Triple) -> Triple:
-    return triple(np.subtract(a, b))
 
 
 def _dot(a: Triple, b: Triple) -> float:

@@ -13,7 +13,7 @@ from ..hybrid import Solver
 from ..mechanisms.mechanism import EndCount, Mechanism
 from ..mechanisms.registry import mechanism_of
 from ..mechanisms.run import Run
-from ..mechanisms.sizing import Estimate, SizedParts
+from ..mechanisms.sizing import ClosedForm, SizedParts
 from ..tables import table, text
 from ..value_text import UNKNOWN
 from .request import DEFAULT_TOLERANCE
@@ -24,8 +24,8 @@ LONGER = 1.5  # times the estimated time until held that is simulated at least, 
 
 
 class Confirmed(NamedTuple):
-    """What runs say of an `Estimate`: the largest ``value``, NaN where a run has none, and ``where``: the number of its
-    scenario; ``kept``: whether it keeps what was wished."""
+    """What runs say of a `ClosedForm`: the largest ``value``, NaN where a run has none, and ``where``: the number of
+    its scenario; ``kept``: whether it keeps what was wished."""
 
     value: float
     where: int
@@ -57,7 +57,7 @@ class Sized:
         return self.parts.design
 
     @property
-    def estimates(self) -> Mapping[str, Estimate]:
+    def estimates(self) -> Mapping[str, ClosedForm]:
         """Return what the closed forms say, by quantity."""
         return self.parts.estimates
 
@@ -84,7 +84,7 @@ class Sized:
         counts = Counter(run.outcome.name for run in self.runs.values())
         return self.mechanism.end_count(lambda path: get(self.design, path), counts)
 
-    def _confirmed(self, estimate: Estimate) -> Confirmed:
+    def _confirmed(self, estimate: ClosedForm) -> Confirmed:
         quantity = self.mechanism.quantities[estimate.quantity]
         values = {number: float(quantity.of(run)) for number, run in self.runs.items()}
         # What is not known of a run is worse than any number.

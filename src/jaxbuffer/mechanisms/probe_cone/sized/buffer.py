@@ -8,7 +8,7 @@ import numpy as np
 
 from ....errors import InputError
 from ....fields import replace
-from ...sizing import Estimate, SizedNumber, SizedParts, TradeOff
+from ...sizing import ClosedForm, SizedNumber, SizedParts, TradeOff
 from .encounter import Encounter, encounter
 from .oscillator import first_swing, largest_force
 from .rules import REBOUND, REBOUND_DAMPING, damping_for
@@ -94,12 +94,12 @@ def _stroke(design: Any, wishes: DockingWishes) -> float:
     return float(buffer.max_stroke) if buffer.has("max_stroke") else FREE_STROKE * float(buffer.free_length)
 
 
-def buffer_estimates(design: Any, met: Encounter, stroke: float | None) -> tuple[Estimate, Estimate]:
+def buffer_estimates(design: Any, met: Encounter, stroke: float | None) -> tuple[ClosedForm, ClosedForm]:
     """Return stroke and force of a buffer that takes the fastest approach, the tip standing still."""
     ratio, swing, force = _taken(float(design.buffer.k_A), float(design.buffer.c_A), met)
     return (
-        Estimate("stroke", swing, "m", stroke, f"first swing at ζ = {ratio:.2g}, tip still"),
-        Estimate("peak_buffer_force", force, "N", None, "largest deceleration, tip still"),
+        ClosedForm("stroke", swing, "m", stroke, f"first swing at ζ = {ratio:.2g}, tip still"),
+        ClosedForm("peak_buffer_force", force, "N", None, "largest deceleration, tip still"),
     )
 
 

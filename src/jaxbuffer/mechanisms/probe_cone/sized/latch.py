@@ -9,10 +9,10 @@ import numpy as np
 
 from ....fields import replace
 from ....value_text import percent_text
-from ...sizing import Estimate, SizedNumber, SizedParts, TradeOff
+from ...sizing import ClosedForm, SizedNumber, SizedParts, TradeOff
 from .buffer import SPAN, check_linear
 from .encounter import Encounter, encounter
-from .oscillator import Row, at_rest_after
+from .oscillator import SpringsInARow, at_rest_after
 from .rules import GROWING, closing_time, damping_for, pull_stiffness, turn_stiffness
 from .wishes import DockingWishes
 
@@ -59,7 +59,8 @@ def size_latch(design: Any, scenarios: Sequence[Any], **wishes: Any) -> SizedPar
 def latch_for(design: Any, met: Encounter, wishes: DockingWishes) -> SizedParts:
     """Return the latch that fits an encounter and wishes."""
     check_linear(design)
-    wishes = _with_strength(design, wishes)
+    if design.latch.has("strength") and not wishes.has("peak_latch_force"):
+        wishes = dataclasses.replace(wishes, peak_latch_force=float(design.latch.strength))
     share, quiet = float(wishes.latch_energy_share), float(design.latch.quiet)
     closing = closing_time(float(design.probe.tip_radius), met.slowest)
     depth = float(design.latch.depth)
@@ -86,15 +87,9 @@ def latch_for(design: Any, met: Encounter, wishes: DockingWishes) -> SizedParts:
     return SizedParts(design, sized, numbers, estimates, [latch_trade_off(sized, met, wishes, ratio)], remarks)
 
 
-def _with_strength(design: Any, wishes: DockingWishes) -> DockingWishes:
-    if wishes.has("peak_latch_force") or not design.latch.has("strength"):
-        return wishes
-    return dataclasses.replace(wishes, peak_latch_force=float(design.latch.strength))
-
-
-def _row(design: Any, met: Encounter, stiffness: float, damping: float) -> Row:
+def _row(design: Any, met: Encounter, stiffness: float, damping: float) -> SpringsInARow:
     buffer = design.buffer
-    return Row(met.mass, float(buffer.k_A), float(buffer.c_A), stiffness, damping)
+    return SpringsInARow(met.mass, float(buffer.k_A), float(buffer.c_A), stiffness, damping)
 
 
 def _damping(design: Any, met: Encounter, stiffness: float, ratio: float) -> float:
@@ -117,7 +112,7 @@ def _stiffness_and_ratio(design: Any, met: Encounter, wishes: DockingWishes, mos
             stiffness = _stiffness_for_force(design, met, USED * float(wishes.peak_latch_force), most, ratio)
         if within is None:
             return stiffness, ratio
-        time = _row(design, met, stiffness, _damping(design, met, stiffness, ratio)).meeting(left).at_rest
+        time = _row(design, met, stiffness, _damping(design, met, stiffness, ratio)).arrest(left).at_rest
         if time <= float(within):
             return stiffness, ratio
         quickest = min(quickest, (time, stiffness, ratio))
@@ -139,7 +134,7 @@ def _turn_time(met: Encounter, turning: float, ratio: float, quiet: float) -> fl
 
 def _force(design: Any, met: Encounter, stiffness: float, damping: float) -> float:
     """Return the latch's largest force [N]: along the axis, of the fastest approach, and across it, of the miss."""
-    along = met.fastest * _row(design, met, stiffness, damping).meeting(0.1).force
+    along = met.fastest * _row(design, met, stiffness, damping).arrest(0.1).force
     return math.hypot(along, stiffness * met.miss)
 
 
@@ -158,19 +153,23 @@ def _stiffness_for_force(design: Any, met: Encounter, force: float, most: float,
     return low
 
 
-def latch_estimates(design: Any, met: Encounter, wishes: DockingWishes) -> tuple[Estimate, ...]:
+def latch_estimates(design: Any, met: Encounter, wishes: DockingWishes) -> tuple[ClosedForm, ...]:
     """Return what closed forms say of a design's latch."""
     latch, share = design.latch, float(wishes.latch_energy_share)
     stiffness, damping, turning = (float(it) for it in (latch.stiffness, latch.damping, latch.turn_stiffness))
-    row = _row(design, met, stiffness, damping).meeting(float(latch.quiet) / (1.0 + share))
+    row = _row(design, met, stiffness, damping).arrest(float(latch.quiet) / (1.0 + share))
     ratio = float(latch.turn_damping) / (2.0 * math.sqrt(turning * met.turn_inertia))
     turn = _turn_time(met, turning, min(ratio, 0.999), float(latch.quiet))
     slower = "the vehicles on buffer and latch" if row.at_rest >= turn else "the turn about the tip"
     wished = [None if it is None else float(it) for it in (wishes.settling_time, wishes.peak_latch_force)]
     return (
-        Estimate("settling_time", max(row.at_rest, turn), "s", wished[0], f"rest of {slower}"),
-        Estimate("latch_energy_share", _put_in(design, met, stiffness), "-", share, "½ k (r² + 0.3 (v τ)²) + ½ k_t φ²"),
-        Estimate("peak_latch_force", _force(design, met, stiffness, damping), "N", wished[1], "fast approach, and k r"),
+        ClosedForm("settling_time", max(row.at_rest, turn), "s", wished[0], f"rest of {slower}"),
+        ClosedForm(
+            "latch_energy_share", _put_in(design, met, stiffness), "-", share, "½ k (r² + 0.3 (v τ)²) + ½ k_t φ²"
+        ),
+        ClosedForm(
+            "peak_latch_force", _force(design, met, stiffness, damping), "N", wished[1], "fast approach, and k r"
+        ),
     )
 
 
@@ -193,7 +192,7 @@ def latch_trade_off(design: Any, met: Encounter, wishes: DockingWishes, ratio: f
     return TradeOff("latch.stiffness", values, {name: np.array(it) for name, it in quantities.items()})
 
 
-def _in_the_way(estimates: Sequence[Estimate], by_force: bool) -> list[str]:
+def _in_the_way(estimates: Sequence[ClosedForm], by_force: bool) -> list[str]:
     """Return a line where the vehicles are not held in time, with what keeps the latch soft."""
     time = estimates[0]
     if time.kept or time.limit is None:

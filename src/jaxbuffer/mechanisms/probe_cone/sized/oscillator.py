@@ -34,7 +34,7 @@ def at_rest_after(ratio: float, frequency: float, share: float) -> float:
     return max(math.log((1.0 + ratio) / ((1.0 - ratio) * share)), 0.0) / (2.0 * ratio * frequency)
 
 
-class Row(NamedTuple):
+class SpringsInARow(NamedTuple):
     """A mass [kg] that meets two springs with dampers in a row, with nothing between them that weighs (M187).
 
     ``first``, ``second``: their stiffnesses [N/m]; ``first_damping``, ``second_damping`` [N s/m]: not both zero.
@@ -71,7 +71,7 @@ class Row(NamedTuple):
         rates, vectors = np.linalg.eig(self.matrix()[0])
         return rates.astype(complex), vectors.astype(complex)
 
-    def meeting(self, share: float) -> "Meeting":
+    def arrest(self, share: float) -> "Arrest":
         """Return what comes of meeting them at 1 m/s, until a ``share`` of the energy is left."""
         rates, _ = self._modes
         slowest = -float(np.max(rates.real))
@@ -81,12 +81,12 @@ class Row(NamedTuple):
         energy = 0.5 * (self.mass * speed**2 + self.first * s**2 + self.second * (z - s) ** 2)
         above = np.flatnonzero(energy > share * 0.5 * self.mass)
         force = np.abs(self.matrix()[1] @ np.stack([z, speed, s]))
-        return Meeting(float(times[above[-1]]), float(np.max(force)), float(np.max(s)))
+        return Arrest(float(times[above[-1]]), float(np.max(force)), float(np.max(s)))
 
 
-class Meeting(NamedTuple):
-    """What comes of a mass that meets a `Row` at 1 m/s: ``at_rest`` [s], the largest ``force`` [N] and the largest
-    ``swing`` of the first spring [m], both for each m/s."""
+class Arrest(NamedTuple):
+    """What comes of a mass that meets `SpringsInARow` at 1 m/s: ``at_rest`` [s], the largest ``force`` [N] and the
+    largest ``swing`` of the first spring [m], both for each m/s."""
 
     at_rest: float
     force: float
