@@ -12,7 +12,9 @@ from jaxbuffer.contact.laws.registry import _all as laws
 from jaxbuffer.study.load import load
 
 HEADING = "**Example:**"
-COMPILES = re.compile(r"\.(simulate|sensitivity|sweep|sample|tune|pareto|choose|buildable|diffeqsolve|step|observe|size|what_if)\(")
+COMPILES = re.compile(
+    r"\.(simulate|sensitivity|sweep|sample|tune|pareto|choose|buildable|diffeqsolve|step|observe|size|what_if)\("
+)
 LONG = ("Certificate", "published_slider_crank")  # whose examples are for `make test-long`
 PARSER = doctest.DocTestParser()
 

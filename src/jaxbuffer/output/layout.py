@@ -17,6 +17,8 @@ HANDLE, GAP, EDGE = 2.8, 2.0, 1.0  # of a legend in font sizes: handle with its 
 
 def fit(figure: Figure) -> None:
     """Place the figure's axes, wrap texts and leave out labels of ticks that there is no room for; fix the result."""
+    from matplotlib.transforms import Bbox
+
     engine = figure.get_layout_engine()
     if engine is None:
         return
@@ -29,7 +31,7 @@ def fit(figure: Figure) -> None:
     for axes in figure.axes:
         # The last digits of the engine's solution depend on what was drawn before, and with them the names in an SVG.
         if axes.get_subplotspec() is not None:
-            axes.set_position([round(it, 9) for it in axes.get_position(original=True).bounds])
+            axes.set_position(Bbox(np.round(axes.get_position(original=True).get_points(), 9)))
 
 
 def _lay_out(figure: Figure, engine: Any) -> None:
