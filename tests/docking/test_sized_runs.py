@@ -4,29 +4,15 @@ import pytest
 
 import jaxbuffer as jb
 from jaxbuffer.cli.entry import run
+from jaxbuffer.run.sized import Sized
 from jaxbuffer.study.load import load
-
-VEHICLES = {
-    "4 kg": ("4 kg", "4 kg", "0.03:0.08", "5 mm", "1 deg"),
-    "20 kg": ("20 kg", "20 kg", "0.08:0.15", "1 cm", "0 deg"),
-    "1.2 t": ("1200 kg", "3.5 t", "0.05:0.15", "40 mm", "2 deg"),
-    "8 t": ("8 t", "8 t", "0.06:0.12", "5 cm", "2 deg"),
-    "420 t": ("10 t", "420 t", "0.03:0.10", "10 cm", "3 deg"),
-}
-
-
-def study(folder, name):
-    active, passive, speeds, miss, attitude = VEHICLES[name]
-    file = folder / "study.toml"
-    words = ["--active-mass", active, "--passive-mass", passive, "--speeds", speeds, "--miss", miss]
-    assert run(["init", str(file), *words, "--attitude", attitude]) == 0
-    return file
+from vehicles import VEHICLES, written
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", VEHICLES)
 def test_closed_forms_are_what_runs_do(name, tmp_path):
-    given = load(str(study(tmp_path, name)))
+    given = load(str(written(tmp_path, *VEHICLES[name])))
     scenarios = [case.scenario for case in given.cases]
     sized = jb.size(given.design, scenarios, given.options.duration, stroke=given.table.constraints.at_most["stroke"])
     assert sized.missed == []
@@ -37,11 +23,14 @@ def test_closed_forms_are_what_runs_do(name, tmp_path):
     # Bounds: the tip comes nearer while the latch closes, and goes on while the buffer is pushed in.
     assert 0.2 < found["latch_energy_share"] < 1.0 and 0.3 < found["stroke"] < 1.0
     assert 0.7 < found["settling_time"] < 1.0
+    assert "not simulated" not in repr(sized)
+    few = Sized(sized.parts, sized.runs, sized.duration, 20)
+    assert "16 of the 20 scenarios were not simulated" in " ".join(repr(few).split())
 
 
 @pytest.mark.slow
 def test_the_command_sizes_a_study_and_says_what_stands_in_the_way(tmp_path, capsys):
-    file = study(tmp_path, "20 kg")
+    file = written(tmp_path, *VEHICLES["20 kg"])
     out = tmp_path / "out"
     assert run(["size", str(file), "--output", str(out)]) == 0
     assert {it.name for it in out.iterdir()} == {"design.toml", "size.json", "size.png", "size.txt"}
@@ -57,7 +46,7 @@ def test_the_command_sizes_a_study_and_says_what_stands_in_the_way(tmp_path, cap
 def test_bounds_of_a_tuning_hold_what_was_sized(tmp_path):
     from jaxbuffer.study.sized_toml import sized_toml
 
-    given = load(str(study(tmp_path, "20 kg")))
+    given = load(str(written(tmp_path, *VEHICLES["20 kg"])))
     design = jb.replace(given.design, {"latch.stiffness": 1.0, "buffer.k_A": 1e5})
     again = tmp_path / "again.toml"
     again.write_text(sized_toml(given, design, 30.0, "sized"), encoding="utf-8")
@@ -82,7 +71,7 @@ def test_one_design_is_sized(tmp_path, capsys):
     ],
 )
 def test_bad_wishes_are_one_line(words, said, tmp_path, capsys):
-    file = study(tmp_path, "20 kg")
+    file = written(tmp_path, *VEHICLES["20 kg"])
     capsys.readouterr()
     assert run(["size", str(file), *words]) == 2
     err = capsys.readouterr().err

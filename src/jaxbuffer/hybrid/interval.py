@@ -150,8 +150,9 @@ def _interval_jvp(primals: tuple, tangents: tuple) -> tuple[_Interval, _Interval
         directions = jax.tree.map(still, pushed.tangents.directions)
         rows = jnp.concatenate([state[None], own, none])
         interval = _through(pushed.fill, Tangents(pushed.tangents.primal, directions), rows, *rest)
-        shares = _places(len(values), pushed.moving, own.shape[0])
-        return interval, of_state, shares
+        # A one at the row of each value that moves the system; of the others there is no row.
+        places = (jnp.arange(len(values))[:, None] == jnp.asarray(pushed.moving, int)[None]).astype(float)
+        return interval, of_state, places
 
     interval, of_state, places = one_by_one(with_tangents, state, values, leaves, scale, loop, until, options)
     by_value = jnp.stack([jnp.zeros(()) if moves[i] is None else moves[i] for i in chosen]) / scale
@@ -162,11 +163,6 @@ def _interval_jvp(primals: tuple, tangents: tuple) -> tuple[_Interval, _Interval
     changed = dataclasses.replace(none.log, rows=rows_move)
     log = dataclasses.replace(interval.log, rows=interval.log.rows[:, :1], rates=interval.log.rates[:, :1])
     return interval._replace(log=log), none._replace(log=changed)
-
-
-def _places(values: int, moving: list[int], first: int) -> Float[Array, "values rows"]:
-    """Return a one at the row of each value that moves the system, behind ``first`` others; of the others no row."""
-    return (jnp.arange(values)[:, None] == jnp.asarray(moving, int)[None]).astype(float)
 
 
 def _through(

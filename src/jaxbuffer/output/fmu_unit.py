@@ -14,7 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..programs.process import configure
-from ..run.plant import RUNNING, Observed, stepper
+from ..run.plant import RUNNING, Loads, Observed, stepper
 from ..study.designs import load_design
 
 DESIGN, SETTINGS = "design.toml", "settings.json"
@@ -148,7 +148,7 @@ class PlantUnit:
         from pythonfmu3 import Fmi3Status, Fmi3StepResult  # see `_register`
 
         mine: Any = self
-        loads = type(self._plant.loads())(jnp.asarray(self._force), jnp.asarray(self._moment))
+        loads = Loads(jnp.asarray(self._force), jnp.asarray(self._moment))
         self._state, seen = self._plant.step(self._state, loads, step_size)
         self._see(seen)
         outcome = self._seen.outcome

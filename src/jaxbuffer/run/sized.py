@@ -36,7 +36,8 @@ class Sized:
     """Parts that fit, with runs that confirm it. Print it for a summary.
 
     - ``parts``: what the closed forms say, `SizedParts`; ``design``: the sized design.
-    - ``runs``: of the sized design, by the scenario's number; ``duration`` [s] of each at most.
+    - ``runs``: of the sized design, by the scenario's number; ``duration`` [s] of each at most; ``scenarios``: how many
+      there are, not all of which need have run.
     - ``confirmed``: what they say of each estimate, by quantity.
 
     **Example:**
@@ -47,8 +48,8 @@ class Sized:
     held in 4.2 s: held
     """
 
-    def __init__(self, parts: SizedParts, runs: Mapping[int, Run], duration: float) -> None:
-        self.parts, self.runs, self.duration = parts, dict(runs), duration
+    def __init__(self, parts: SizedParts, runs: Mapping[int, Run], duration: float, scenarios: int) -> None:
+        self.parts, self.runs, self.duration, self.scenarios = parts, dict(runs), duration, scenarios
         self.confirmed = {name: self._confirmed(it) for name, it in parts.estimates.items()}
 
     @property
@@ -110,6 +111,8 @@ class Sized:
             made.add_row(name, *values, str(found.where), state, it.rule)
         ended = f"{self.ends} runs" if self.ends else f"{len(self.runs)} runs"
         line = f"{ended} of at most {self.duration:.4g} s"
+        if self.scenarios > len(self.runs):
+            line += f"; {self.scenarios - len(self.runs)} of the {self.scenarios} scenarios were not simulated"
         return text(self.parts.numbers_table(), made, line, *self.parts.remarks)
 
 
@@ -158,4 +161,4 @@ def size(
     for done, number in enumerate(numbers, 1):
         report(f"simulating {done} of {len(numbers)} scenarios")
         runs[number] = simulate(parts.design, scenarios[number - 1], duration, solver=solver, rtol=rtol)
-    return Sized(parts, runs, duration)
+    return Sized(parts, runs, duration, len(scenarios))
