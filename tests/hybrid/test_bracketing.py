@@ -19,11 +19,12 @@ def begun(guard, first, value):
     return Bracket.around(crossing, before, jnp.asarray(0))
 
 
-def refined(bracket, value, rate, acceleration=0.0, shortfall=0.0, step=None):
+def refined(bracket, value, rate, acceleration=0.0, shortfall=0.0, step=None, linear_time=LENGTH):
     """What a step of the bracket's length shows."""
     both = lambda number: jnp.array([number] * 2)  # noqa: E731
     guards = SignedGuards(both(value), both(rate), both(acceleration))
-    return refine(bracket, bracket.step if step is None else jnp.asarray(step), guards, 1, CLOSE, shortfall)
+    step = bracket.step if step is None else jnp.asarray(step)
+    return refine(bracket, step, guards, 1, CLOSE, shortfall, linear_time)
 
 
 def located(guard, first, value, rate, acceleration=lambda x: 0.0, shortfall=0.0):
@@ -95,6 +96,16 @@ def test_a_maximum_is_as_close_as_its_height_needs(shortfall):
     np.testing.assert_allclose(float(found.offset), off, atol=1e-12)
     np.testing.assert_allclose(float(found.guard_rate), curvature, rtol=1e-9)
     assert len(tried) == (1 if 0.5 * curvature * (0.01 * LENGTH) ** 2 <= shortfall else 2)
+
+
+@pytest.mark.parametrize(("linear_time", "enough"), [(0.05 * LENGTH, False), (0.2 * LENGTH, True)])
+def test_a_flat_maximum_is_as_close_as_the_state_can_be_moved_along_its_rate(linear_time, enough):
+    """A tenth of the step behind its end, where any height will do: what else is logged there would be off."""
+    bracket = begun(MAXIMUM, 0.5 * LENGTH, lambda x: x - 0.4 * LENGTH)
+    found = refined(bracket, value=0.1 * LENGTH, rate=0.0, shortfall=1.0, linear_time=linear_time)
+    assert bool(found.converged) == bool(found.finished) == enough
+    np.testing.assert_allclose(float(found.offset), -0.1 * LENGTH * enough, rtol=1e-12)
+    np.testing.assert_allclose(float(found.bracket.step), 0.4 * LENGTH, rtol=1e-12)
 
 
 def test_a_guard_that_bends_is_met_at_once():

@@ -108,6 +108,7 @@ def refine(
     rated: int,
     tolerance: Float[Array, ""] | float,
     shortfall: Float[Array, ""] | float,
+    linear_time: Float[Array, ""] | float,
 ) -> Refinement:
     """Say how far the end of a step is from the event, and which length to try next.
 
@@ -118,7 +119,8 @@ def refine(
 
     **Arguments:** ``bracket``; ``step`` tried [s]; ``guards`` at its end: the first ``rated`` have exact rates, the
     others get theirs from the parabola through both ends of the bracket and this point; ``tolerance`` [s];
-    ``shortfall``: by how much an observable may be below its maximum where the step ends.
+    ``shortfall``: by how much an observable may be below its maximum where the step ends, if the maximum is no farther
+    than ``linear_time`` [s], over which the state at the step's end can be moved there along its rate.
     """
     exact = bracket.guard < rated
     z = guards.value[bracket.guard]
@@ -135,7 +137,8 @@ def refine(
     tolerance = jnp.where(exact, tolerance, MAXIMUM_TOLERANCE * tolerance)
     # Of a maximum of rounding alone the rate is nothing, and the offset anything.
     inside = exact | (jnp.abs(offset) <= high - low)
-    close = (jnp.abs(offset) <= tolerance) | ~exact & inside & (0.5 * jnp.abs(z * offset) <= shortfall)
+    beside = ~exact & inside & (jnp.abs(offset) <= linear_time) & (0.5 * jnp.abs(z * offset) <= shortfall)
+    close = (jnp.abs(offset) <= tolerance) | beside
     # With tangents the same step may end a little beside: it stays on its event.
     converged = close | bracket.converged & rising
     out_of_tries = bracket.tries >= jnp.where(exact, MAX_TRIES, MAX_TRIES_MAXIMUM)

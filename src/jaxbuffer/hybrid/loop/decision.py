@@ -52,7 +52,8 @@ def decide(task: Task, state: LoopState, trial: Trial) -> Decision:
     least = jnp.maximum(state.extremes.below_largest(NEARLY), task.system.roundoff())
     maxima = trial.accurate & (bracket.tries < MAX_TRIES_MAXIMUM) & ~state.given_up
     crossing = first_crossing(before, trial.guards, trial.length, state.active, least, bracket.guard, maxima)
-    refinement = refine(bracket, trial.length, guards, task.rated, task.event_time, _shortfall(task, state, trial))
+    shortfall = _shortfall(task, state, trial)
+    refinement = refine(bracket, trial.length, guards, task.rated, task.event_time, shortfall, trial.linear_time)
     outcome = _evaluated_once(_outcome(task, state, trial, crossing, refinement), state.point.time)
     shorter = _without_excursion(task, state, trial, outcome, before)
     outcome = jnp.where(shorter < trial.length, int(StepOutcome.SHORTEN), outcome)

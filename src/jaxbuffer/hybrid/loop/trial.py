@@ -20,6 +20,7 @@ from .task import Task
 P = TypeVar("P")
 BEFORE_RELEASE = 0.6  # of the predicted time to a release: near it only a step that ends on it is accurate
 ADDED, LEAST_SHARE = 0.3, 1e-4  # see `_allowed_change`
+LINEAR = 3e-3  # of the time in which the fastest of the stiff forces decays or rings: what is moved is right to its square
 SPACING = 1e-3  # of a step as accuracy allows: how far beside its end the second derivative is taken from
 
 
@@ -28,7 +29,8 @@ class Trial(NamedTuple):
 
     ``method`` that took it; its ``length`` [s]; whether ``with_tangents`` or with the state alone; the ``step`` itself;
     ``guards`` at its end; ``change`` of the invariant; ``state_norm``, ``norm``: its error over what is allowed, of the
-    state alone and with the tangents; ``finite``: whether all numbers are.
+    state alone and with the tangents; ``finite``: whether all numbers are; ``linear_time`` [s]: for how long the state
+    at its end changes evenly, at its rate there.
     """
 
     method: Int[Array, ""]
@@ -40,6 +42,7 @@ class Trial(NamedTuple):
     state_norm: Float[Array, ""]
     norm: Float[Array, ""]
     finite: Bool[Array, ""]
+    linear_time: Float[Array, ""]
 
     @property
     def accurate(self) -> Bool[Array, ""]:
@@ -86,7 +89,8 @@ def take_trial(task: Task[P], state: LoopState) -> Trial:
     norm = jnp.where(length > task.event_time, jnp.maximum(state_norm, jnp.max(norms)), state_norm)
     # The last norm too, since the invariant is in it and not in the others.
     finite = jnp.all(jnp.isfinite(norms)) & jnp.isfinite(norm) & jnp.all(jnp.isfinite(step.rate))
-    return Trial(method, length, with_tangents, step, guards, change, state_norm, norm, finite)
+    linear_time = LINEAR / jnp.maximum(stiff.fastest(), 1e-150)  # no stiff force may act at all
+    return Trial(method, length, with_tangents, step, guards, change, state_norm, norm, finite, linear_time)
 
 
 def _allowed_change(change: Scalar, share: Scalar, rtol: Scalar) -> Float[Array, ""]:
@@ -95,7 +99,12 @@ def _allowed_change(change: Scalar, share: Scalar, rtol: Scalar) -> Float[Array,
     It is a ``share`` of the tolerance, and less the more they have changed it. What vibrates loses a little in each of
     thousands of steps, always with one sign: with a fixed share, the sum would grow with their number.
     """
-    return share * rtol * jnp.maximum(jnp.exp(-((change / (ADDED * rtol)) ** 2)), LEAST_SHARE)
+    return share * rtol * _share_left(change, rtol)
+
+
+def _share_left(change: Scalar, rtol: Scalar) -> Float[Array, ""]:
+    """Return which share of what a step may change the invariant by is left after a ``change`` by all steps before."""
+    return jnp.maximum(jnp.exp(-((change / (ADDED * rtol)) ** 2)), LEAST_SHARE)
 
 
 def _method_and_length(
@@ -150,8 +159,11 @@ def _step(
         near = lambda y, rate: near_largest(system, y, rate, active, before, extremes)  # noqa: E731
         second = SecondDerivative(near, SPACING * jnp.min(state.step_sizes.steps))
     field = lambda time, at: tangents.field(lambda p, y: task.build(p).derivative(time, y, active))(at)  # noqa: E731
+    tolerance = task.options.tolerance
     # columns that are padding are zeros: any allowance does
-    allowance = jnp.maximum(columns(task.options.tolerance.allowance(rows, system)), 1e-300)
+    # What Newton's method leaves open changes the invariant too, and no estimate of the error shows it.
+    allowed = _share_left(point.change, tolerance.rtol) * tolerance.allowance(rows, system)
+    allowance = jnp.maximum(columns(allowed), 1e-300)
     step = task.options.solver.step(
         method,
         field,
