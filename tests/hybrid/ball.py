@@ -111,4 +111,15 @@ def trial(task, at, norm=0.5, length=LENGTH, with_tangents=True, finite=True):
     step = Step(rows, 2.0 * rows, 0.0 * rows, jnp.asarray(8.0), 0.0 * rows)
     flags = jnp.asarray(with_tangents), jnp.asarray(finite)
     norm = jnp.asarray(norm)
-    return Trial(jnp.asarray(0), jnp.asarray(length), flags[0], step, at, jnp.zeros(()), norm, norm, flags[1])
+    return Trial(
+        jnp.asarray(0),
+        jnp.asarray(length),
+        flags[0],
+        step,
+        at,
+        jnp.zeros(()),
+        norm,
+        norm,
+        flags[1],
+        jnp.asarray(length),
+    )

@@ -20,7 +20,7 @@ from .task import Task
 P = TypeVar("P")
 BEFORE_RELEASE = 0.6  # of the predicted time to a release: near it only a step that ends on it is accurate
 ADDED, LEAST_SHARE = 0.3, 1e-4  # see `_allowed_change`
-LINEAR = 3e-3  # of the time in which the fastest of the stiff forces decays or rings: what is moved is right to its square
+LINEAR = 3e-3  # of the time in which the fastest stiff force decays or rings: what is moved is right to its square
 SPACING = 1e-3  # of a step as accuracy allows: how far beside its end the second derivative is taken from
 
 
