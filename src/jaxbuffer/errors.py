@@ -103,7 +103,10 @@ def as_number(value: Any) -> Any:
         return value
     # True and False are integers to Python, and so is a time span of NumPy, which would lose its unit.
     if isinstance(value, (Real, Decimal)) and not isinstance(value, bool) and unit_of_library(value) is None:
-        return _float(value)
+        try:
+            return float(value)
+        except OverflowError:  # an integer of more than 308 digits
+            return math.inf if value > 0 else -math.inf
     if isinstance(value, (list, tuple)) and value:
         import jax
         import numpy as np
@@ -167,13 +170,6 @@ def check_plain(path: str, value: Any, unit: str) -> None:
     if (symbol := next(filter(None, map(unit_of_library, entries)), None)) is not None:
         in_unit = unit_text(unit, before=" in ")
         raise InputError(f"{path} = {shown(value)} is a quantity in {symbol}; give its plain number{in_unit}")
-
-
-def _float(value: Any) -> float:
-    try:
-        return float(value)
-    except OverflowError:  # an integer of more than 308 digits
-        return math.inf if value > 0 else -math.inf
 
 
 def concrete(value: Any) -> "np.ndarray | None":

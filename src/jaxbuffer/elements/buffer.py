@@ -236,7 +236,8 @@ class BufferReport(Report[Buffer]):
         most = largest(run, buffer.stroke)
         curve = PanelCurve("", 1e3 * run.history.others[buffer.stroke])
         title = buffer.stroke.replace("_", " ").capitalize()
-        return [Panel(title, "stroke [mm]", (curve,), (Level(f"largest, {_mm(most, 4)}", 1e3 * most), Level("", 0.0)))]
+        levels = Level(f"largest, {1e3 * most:.4g} mm", 1e3 * most), Level("", 0.0)
+        return [Panel(title, "stroke [mm]", (curve,), levels)]
 
     @property
     def shares(self) -> tuple[EnergyShare, ...]:
@@ -250,10 +251,6 @@ def extension_line(run: Any, name: str = "extension") -> list[tuple[str, str]]:
     does."""
     row = SummaryRow.largest(run, name, "m", name.replace("_", " "), note=" beyond the free length")
     return [row.line] if row.value > LEAST_SHOWN else []
-
-
-def _mm(length: Scalar, digits: int = 6) -> str:
-    return f"{1e3 * float(length):.{digits}g} mm"
 
 
 LEAST_SHOWN = 1e-9  # m; a shorter extension is rounding

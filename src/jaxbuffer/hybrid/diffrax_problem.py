@@ -105,8 +105,7 @@ class DiffraxProblem(NamedTuple):
 
     @staticmethod
     def _observables(system: HybridSystem, t: Scalar, y: State) -> Float[Array, " observables"]:
-        active = closed(system, y)
-        return system.observables(y, system.derivative(t, y, active), active)
+        return system.observables_anew(t, y, closed(system, y))
 
 
 def terms(method: diffrax.AbstractSolver, term: diffrax.ODETerm) -> diffrax.AbstractTerm:

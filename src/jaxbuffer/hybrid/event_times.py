@@ -109,7 +109,7 @@ def _guard(system: HybridSystem, entry: _Entry, row: Float[Array, " state"]) -> 
         return jnp.sum(jnp.where(jnp.arange(values.shape[0]) == entry.which, values, 0.0))
 
     def observed(row: Array) -> Array:
-        return its(system.observables(row, system.derivative(entry.time, row, entry.active), entry.active))
+        return its(system.observables_anew(entry.time, row, entry.active))
 
     rate = system.derivative(entry.time, row, entry.active)
     slope = jax.jvp(observed, (row,), (rate,))[1]

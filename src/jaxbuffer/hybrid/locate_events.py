@@ -73,7 +73,7 @@ def guards_at(system: HybridSystem, time: Float[Array, ""], state: State) -> Gua
     active = closed(system, state)
 
     def observed(time: Array, state: Array) -> Array:
-        return system.observables(state, system.derivative(time, state, active), active)
+        return system.observables_anew(time, state, active)
 
     rate = system.derivative(time, state, active)
     value, slope = jax.jvp(observed, (time, state), (jnp.ones(()), rate))

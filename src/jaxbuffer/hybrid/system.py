@@ -183,6 +183,10 @@ class HybridSystem(eqx.Module):
         """Return the quantities whose maxima over time are wanted; the first ones belong to the contacts, in order."""
         raise NotImplementedError
 
+    def observables_anew(self, time: Scalar, state: State, active: Active) -> Float[Array, " observables"]:
+        """Return the `observables` of a state whose rate is not known yet."""
+        return self.observables(state, self.derivative(time, state, active), active)
+
     def rate_observables(self) -> tuple[bool, ...]:
         """Return which observables depend on the state's rate, not only on the state."""
         raise NotImplementedError

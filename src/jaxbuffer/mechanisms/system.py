@@ -210,6 +210,10 @@ class ContactSystem(HybridSystem):
     def observables(self, state: State, rate: State, active: Active) -> Float[Array, " observables"]:
         return self.observables_at(self.evaluate(state), rate, active)
 
+    def observables_anew(self, time: Scalar, state: State, active: Active) -> Float[Array, " observables"]:
+        at = self.evaluate(state)
+        return self.observables_at(at, self.rate_at(at, active), active)
+
     def watched(self, state: State, rate: State, active: Active) -> EventValues:
         # One look serves gaps, guards and observables, which a step's end needs together.
         at = self.evaluate(state)

@@ -77,7 +77,8 @@ class PlantUnit:
         for k, contact in enumerate(self._contacts):
             self._output(fmi, fmi.Int32, f"{contact}.touchdowns", partial(self._number, "touchdowns", k))
         self._output(fmi, fmi.Int32, "outcome", lambda: int(self._seen.code))
-        self._output(fmi, fmi.String, "outcome_name", self._outcome_name)
+        named = lambda: "running" if (outcome := self._seen.outcome) is None else outcome.name  # noqa: E731
+        self._output(fmi, fmi.String, "outcome_name", named)
         self._output(fmi, fmi.Boolean, "running", lambda: int(self._seen.code) == RUNNING)
 
     def _input(self, fmi: Any, name: str, unit: str, values: np.ndarray, place: tuple[int, ...]) -> None:
@@ -132,9 +133,6 @@ class PlantUnit:
     def _number(self, name: str, place: Any) -> Any:
         """Return a number of what is seen: of an array at a place, of several by name."""
         return getattr(self._seen, name)[place].item()
-
-    def _outcome_name(self) -> str:
-        return "running" if (outcome := self._seen.outcome) is None else outcome.name
 
     # --- the calls of a co-simulation ---------------------------------------------------------------------------------
 

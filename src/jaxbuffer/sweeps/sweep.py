@@ -127,18 +127,13 @@ def sweep(
     at_once = workers or (cores() if jax.default_backend() == "cpu" else 1)
     with Pool(executor, at_once) as pool:
         _run(result, spec, pool, counted(progress, mechanism.view.run_name), folder, resume)
-    _check_some_run(result, spec)
+    if np.all(result.columns["code"] >= int(mechanism.outcomes["failed_steps"])):
+        # All have failed, maybe because parts of the first one do not go together.
+        first, _ = spec.batches[0].chunk(0, 1)
+        check_assembly(mechanism, *jax.tree.map(lambda column: float(column[0]), first[:2]))
     if save and folder is not None:
         result.save(folder, force=True, figures=False)
     return result
-
-
-def _check_some_run(result: Sweep, spec: SweepSpec) -> None:
-    """Raise `InputError` where all runs have failed because parts of the first one do not go together."""
-    if np.all(result.columns["code"] >= int(result.mechanism.outcomes["failed_steps"])):
-        first, _ = spec.batches[0].chunk(0, 1)
-        design, scenario = jax.tree.map(lambda column: float(column[0]), first[:2])
-        check_assembly(result.mechanism, design, scenario)
 
 
 def _run(

@@ -135,7 +135,7 @@ def logged(
     if task.system.jumps or of_rate:
         mode_changes = event.touchdown & task.system.jumps | event.release & of_rate
         at = (event.time, event.rows_at_event[0], event.active)
-        after = lambda: _observables_after_event(task.system, *at)  # noqa: E731
+        after = lambda: task.system.observables_anew(*at)  # noqa: E731
         values = lax.cond(mode_changes, after, lambda: values)
     # Guards are numbered through all kinds; the log counts each kind from zero.
     first = jnp.where(event.of_contact, 0, jnp.where(event.terminal, task.contacts, task.rated))
@@ -154,13 +154,6 @@ def logged(
         touching=task.system.touching(state.active),
     )
     return log, jnp.where(when & (mine | ~log.overflown), jnp.maximum(highest, values), highest)
-
-
-def _observables_after_event(
-    system: HybridSystem, time: Array, state: Array, active: Array
-) -> Float[Array, " observables"]:
-    """Return all observables of a state whose rate is not yet known."""
-    return system.observables(state, system.derivative(time, state, active), active)
 
 
 def _with_start(
