@@ -106,7 +106,7 @@ def as_number(value: Any) -> Any:
         try:
             return float(value)
         except OverflowError:  # an integer of more than 308 digits
-            return math.inf if value > 0 else -math.inf
+            return math.inf if value > 0 else -math.inf  # type: ignore[operator]
     if isinstance(value, (list, tuple)) and value:
         import jax
         import numpy as np

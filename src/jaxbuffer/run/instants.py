@@ -60,13 +60,7 @@ def at_times(run: Run, times: Float[np.ndarray, " instants"]) -> History:
     if history.state is None or history.closed is None:
         length = np.where(known[after] > known[first], known[after] - known[first], 1.0)
         share = (times - known[first]) / length
-
-        def straight(values: Any) -> np.ndarray:
-            values = np.asarray(values)
-            x = share.reshape(-1, *[1] * (values.ndim - 1))
-            return (1.0 - x) * values[first] + x * values[after]
-
-        return jax.tree.map(straight, history)
+        return jax.tree.map(lambda values: _straight(np.asarray(values), first, after, share), history)
     state, closed = np.asarray(history.state), np.asarray(history.closed)
     # The end of the run, or of a step, is the step's own state: with the contacts that are closed from then on.
     on_end = times >= known[after]
@@ -102,6 +96,11 @@ def instants_of(times: Any) -> Float[np.ndarray, " instants"]:
         shape = "" if instants is None else f", of the shape {instants.shape}"
         raise InputError(f"times = {shown(times)}{shape}: expected an array (n,) of times [s], [0.0, 0.1] say")
     return instants
+
+
+def _straight(values: np.ndarray, first: np.ndarray, after: np.ndarray, share: np.ndarray) -> np.ndarray:
+    share = share.reshape(-1, *[1] * (values.ndim - 1))
+    return (1.0 - share) * values[first] + share * values[after]
 
 
 def _blocks(given: tuple[np.ndarray, ...], count: int) -> list[tuple[np.ndarray, ...]]:
