@@ -2,6 +2,7 @@
 
 from jaxbuffer.cli.entry import run
 
+KINDS = ("probe_cone", "docking3d")
 # From a cubesat's servicer to a module that docks at a station: masses, speeds, miss, attitude.
 VEHICLES = {
     "4 kg": ("4 kg", "4 kg", "0.03:0.08", "5 mm", "1 deg"),
@@ -13,9 +14,9 @@ VEHICLES = {
 }
 
 
-def written(folder, active, passive, speeds, miss, attitude):
+def written(folder, active, passive, speeds, miss, attitude, kind="probe_cone"):
     """The file of a study of such vehicles."""
     file = folder / "study.toml"
-    numbers = ["--active-mass", active, "--passive-mass", passive, "--speeds", speeds]
+    numbers = ["--kind", kind, "--active-mass", active, "--passive-mass", passive, "--speeds", speeds]
     assert run(["init", str(file), *numbers, "--miss", miss, "--attitude", attitude]) == 0
     return file

@@ -52,7 +52,7 @@ def init(
 
     It loads as it is; take away the # before what you want to change. Without --kind it is of the capture mechanism.
     From masses, speeds, miss and attitude of your own vehicles it makes a study of their docking until held instead,
-    each number with the rule that made it: it simulates and tunes as it is.
+    in space with --kind docking3d, each number with the rule that made it: it simulates and tunes as it is.
     With --own it is a Python file: a mechanism with a buffer, an end stop and a thrust, to be changed into yours
     (docs/elements.md).
 

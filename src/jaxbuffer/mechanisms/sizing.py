@@ -28,13 +28,14 @@ class ScaledNumber(NamedTuple):
 class ScaledStudy(NamedTuple):
     """A study that is ready to be simulated and tuned.
 
-    ``numbers`` of the design; ``scenario``, fields of the one that is simulated; ``grid``: values of its fields that a
-    tuning combines; ``duration`` [s]; ``objective``: what a tuning lowers; ``limits`` with their rules, by name;
-    ``remark``: what was made of the given numbers, in words.
+    ``numbers`` of the design; ``scenario``, fields of the one that is simulated, and ``rules`` of those that were not
+    given as they are; ``grid``: values of its fields that a tuning combines; ``duration`` [s]; ``objective``: what a
+    tuning lowers; ``limits`` with their rules, by name; ``remark``: what was made of the given numbers, in words.
     """
 
     numbers: tuple[ScaledNumber, ...]
     scenario: Mapping[str, Any]
+    rules: Mapping[str, str]
     grid: Mapping[str, list[float]]
     duration: float
     objective: str

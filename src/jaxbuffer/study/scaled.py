@@ -51,8 +51,9 @@ def _sections(mechanism: Mechanism, study: ScaledStudy) -> Iterator[str]:
     yield from ("", "[scenario]  # what is simulated; the grid below is what is tuned for")
     scenario = mechanism.scenario()
     for name, value in study.scenario.items():
-        symbol = unit(scenario, name) if not isinstance(value, str) else ""
-        yield line_of(entry_of(name, value if isinstance(value, str) else _rounded(value, AS_GIVEN)), symbol)
+        said = "" if isinstance(value, str) else unit(scenario, name)
+        said = f"{said}: {study.rules[name]}" if name in study.rules else said
+        yield line_of(entry_of(name, value if isinstance(value, str) else _rounded(value, AS_GIVEN)), said)
     yield from ("", "[options]", line_of(entry_of("duration", _rounded(study.duration, 2)), "s"))
 
 

@@ -7,13 +7,16 @@ from ..assembled import Assembled
 from ..probe_cone.mechanism import PROBE_CONE
 from ..probe_cone.outcome import Outcome
 from ..probe_cone.reading import reader
+from ..probe_cone.scaled import VehiclesToDock
 from ..probe_cone.solved import capture_of
 from ..registry import register
+from ..sizing import Sizing
 from .assembly import assemble
 from .capture import Capture3D
 from .design import Design3D, Scenario3D, check_fit, valid
 from .misses import misses
 from .quantities import QUANTITIES
+from .scaled import scaled_study
 from .view import VIEW
 
 
@@ -35,7 +38,7 @@ DOCKING3D = register(
         valid=valid,
         run=capture,
         reader=reader(misses),
-        sizing=None,  # which makes a scenario of the plane
+        sizing=Sizing(VehiclesToDock, scaled_study),
         view=VIEW,
         defaults=dataclasses.replace(
             PROBE_CONE.defaults,

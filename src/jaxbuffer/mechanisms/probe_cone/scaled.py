@@ -6,7 +6,8 @@ of two vehicles of 20 kg at 8 to 15 cm/s that is held. The materials, and with t
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from ...errors import InputError
@@ -24,6 +25,7 @@ PUT_IN = 0.05  # share of the slowest approach's energy that the latch's turning
 CAPTURE_ARM = 0.3  # m at λ = 1, from the hinge to the tip: what an angle of the vehicle moves it by
 DURATION = 20.0  # s at λ = 1 and the slow approach
 STROKE, TIP_RADIUS = 0.025, 0.015  # m at λ = 1
+NONE: Mapping[str, str] = MappingProxyType({})
 
 
 class VehiclesToDock(Part):
@@ -69,20 +71,38 @@ def scale_of(task: VehiclesToDock) -> Scale:
 
 def scaled_study(task: VehiclesToDock) -> ScaledStudy:
     """Return a study of a docking until held, scaled from its vehicles."""
-    scale = scale_of(task)
-    stroke, duration = STROKE * scale.length, DURATION * scale.length / scale.slow
-    grid: dict[str, list[float]] = {"approach_speed": [float(task.slowest), float(task.fastest)]}
-    scenario: dict[str, Any] = {"start": "free", "approach_speed": float(task.fastest)}
+    scenario: dict[str, Any] = {}
     if task.miss > 0.0:
-        # By symmetry one sign of the angle is enough with both sides of the axis.
-        grid["offset"], scenario["offset"] = [-float(task.miss), float(task.miss)], float(task.miss)
+        scenario["offset"] = float(task.miss)
     if task.attitude > 0.0:
-        grid["active_angle"] = [float(task.attitude)]
         scenario["active_angle"] = float(task.attitude)
+    # By symmetry one sign of the angle is enough with both sides of the axis.
+    return study_of(task, scale_of(task), scenario, "offset")
+
+
+def study_of(
+    task: VehiclesToDock,
+    scale: Scale,
+    start: Mapping[str, Any],
+    mirrored: str,
+    rules: Mapping[str, str] = NONE,
+    others: Iterable[ScaledNumber] = (),
+) -> ScaledStudy:
+    """Return the study of some vehicles.
+
+    **Arguments:** ``task``; ``scale``; ``start``: fields of the free start beside its speed; ``mirrored``: which of
+    them load cases have with either sign; ``rules`` of these fields, in words; ``others``: numbers of the design that
+    the plane's has not.
+    """
+    stroke, duration = STROKE * scale.length, DURATION * scale.length / scale.slow
+    grid = {"approach_speed": [float(task.slowest), float(task.fastest)]}
+    if mirrored in start:
+        grid[mirrored] = [-start[mirrored], start[mirrored]]
     return ScaledStudy(
-        numbers=tuple(_numbers(task, scale)),
-        scenario=scenario,
-        grid={name: values for name, values in grid.items() if len(set(values)) > 1 or name not in scenario},
+        numbers=(*_numbers(task, scale), *others),
+        scenario={"start": "free", "approach_speed": float(task.fastest), **start},
+        rules=rules,
+        grid={name: values for name, values in grid.items() if len(set(values)) > 1},
         duration=duration,
         objective="peak_force",
         limits={"stroke": (stroke, f"{1e3 * STROKE:g} mm × λ"), "held": (True, "every scenario, within the duration")},
@@ -92,7 +112,7 @@ def scaled_study(task: VehiclesToDock) -> ScaledStudy:
 
 def _numbers(task: VehiclesToDock, scale: Scale) -> Iterator[ScaledNumber]:
     """Yield each number of the design with its rule and the range in which it usually is."""
-    yield from _vehicles(task)
+    yield from vehicles(task)
     for path, value, (low, high), rule in (
         ("cone.length", 0.0735, (0.7, 2.0), "with λ, which fits the misses"),
         ("cone.throat_radius", 0.0165, (1.0, 1.3), "a tenth more than the tip's radius"),
@@ -112,7 +132,8 @@ def _numbers(task: VehiclesToDock, scale: Scale) -> Iterator[ScaledNumber]:
     yield from _latch(task, scale)
 
 
-def _vehicles(task: VehiclesToDock) -> Iterator[ScaledNumber]:
+def vehicles(task: VehiclesToDock) -> Iterator[ScaledNumber]:
+    """Yield the numbers of the vehicles."""
     given, own = (1.0, 1.0), "take your own; here with the mass to the power"
     active, passive = float(task.active_mass), float(task.passive_mass)
     large, wide = (active / ACTIVE) ** (1.0 / 3.0), (passive / PASSIVE) ** (1.0 / 3.0)
