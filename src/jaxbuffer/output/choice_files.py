@@ -8,6 +8,7 @@ from ..choosing.alternatives import Alternative, reported
 from ..choosing.choice import Choice, beyond, lines, ranking_rows, set_by
 from ..labelled.record import amount, json_number, part_record
 from ..study.tuned_toml import tuned_toml
+from ..tuning.report.levers import levers_record
 from ..tuning.search.evaluation import main_values
 from ..version import version
 from . import style
@@ -57,6 +58,7 @@ def choice_record(choice: Choice) -> dict[str, Any]:
         "lines": [line for line in lines(choice) if line not in warnings],
         "warnings": warnings,
         **scatter_record(problem),
+        "levers": levers_record(choice.levers),
         "rtol_of_check": amount(choice.tight, "-"),
         "accuracy": amount(choice.accuracy, "-"),
         "reordered": choice.reordered,
