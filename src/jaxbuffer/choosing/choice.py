@@ -152,7 +152,11 @@ def _parts(choice: Choice) -> list[str | Table]:
     best = choice.best
     tables = [_ranking(choice)] if best is None else [_limits(choice, best), *_levers(choice), _ranking(choice)]
     tables += [] if best is None else [_fields(choice)]
-    return [choice.message[:1].upper() + choice.message[1:], *tables, *lines(choice)]
+    return [choice.message[:1].upper() + choice.message[1:], *tables, *lines(choice), *_ask(choice)]
+
+
+def _ask(choice: Choice) -> list[str]:
+    return [] if choice.best is None or choice.levers else [ASK]
 
 
 def _levers(choice: Choice) -> list[Table]:
@@ -194,7 +198,7 @@ def lines(choice: Choice) -> list[str]:
         f"numbers are of runs at rtol {choice.tight:g}; from rtol {choice.problem.rtol:g} the objective changed by"
         f" {percent_text(choice.accuracy)} at most, {order}"
     )
-    return made + ([] if choice.levers else [ASK]) + beyond(choice)
+    return made + beyond(choice)
 
 
 def _second(choice: Choice) -> list[str]:
