@@ -14,6 +14,7 @@ from jaxbuffer.tables import text
 from jaxbuffer.tuning import assessment
 from jaxbuffer.tuning.assessment import with_levers
 from jaxbuffer.tuning.problem.objective import Constraints
+from jaxbuffer.tuning.report.deciding import decisions
 from jaxbuffer.tuning.report.levers import (
     ASK,
     Lever,
@@ -142,6 +143,36 @@ def test_levers_of_a_mean_are_those_of_all_load_cases():
     levers = levers_by_numbers(Goal(problem, problem.objective), tuned.after, evaluator, ())
     assert len(evaluator.runs) == 2
     assert levers["objective"][0] == pytest.approx(("cone.half_angle", 0.8, False))
+
+
+def test_a_quantity_with_two_limits_is_at_the_nearer_one():
+    """A stroke from 10 to 20 mm is farther below its upper limit than the smaller is above its lower one."""
+    problem = dataclasses.replace(
+        stated(), limits=jb.Limits(at_most={"stroke": 0.025}, at_least={"stroke": 0.0099}, require_success=False)
+    )
+    tuned = with_strokes(made_up_tuning(problem), 0.020, 0.010)
+    stroke, objective = decisions(tuned.goal, tuned.after)
+    assert (stroke.name, stroke.weights, stroke.value) == ("stroke", {1: 1.0}, 0.010)
+    assert stroke.room == pytest.approx(0.1 / 9.9) and objective.name == "objective"
+
+
+LATCHED = jb.replace(jb.table2(), {"latch.stiffness": 2000.0, "latch.damping": 50.0, "latch.strength": 50.0})
+
+
+@pytest.mark.parametrize(
+    ("last", "name", "value"),
+    [("held", "settling_time", 4.0), ("latched", "relative_energy", 0.02), ("escaped", "", 0)],
+)
+def test_an_end_is_decided_where_its_margin_is_least(last, name, value):
+    """The second scenario is held last, or not at all: then what is left decides, and of one that escapes nothing."""
+    problem = dataclasses.replace(stated(), design=LATCHED, limits=jb.Limits(ends=("held",)))
+    tuned = made_up_tuning(problem)
+    rest, names = tuned.after.rest.copy(), problem.names
+    rest[:, names.index("settling_time") - 1], rest[:, names.index("relative_energy") - 1] = (3.0, 4.0), (0.001, 0.02)
+    code = np.array([int(problem.mechanism.outcomes[it]) for it in ("held", last)])
+    decided = decisions(tuned.goal, tuned.after._replace(rest=rest, code=code, margin=np.array([0.5, 0.2])))
+    shown = [(it.name, it.value, it.weights) for it in decided if it.name != "objective"]
+    assert shown == ([(name, value, {1: 1.0})] if name else [])
 
 
 def test_a_run_that_fails_with_derivatives_has_no_levers():

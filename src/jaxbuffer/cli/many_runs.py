@@ -29,7 +29,7 @@ def tune(
 
     Limits stand first, each with the three variables that move it most. --levers on adds the three other numbers of
     the design that do, where it is decided. That takes one more run with many derivatives for each scenario that
-    decides a limit: seconds, the first time one to three minutes of compiling. With --resume no search is repeated.
+    decides a limit: seconds, and some compiling the first time. With --resume no search is repeated.
 
     \b
     Files in DIR:
@@ -67,9 +67,8 @@ def choose(
 
     Every combination counts: one is left only where a scenario proves that it breaks a limit, or that as many others
     as are told are better. The result says how many runs that spared, and compares with the continuous optimum over
-    the catalogues' ranges. --levers on says of each limit of the best which numbers move it most, chosen or not, as in
-    tune. With [roundings] in place of [parts]: the design is tuned, and the best values near it that
-    can be built are chosen.
+    the catalogues' ranges. With [roundings] in place of [parts]: the design is tuned, and the best values near it that
+    can be built are chosen. --levers on says which numbers, chosen or not, move each limit of the best most.
 
     \b
     In CONFIG.toml:

@@ -23,7 +23,7 @@ from .tuned_records import built_record, case_records, scatter_record
 def choice_files(choice: Choice, made: Made = None) -> Contents:
     """Return the files of `jaxbuffer choose`. ``made``: how it came about."""
     return {
-        "design.toml": lambda: _design(choice),
+        "design.toml": lambda: choice_design(choice),
         "design.mat": lambda: design_mat(choice.design),
         "choice.json": lambda: record_text(choice_record(choice), made),
         "choice.csv": lambda: csv_text(*ranking_rows(choice)),
@@ -121,7 +121,7 @@ def _alternative(choice: Choice, it: Alternative) -> dict[str, Any]:
     }
 
 
-def _design(choice: Choice) -> str:
+def choice_design(choice: Choice) -> str:
     """Return the best combination as a study, with the parts' names in its first lines."""
     told, worst = [choice.message], None
     if choice.best is not None:

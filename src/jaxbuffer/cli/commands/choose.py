@@ -12,7 +12,7 @@ from ...choosing.store import FOLDER
 from ...cluster.extra import executor_at
 from ...errors import InputError
 from ...fields import declared
-from ...output.choice_files import choice_files
+from ...output.choice_files import choice_design, choice_files
 from ...study.config import Config
 from ...study.overrides import apply_options
 from ...tuning.problem.settings import Settings
@@ -54,6 +54,7 @@ def choose(
             means = Means(request.output, resume, executor=executor, solver=study.options.solver, settings=settings)
             choice = work(means)
             if moved:
+                files.keep("design.toml", choice_design(choice))
                 choice, left_out = found(choice, lambda it: with_levers(it, means))
     except KeyboardInterrupt:
         return interrupted(request.output, "the runs so far are kept")

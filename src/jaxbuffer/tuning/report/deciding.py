@@ -40,7 +40,9 @@ class Decision(NamedTuple):
 def decisions(goal: Goal, after: Evaluation) -> list[Decision]:
     """Return what decides a design, the limit with the least room first, then the objectives.
 
-    What has no slopes, and what is zero, is left out. **Arguments:** ``after``: the design in all load cases.
+    What has no slopes, and what is zero, is left out.
+
+    **Arguments:** ``after``: the design in all load cases.
     """
     problem, limits = goal.problem, list[Decision]()
     for it in goal.constraints:
@@ -48,13 +50,14 @@ def decisions(goal: Goal, after: Evaluation) -> list[Decision]:
         # A limit that nobody asked for decides only where it is near.
         if limit is not None and (limit.name in problem.limits.names or limit.room <= FAR):
             limits.append(limit)
-    known = {it.name for it in limits}
     end = _of_end(goal, after)
-    limits += [] if end is None or end.name in known else [end]
-    limits.sort(key=lambda it: it.room)
+    limits += [] if end is None else [end]
     objectives = {OBJECTIVE: Goal(problem, problem.objective)}
     objectives |= {} if goal.ceiling is None else {THEN: goal}
-    return [it for it in (*limits, *(_of_objective(*pair, after) for pair in objectives.items())) if it.value]
+    each = [*sorted(limits, key=lambda it: it.room), *(_of_objective(*pair, after) for pair in objectives.items())]
+    # A quantity with limits from both sides stands in the way of the nearer one.
+    nearest = {it.name: it for it in reversed(each) if it.value}
+    return [it for it in each if it is nearest.get(it.name)]
 
 
 def _of_limit(limit: QuantityLimit, after: Evaluation) -> Decision | None:
@@ -73,10 +76,8 @@ def _of_end(goal: Goal, after: Evaluation) -> Decision | None:
     if end is None or not end.quantity or not any(isinstance(it, EndMargin) for it in goal.constraints):
         return None
     case = int(np.argmin(np.where(after.solved, after.margin, np.inf)))
-    awaited = [name for name in problem.names if name in problem.mechanism.quantities]
-    awaited = [name for name in awaited if problem.mechanism.quantities[name].awaits == end.name]
     if problem.succeeded(after.code[case]):
-        name = next(iter(awaited), "")
+        name = next((name for name in problem.names if problem.catalogue[name].awaits == end.name), "")
     else:
         name = end.quantity if problem.mechanism.succeeded(int(after.code[case])) else ""
     if name not in problem.names or not after.solved[case]:

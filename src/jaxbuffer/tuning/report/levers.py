@@ -98,9 +98,8 @@ def levers_by_numbers(
         if not all(point.solved[places[case]] for case in it.weights):
             continue
         by = dict(zip(addresses, it.elasticities(point, places).tolist(), strict=True))
-        for inside in (True, False):
-            some = {path: value for path, value in by.items() if (path in chosen) == inside}
-            levers[it.name] = [*levers.get(it.name, ()), *strongest(some, chosen)]
+        inside, outside = ({path: by[path] for path in by if (path in chosen) == kind} for kind in (True, False))
+        levers[it.name] = [*strongest(inside, chosen), *strongest(outside, chosen)]
     return {name: each for name, each in levers.items() if each}
 
 
