@@ -65,6 +65,8 @@ def test_names_are_kept_so_that_no_key_press_waits_for_jax(tmp_path, monkeypatch
     [
         ("simulate --buffer.k_A 8 --buffer.k_A 9 --tr", ["--trust"]),
         ("simulate --output= --sol", ["--solver"]),
+        ("tune study.toml --lev", ["--levers"]),
+        ("choose study.toml --levers ", ["on", "off"]),
         ("simulate --buffer.k_A ", []),
         ("simulate --nonsense.field ", []),
     ],

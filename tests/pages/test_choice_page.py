@@ -1,5 +1,6 @@
 """The section of a choice: winner, limits, corners, ranking and bound, as they are made up by hand."""
 
+import dataclasses
 import json
 from types import SimpleNamespace
 
@@ -10,6 +11,7 @@ from jaxbuffer.output.folder import Results, load
 from jaxbuffer.pages.choice import choice_check, chosen_by
 from jaxbuffer.pages.designs import requirements
 from jaxbuffer.pages.review import review
+from jaxbuffer.tuning.report.levers import Lever
 from made_up_choice import largest_force, made_up_choice, without_combination
 from pages.test_report_page import Outline, section_text
 
@@ -64,6 +66,21 @@ def test_the_ranking_has_the_bound_below_it(folder):
     (parts,) = (it for it in section.tables if "chosen from" in it.caption)
     assert parts.rows[0][2] == "buffer.k_A = 0.2 kN/m, price = 9 EUR"
     assert parts.folded and [row[1] for row in parts.rows] == ["S2", "S5", "light", "heavy"]
+
+
+def test_levers_stand_below_the_limits(folder, tmp_path):
+    levers = {"stroke": [Lever("buffer.k_A", -0.4, True), Lever("active.mass", 0.3, False)]}
+    page = review([results_of(dataclasses.replace(made_up_choice(), levers=levers), tmp_path)])
+    (section,) = (it for it in page.sections if it.title == "Choice")
+    limits, table = section.tables[:2]
+    assert "against the limits" in limits.caption and table.caption.startswith("Levers: the numbers that move")
+    assert table.rows == [
+        ["buffer stroke", "buffer.k_A", "-0.4", "chosen"],
+        ["buffer stroke", "active.mass", "+0.3", "not chosen"],
+    ]
+    (without,) = (it for it in review([folder]).sections if it.title == "Choice")
+    assert not any(it.caption.startswith("Levers") for it in without.tables)
+    assert "--levers" not in " ".join(map(str, without.text))
 
 
 def test_design_and_question_name_the_parts(folder):

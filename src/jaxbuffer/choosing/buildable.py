@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..cluster.pool import Pool
-from ..errors import InputError, check_type, check_whole
+from ..errors import InputError, check_flag, check_type, check_whole
 from ..fields import Part, check_path, get
 from ..hybrid import Solver
 from ..progress import counted
@@ -18,7 +18,7 @@ from ..tuning.tune import tune
 from .alternatives import alternatives
 from .catalogue import CataloguePart, PartsCatalogue
 from .choice import Choice
-from .choose import EXAMPLE, ranked
+from .choose import EXAMPLE, finished, ranked
 from .combinations import Combinations
 from .criterion import Criterion, check_obeyed
 from .means import OPTIMUM, Means
@@ -41,6 +41,7 @@ def buildable(
     progress: Callable[[int, int], None] | bool | None = None,
     report: Callable[[Record], None] | None = None,
     save: bool = True,
+    levers: bool = False,
     **settings: Any,
 ) -> Choice:
     """Round numbers of a continuous design to values that can be built: the best of those next to each.
@@ -71,12 +72,11 @@ def buildable(
     rules = checked_rules(roundings, problem.design)
     check_roundings(problem, rules)
     check_whole("ranking", ranking, 1)
+    check_flag("levers", levers)
     shown = counted(progress, problem.mechanism.view.run_name)
     means = Means(folder, resume, workers, executor, solver, shown, report, settings)
     choice = rounded(problem, rules, continuous_design(problem, means) if design is None else design, means, ranking)
-    if save and means.path is not None:
-        choice.save(means.path, force=True, figures=False)
-    return choice
+    return finished(choice, means, save, levers)
 
 
 def checked_rules(roundings: Mapping[str, Any], design: Part) -> dict[str, str | float]:

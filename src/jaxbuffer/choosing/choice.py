@@ -13,6 +13,7 @@ from ..labelled.record import headings
 from ..labelled.saved import Saved
 from ..tables import html, table, text
 from ..tuning.problem.problem import Problem
+from ..tuning.report.levers import ASK, DECIDING, Levers, lever_table
 from ..tuning.report.limit_rows import ShownRow
 from ..tuning.search.evaluation import validity_lines
 from ..tuning.search.goal import Goal
@@ -25,6 +26,7 @@ from .criterion import Criterion
 from .enumeration import RunTally
 
 SHOWN = 12  # broken limits in the table
+NOT_CHOSEN = "numbers that were not chosen"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -43,6 +45,8 @@ class Choice(Saved):
     - ``identity``: a hash of all that makes it the choice it is.
     - ``least``: with a second objective, the combination with the least first one, which may not be among the ranked;
       ``ceiling``: up to which value of the first objective the second one orders.
+    - ``levers`` of the best combination's limits and objective, by name, where they were asked for: three of the
+      numbers that were chosen, then three others; ``missing``: why they could not be found.
 
     **Example:**
 
@@ -65,6 +69,8 @@ class Choice(Saved):
     identity: str = ""
     least: Alternative | None = None
     ceiling: float = math.inf
+    levers: Levers = dataclasses.field(default_factory=dict)
+    missing: tuple[str, ...] = ()
 
     @property
     def problem(self) -> Problem:
@@ -144,8 +150,19 @@ class Choice(Saved):
 def _parts(choice: Choice) -> list[str | Table]:
     """Return the message, tables, and lines about how the result came about."""
     best = choice.best
-    tables = [_ranking(choice)] if best is None else [_limits(choice, best), _ranking(choice), _fields(choice)]
-    return [choice.message[:1].upper() + choice.message[1:], *tables, *lines(choice)]
+    tables = [_ranking(choice)] if best is None else [_limits(choice, best), *_levers(choice), _ranking(choice)]
+    tables += [] if best is None else [_fields(choice)]
+    return [choice.message[:1].upper() + choice.message[1:], *tables, *lines(choice), *_ask(choice)]
+
+
+def _ask(choice: Choice) -> list[str]:
+    return [] if choice.best is None or choice.levers else [ASK]
+
+
+def _levers(choice: Choice) -> list[Table]:
+    where = DECIDING if len(choice.problem.cases) > 1 else ""
+    made = lever_table(choice.levers, choice.criterion.catalogue, where, NOT_CHOSEN)
+    return [] if made is None else [made]
 
 
 def lines(choice: Choice) -> list[str]:
@@ -201,7 +218,7 @@ def beyond(choice: Choice) -> list[str]:
     best = choice.best
     if best is None:
         return []
-    made = validity_lines(choice.problem, best.design, best.evaluation)
+    made = [*choice.missing, *validity_lines(choice.problem, best.design, best.evaluation)]
     made += [f"broken: {line}" for line in best.broken[:SHOWN]]
     return made + [f"and {len(best.broken) - SHOWN} more" for _ in best.broken[SHOWN : SHOWN + 1]]
 

@@ -15,17 +15,20 @@ from ..errors import InputError, check_flag, check_type, check_whole
 from ..hybrid import Solver, name_of, solver_named
 from ..programs.identity import user_code
 from ..progress import counted
+from ..tuning.assessment import levers_of_design
 from ..tuning.problem.objective import Objective, SecondObjective
 from ..tuning.problem.problem import Problem
+from ..tuning.report.deciding import OBJECTIVE
 from ..tuning.search.evaluation import Evaluator
+from ..tuning.search.goal import Goal
 from ..tuning.search.store import Record
 from ..tuning.tolerances.corner_search import with_corners, worse_corners
 from ..tuning.tune import tune
 from ..version import version
 from .alternatives import alternatives, best_first, ceiling, with_variables
 from .bound import continuous_optimum
-from .catalogue import PartsCatalogue, read_catalogues
-from .choice import Choice
+from .catalogue import TOTALS, PartsCatalogue, read_catalogues
+from .choice import Choice, set_by
 from .combinations import Combinations
 from .criterion import Criterion, check_obeyed
 from .enumeration import Enumeration
@@ -54,6 +57,7 @@ def choose(
     progress: Callable[[int, int], None] | bool | None = None,
     report: Callable[[Record], None] | None = None,
     save: bool = True,
+    levers: bool = False,
     **settings: Any,
 ) -> Choice:
     """Choose one part of each catalogue: the combination with the least objective that keeps all limits.
@@ -81,6 +85,7 @@ def choose(
     - ``progress``: called with the runs done or spared and all there are, or True for a bar.
     - ``report``: called with the log's record of each evaluation of a tuning.
     - ``save``: whether the result is written into ``folder``, without figures.
+    - ``levers``: whether to find which numbers move each limit of the best combination most, as for `tune`.
     - ``settings``: of the tunings, fields of `Settings`.
 
     **Returns:** a `Choice`, its numbers at tight tolerance; the same whether it was interrupted or not.
@@ -103,6 +108,7 @@ def choose(
     check_whole("ranking", ranking, 1)
     check_whole("tuned", tuned, 0)
     check_flag("optimum", optimum)
+    check_flag("levers", levers)
     shown = counted(progress, problem.mechanism.view.run_name)
     means = Means(folder, resume, workers, executor, solver, shown, report, settings)
     if tuned:
@@ -111,9 +117,20 @@ def choose(
     choice = ranked(criterion, combinations, means, ranking)
     choice = with_optimum(choice, means) if optimum else choice
     choice = with_tuned(choice, tuned, means) if tuned else choice
-    if save and means.path is not None:
-        choice.save(means.path, force=True, figures=False)
-    return choice
+    return finished(choice, means, save, levers)
+
+
+def finished(choice: Choice, means: Means, save: bool, levers: bool) -> Choice:
+    """Return the choice, with its ``levers`` where they are asked for; ``save``: write it into its folder, before they
+    are found too."""
+
+    def keep(choice: Choice) -> Choice:
+        if save and means.path is not None:
+            choice.save(means.path, force=True, figures=False)
+        return choice
+
+    choice = keep(choice)
+    return keep(with_levers(choice, means)) if levers else choice
 
 
 def selection(
@@ -251,6 +268,22 @@ def with_tuned(choice: Choice, count: int, means: Means) -> Choice:
     highest = ceiling(choice.criterion, [*made, *([] if choice.least is None else [choice.least])])
     order = best_first(choice.criterion, made, highest)
     return dataclasses.replace(choice, ranked=tuple(made[k] for k in order), ceiling=highest)
+
+
+def with_levers(choice: Choice, means: Means) -> Choice:
+    """Return the choice with the levers of its best combination's limits."""
+    best = choice.best
+    if best is None:
+        return choice
+    # Corners that its tuning has searched for are among the cases of that alone.
+    problem = choice.problem if best.tuned is None else best.tuned.problem
+    problem = dataclasses.replace(problem, design=best.design)
+    goal, chosen = Goal(problem, choice.criterion.of_runs or problem.objective), set_by(choice, best)
+    levers, missing = levers_of_design(goal, best.evaluation, chosen, means.workers, means.executor, means.solver)
+    # Price and mass are no quantities of runs, so that the objective that they are part of has no elasticities.
+    priced = any(name in TOTALS for name in choice.criterion.objective.weights)
+    levers = {name: it for name, it in levers.items() if not (priced and name == OBJECTIVE)}
+    return dataclasses.replace(choice, levers=levers, missing=missing)
 
 
 def _identity(

@@ -5,7 +5,7 @@ from typing import Annotated
 import typer
 
 from . import completion
-from .options import Iterations, Resume, Scheduler, Seed, Starts, Trust
+from .options import Iterations, Levers, Resume, Scheduler, Seed, Starts, Trust
 
 
 def tune(
@@ -20,11 +20,16 @@ def tune(
     ] = None,
     scheduler: Scheduler = None,
     resume: Resume = False,
+    levers: Levers = "off",
 ) -> None:
     """Tune the fields in [problem.variables] for the [problem.objective] over all scenarios.
 
     Stays within bounds and [problem.constraints]; a start that breaks them is led back first. Without a
     [problem]: the worst peak contact force, stroke at most 25 mm, by k_A, c_A, k_T, c_T and the tip mass.
+
+    Limits stand first, each with the three variables that move it most. --levers on adds the three other numbers of
+    the design that do, where it is decided. That takes one more run with many derivatives for each scenario that
+    decides a limit: seconds, and some compiling the first time. With --resume no search is repeated.
 
     \b
     Files in DIR:
@@ -56,13 +61,14 @@ def choose(
     ] = None,
     scheduler: Scheduler = None,
     resume: Resume = False,
+    levers: Levers = "off",
 ) -> None:
     """Choose one part of each catalogue in [parts], the best combination over all scenarios within all limits.
 
     Every combination counts: one is left only where a scenario proves that it breaks a limit, or that as many others
     as are told are better. The result says how many runs that spared, and compares with the continuous optimum over
     the catalogues' ranges. With [roundings] in place of [parts]: the design is tuned, and the best values near it that
-    can be built are chosen.
+    can be built are chosen. --levers on says which numbers, chosen or not, move each limit of the best most.
 
     \b
     In CONFIG.toml:

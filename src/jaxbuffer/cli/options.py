@@ -76,7 +76,7 @@ Levers = Annotated[
     str,
     typer.Option(
         metavar="WHEN",
-        help="Whether to find what moves each limited quantity most: on or off; it differentiates the run.",
+        help="Whether to find what moves each limited quantity most, among all numbers: on or off (default).",
         autocompletion=completion.one_of("on", "off"),
     ),
 ]

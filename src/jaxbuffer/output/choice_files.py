@@ -8,6 +8,7 @@ from ..choosing.alternatives import Alternative, reported
 from ..choosing.choice import Choice, beyond, lines, ranking_rows, set_by
 from ..labelled.record import amount, json_number, part_record
 from ..study.tuned_toml import tuned_toml
+from ..tuning.report.levers import levers_record
 from ..tuning.search.evaluation import main_values
 from ..version import version
 from . import style
@@ -22,7 +23,7 @@ from .tuned_records import built_record, case_records, scatter_record
 def choice_files(choice: Choice, made: Made = None) -> Contents:
     """Return the files of `jaxbuffer choose`. ``made``: how it came about."""
     return {
-        "design.toml": lambda: _design(choice),
+        "design.toml": lambda: choice_design(choice),
         "design.mat": lambda: design_mat(choice.design),
         "choice.json": lambda: record_text(choice_record(choice), made),
         "choice.csv": lambda: csv_text(*ranking_rows(choice)),
@@ -57,6 +58,7 @@ def choice_record(choice: Choice) -> dict[str, Any]:
         "lines": [line for line in lines(choice) if line not in warnings],
         "warnings": warnings,
         **scatter_record(problem),
+        "levers": levers_record(choice.levers),
         "rtol_of_check": amount(choice.tight, "-"),
         "accuracy": amount(choice.accuracy, "-"),
         "reordered": choice.reordered,
@@ -119,7 +121,7 @@ def _alternative(choice: Choice, it: Alternative) -> dict[str, Any]:
     }
 
 
-def _design(choice: Choice) -> str:
+def choice_design(choice: Choice) -> str:
     """Return the best combination as a study, with the parts' names in its first lines."""
     told, worst = [choice.message], None
     if choice.best is not None:

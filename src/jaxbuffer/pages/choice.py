@@ -11,7 +11,7 @@ from ..output.folder import Results
 from ..tuning.report.limit_rows import CLOSE, state_of
 from ..value_text import percent_text, relative_change, table_text, with_unit
 from .limit_check import LimitCheck, required_success
-from .limits import CELLS, HEADINGS, limit_cells
+from .limits import CELLS, CHOSEN, HEADINGS, lever_tables, limit_cells
 from .page import Cell, PageSection, Table
 from .records import display, ended, figure, main_first, sentence, units_of, words
 
@@ -34,7 +34,7 @@ def choice(results: Results) -> PageSection | None:
     if corners is not None and corners["holding"] < corners["run"]:
         warnings.insert(0, f"It {_held(corners)} only.")
     check = choice_check(results)
-    tables = [] if check is None else [_limits(record, best, check)]
+    tables = [] if check is None else [_limits(record, best, check), *lever_tables(results, record, CHOSEN)]
     tables += [_ranking(results, record), _scenarios(results, check), _catalogues(results, record)]
     caption = "The best combinations: their objective, and what is left of each limit"
     return PageSection(

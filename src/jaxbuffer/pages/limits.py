@@ -15,7 +15,8 @@ from .records import words
 
 HEADINGS = ("quantity", "unit", "worst", "in scenario", "limit", "margin", "verdict")
 BEYOND = ("scenario", "quantity", "unit", "value", "limit", "beyond it")
-MANY = 12  # broken limits; a longer table is folded
+MANY, FEW = 12, 24  # broken limits, levers; a longer table is folded
+VARIABLE, CHOSEN = ("variable", "no variable"), ("chosen", "not chosen")  # kinds of levers
 CELLS: Mapping[State, Cell] = {
     "kept": Cell("kept", "good"),
     "at the limit": Cell("at the limit", "unsure"),
@@ -40,7 +41,8 @@ def limits(results: Results, every: Sequence[Results] = (), named: bool = False)
         f"{of} against {f'the limits of {check.source_folder}' if check.source_folder else 'the limits of its study'}"
     )
     where = f"{results.folder}: " if named else ""
-    tables = [Table(f"{where}{caption}", HEADINGS, limit_cells(check)), *_levers(results)]
+    record = results.records.get("run") if results.tuned is None else results.tuned
+    tables = [Table(f"{where}{caption}", HEADINGS, limit_cells(check)), *lever_tables(results, record, VARIABLE)]
     # A run's warnings stand in its own section, and it has one scenario alone to break a limit in.
     if results.tuned is None:
         return PageSection("Limits", tables=tables)
@@ -53,24 +55,21 @@ def limits(results: Results, every: Sequence[Results] = (), named: bool = False)
     return PageSection("Limits", warnings=warnings, tables=tables)
 
 
-def _levers(results: Results) -> list[Table]:
-    """Return the table of the numbers that move each limited quantity most; none where they are not known."""
-    record = results.records.get("run") if results.tuned is None else results.tuned
-    levers = {} if record is None else record.get("levers", {})
+def lever_tables(results: Results, record: Record | None, places: tuple[str, str]) -> list[Table]:
+    """Return the table of the numbers that move each limited quantity of a folder's record most; none where they are
+    not known. ``places``: what a number is that is varied there, and one that is not."""
+    levers, (varied, fixed) = {} if record is None else record.get("levers", {}), places
     if not levers:
         return []
     known = results.mechanism.quantities
     rows: list[Row] = [
-        [lever_title(name, known), it["path"], number_text(it["elasticity"], 2, sign=True), _place(it)]
+        [lever_title(name, known), it["path"], number_text(it["elasticity"], 2, sign=True), kind]
         for name, each in levers.items()
         for it in each
+        for kind in [varied if it["variable"] else fixed]
     ]
-    caption = "Levers: the numbers that move what is limited most, in % for 1 % more of each"
-    return [Table(caption, ("quantity", "number", "change [%]", "tuned"), rows, folded=len(rows) > MANY)]
-
-
-def _place(lever: Mapping[str, object]) -> str:
-    return "variable" if lever["variable"] else "no variable"
+    caption = "Levers: the numbers that move what is limited most, in % for 1 % more of each, where it is decided"
+    return [Table(caption, ("quantity", "number", "change [%]", "kind"), rows, folded=len(rows) > FEW)]
 
 
 class LimitCounts(NamedTuple):

@@ -1,17 +1,20 @@
-"""The assessment of a finished search: its best design at tight tolerance, and then the evidence for it.
+"""The assessment of a finished search: its best design at tight tolerance, then the evidence for it, and its levers.
 
-The two are apart, so that the design is on disk before the evidence is computed: that takes runs of its own, in corners
+These are apart, so that the design is on disk before the evidence is computed: that takes runs of its own, in corners
 and without a buffer, and whatever fails there leaves the design as it is.
 """
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
+from concurrent.futures import Executor
 from typing import TypeVar
 
 import numpy as np
 from jaxtyping import Float
 
+from ..hybrid import Solver
 from .problem.settings import Settings
+from .report.levers import NO_LEVERS, Levers, levers_by_numbers
 from .report.message import INFEASIBLE, Ended, SearchReport
 from .report.tuned import Tuned
 from .search.checks import lower_bound
@@ -86,8 +89,7 @@ def with_evidence(tuned: Tuned, evaluator: Evaluator) -> Tuned:
         try:
             return compute()
         except Exception as error:  # of any kind: none may cost the design that the search has found
-            lines = str(error).strip().splitlines() or [type(error).__name__]
-            missing.append(f"missing: {what}, which could not be computed: {lines[0]}")
+            missing.append(_missing(what, error))
             return None
 
     def of_corners() -> tuple[CornerRuns, Corners] | None:
@@ -114,6 +116,40 @@ def with_evidence(tuned: Tuned, evaluator: Evaluator) -> Tuned:
         captures=evaluator.captures,
         missing=tuple(missing),
     )
+
+
+def with_levers(
+    tuned: Tuned,
+    workers: int | None = None,
+    executor: Executor | None = None,
+    solver: Solver | str | None = None,
+) -> Tuned:
+    """Return a tuning with the levers of its limits among all numbers of its design; arguments as of `tune`."""
+    levers, missing = levers_of_design(tuned.goal, tuned.after, tuned.problem.paths, workers, executor, solver)
+    others = {name: [it for it in each if not it.variable] for name, each in levers.items()}
+    return dataclasses.replace(tuned, others=others, missing=(*tuned.missing, *missing))
+
+
+def levers_of_design(
+    goal: Goal,
+    after: Evaluation,
+    chosen: Collection[str],
+    workers: int | None,
+    executor: Executor | None,
+    solver: Solver | str | None,
+) -> tuple[Levers, tuple[str, ...]]:
+    """Return the levers of `levers_by_numbers`, and a line that says why where they cannot be computed."""
+    try:
+        with Evaluator(goal.problem, workers, True, executor, solver) as evaluator:
+            return levers_by_numbers(goal, after, evaluator, chosen), ()
+    except Exception as error:  # of any kind: none may cost the design that they are of
+        return NO_LEVERS, (_missing("levers among all numbers of the design", error),)
+
+
+def _missing(what: str, error: Exception) -> str:
+    """Return the line on a part of the evidence that an error has cost."""
+    lines = str(error).strip().splitlines() or [type(error).__name__]
+    return f"missing: {what}, which could not be computed: {lines[0]}"
 
 
 def message_with_corners(message: str, in_corners: Corners | None, feasible: bool) -> str:

@@ -18,7 +18,7 @@ from ..hybrid import Solver, name_of, solver_named
 from ..programs.identity import code_hash, user_code
 from ..progress import reported
 from ..version import version
-from .assessment import with_evidence
+from .assessment import with_evidence, with_levers
 from .descent import check_optimizer, descend, optimizer_named
 from .problem.problem import Problem
 from .problem.settings import Settings, settings_of
@@ -57,6 +57,7 @@ def tune(
     executor: Executor | None = None,
     report: Callable[[Record], None] | bool | None = None,
     save: bool = True,
+    levers: bool = False,
     **settings: Any,
 ) -> Tuned:
     """Find the best design of a problem.
@@ -81,6 +82,8 @@ def tune(
     - ``report``: called with the log's record of each evaluation, also those of the run that is resumed, or True for a
       line that tells the last one.
     - ``save``: whether the result is written into ``folder``.
+    - ``levers``: whether to find, after all else, which numbers that are no variables move limits and objective most:
+      a run with derivatives by all numbers of each load case that decides one (`Tuned.levers`).
     - ``settings``: the fields of `Settings`, such as ``iterations``, ``starts``, ``seed``.
 
     **Returns:** a `Tuned`, its numbers simulated at rtol 1e-9, by diffrax at 1e-8. The same arguments give the same
@@ -98,6 +101,7 @@ def tune(
     from 253.13 N to 245 N
     """
     check_flag("save", save)
+    check_flag("levers", levers)
     saving = save and folder is not None
 
     def keep(tuned: Tuned) -> None:
@@ -117,6 +121,9 @@ def tune(
         **settings,
     )
     keep(tuned)
+    if levers:
+        tuned = with_levers(tuned, workers, executor, solver)
+        keep(tuned)
     return tuned
 
 

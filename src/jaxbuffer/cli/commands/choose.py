@@ -6,19 +6,20 @@ from typing import Any
 
 from ...choosing.buildable import check_roundings, continuous_design, rounded
 from ...choosing.choice import Choice
-from ...choosing.choose import ranked, selection, with_optimum, with_tuned
+from ...choosing.choose import ranked, selection, with_levers, with_optimum, with_tuned
 from ...choosing.means import OPTIMUM, TUNED, Means
 from ...choosing.store import FOLDER
 from ...cluster.extra import executor_at
 from ...errors import InputError
 from ...fields import declared
-from ...output.choice_files import choice_files
+from ...output.choice_files import choice_design, choice_files
 from ...study.config import Config
 from ...study.overrides import apply_options
 from ...tuning.problem.settings import Settings
 from ..exits import LIMITS_BROKEN, OK, fail, interrupted
+from .levers import LEFT_OUT, found
 from .progress import sweeping, tuning
-from .request import CommandLine, given, say_cautions
+from .request import CommandLine, asked_for, given, say_cautions
 
 EMPTY = "the study has no [parts] and no [roundings]; 'jaxbuffer choose --help' shows both"
 
@@ -30,8 +31,10 @@ def choose(
     optimum: str | None,
     scheduler: str | None,
     resume: bool,
+    levers: str,
 ) -> int:
     """Choose parts or roundings, and save the ranking."""
+    moved, left_out = asked_for(levers, "levers"), False
     study, options = request.study(), given(ranking=ranking, tuned=tuned, optimum=optimum)
     study = dataclasses.replace(study, choosing=apply_options(study.choosing, options))
     if not study.parts and not study.roundings:
@@ -50,10 +53,15 @@ def choose(
         with executor_at(scheduler) as (executor, _):
             means = Means(request.output, resume, executor=executor, solver=study.options.solver, settings=settings)
             choice = work(means)
+            if moved:
+                files.keep("design.toml", choice_design(choice))
+                choice, left_out = found(choice, lambda it: with_levers(it, means))
     except KeyboardInterrupt:
         return interrupted(request.output, "the runs so far are kept")
     contents = choice_files(choice, request.made(study, resume))
     files.save_record(contents, choice, "choice.json")
+    if left_out:
+        return interrupted(request.output, LEFT_OUT)
     return OK if choice.feasible else fail(choice.message, LIMITS_BROKEN)
 
 

@@ -9,21 +9,24 @@ from ...fields import as_displayed
 from ...output.tuned_files import tuned_design, tuned_files
 from ...study.tuned_toml import tuned_toml
 from ...tuning import Problem
+from ...tuning.assessment import with_levers
 from ...tuning.problem.cases import grid_address
 from ...tuning.tune import best_so_far
 from ...tuning.tune import tune_with as compute
 from ...value_text import with_unit
 from ..exits import INTERRUPTED, LIMITS_BROKEN, OK, fail, interrupted
 from ..streams import note
+from .levers import LEFT_OUT, found
 from .output import Output
 from .progress import tuning
-from .request import CommandLine, check_swept_once, tuned_problem
+from .request import CommandLine, asked_for, check_swept_once, tuned_problem
 
 RUN_FILES = ("log.jsonl", "state.npz", "state.old.npz")  # of a tuning, which `tuning.store` keeps
 
 
-def tune(request: CommandLine, scheduler: str | None, resume: bool, **search: str | None) -> int:
+def tune(request: CommandLine, scheduler: str | None, resume: bool, levers: str, **search: str | None) -> int:
     """Search for the best design, and save it or, if interrupted, the best one so far."""
+    moved, left_out = asked_for(levers, "levers"), False
     study = request.tuning_study(**search)
     check_swept_once(request.fields, map(grid_address, study.table.grid or ()), "[problem.grid]")
     problem = tuned_problem(study)
@@ -46,10 +49,14 @@ def tune(request: CommandLine, scheduler: str | None, resume: bool, **search: st
                 # How often the search begins anew for corners that it finds is not known before.
                 None if problem.needs_search else study.tuning.most_evaluations * (1 if problem.then is None else 2),
             )
+            if moved:
+                tuned, left_out = found(tuned, lambda it: with_levers(it, None, executor, study.options.solver))
     except KeyboardInterrupt:
         return keep_best(problem, settings, files)
     contents = tuned_files(tuned, request.made(study, resume), note)
     files.save_record(contents, tuned, "tuned.json")
+    if left_out:
+        return interrupted(request.output, LEFT_OUT)
     return OK if tuned.feasible else fail(tuned.message, LIMITS_BROKEN)
 
 

@@ -8,21 +8,23 @@ from typing import NamedTuple
 import numpy as np
 from rich.table import Table
 
-from ...fields import get, paths
+from ...fields import Part, get, paths
 from ...hybrid import Solver
 from ...mechanisms.quantity import Catalogue
 from ...mechanisms.run import Run
 from ...sensitivities.sensitivity import sensitivity
 from ...tables import table
 from ...value_text import number_text
-from ..problem.problem import Problem
 from ..search.checks import PeakForceBound
-from ..search.evaluation import Evaluation
+from ..search.evaluation import Evaluation, Evaluator
 from ..search.goal import Goal
+from .deciding import decisions
 
 SHOWN = 3  # levers of a limit
-FAR = 0.5  # room of a limit that a mechanism always has, beyond which its levers are not shown
 LEAST = 0.005  # elasticity, below which a number is no lever
+NO_VARIABLES = "numbers that are no variables"
+DECIDING = "in the load case that decides"
+ASK = "levers among all numbers: --levers on, also with --resume, which repeats no search (in Python: levers=True)"
 FIRST_IMPACT = "first_impact"  # what is named so among limits: the lower bound of the peak force
 
 
@@ -50,30 +52,61 @@ def strongest(elasticities: Mapping[str, float], variables: Collection[str]) -> 
     return [Lever(path, it, path in variables) for path, it in ordered]
 
 
-def tuned_levers(goal: Goal, after: Evaluation, bound: PeakForceBound | None) -> dict[str, list[Lever]]:
-    """Return the levers of each limited quantity among the variables, in the load case that is nearest to its limit.
+def tuned_levers(
+    goal: Goal, after: Evaluation, bound: PeakForceBound | None, others: Levers = NO_LEVERS
+) -> dict[str, list[Lever]]:
+    """Return the levers of each limited quantity and of the objectives among the variables, in the load cases that
+    decide them.
 
     Those of the peak force's lower bound, the first impact, are numbers that are no variables too.
 
-    **Arguments:** ``after``: the design in all load cases, with slopes; ``bound``: of its first impacts.
+    **Arguments:** ``after``: the design in all load cases, with slopes; ``bound``: of its first impacts; ``others``:
+    levers that are no variables, which follow those that are.
     """
-    problem, found = goal.problem, list[tuple[float, str, list[Lever]]]()
-    for it in goal.on_quantities:
-        numbers = it.numbers(after)
-        if not np.any(known := np.isfinite(numbers) & after.solved):
-            continue
-        case = int(np.argmax(np.where(known, numbers, -np.inf)))
-        room = -float(numbers[case])
-        if it.limit.name not in problem.limits.names and room > FAR:
-            continue
-        reached = it.reached(after, case)
-        by = _elasticities(problem, after, reached.value, reached.slope)
-        found.append((room, it.limit.name, strongest(by, problem.paths)))
-    # What stands in the way first.
-    levers = {name: each for _, name, each in sorted(found, key=lambda it: it[0])}
+    problem, places = goal.problem, {case: case for case in range(len(after.code))}
+    # Slopes are by the scaled variables: these make them slopes by the variables' logarithms.
+    pairs = zip(problem.variables, problem.values(after.scaled), strict=True)
+    sizes = np.array([float(x) / it.slope(float(x)) for it, x in pairs])
+    levers = dict[str, list[Lever]]()
+    for it in decisions(goal, after):
+        by = dict(zip(problem.paths, (it.elasticities(after, places) * sizes).tolist(), strict=True))
+        levers[it.name] = [*strongest(by, problem.paths), *others.get(it.name, ())]
     if bound is not None and bound.elasticities:
         levers[FIRST_IMPACT] = strongest(bound.elasticities, problem.paths)
     return {name: each for name, each in levers.items() if each}
+
+
+def levers_by_numbers(
+    goal: Goal, after: Evaluation, evaluator: Evaluator, chosen: Collection[str]
+) -> dict[str, list[Lever]]:
+    """Return the levers of each limited quantity and of the objectives among all numbers of a design above 0, in the
+    load cases that decide them: first the strongest of those that are ``chosen``, then of the others.
+
+    Each of these load cases is run once more, with derivatives by all of these numbers.
+
+    **Arguments:** ``after``: the design in all load cases; ``evaluator`` of the same problem.
+    """
+    problem, decided = goal.problem, decisions(goal, after)
+    cases = sorted({case for it in decided for case in it.weights})
+    addresses = numbers_above_zero(problem.built(after.scaled))
+    if not cases or not addresses:
+        return {}
+    point = evaluator.by_numbers(after.scaled, [problem.cases[k] for k in cases], addresses, evaluator.tight)
+    places, levers = {case: place for place, case in enumerate(cases)}, dict[str, list[Lever]]()
+    for it in decided:
+        # A run that fails with derivatives has none.
+        if not all(point.solved[places[case]] for case in it.weights):
+            continue
+        by = dict(zip(addresses, it.elasticities(point, places).tolist(), strict=True))
+        inside, outside = ({path: by[path] for path in by if (path in chosen) == kind} for kind in (True, False))
+        levers[it.name] = [*strongest(inside, chosen), *strongest(outside, chosen)]
+    return {name: each for name, each in levers.items() if each}
+
+
+def numbers_above_zero(design: Part) -> list[str]:
+    """Return the paths of the numbers of a design that have elasticities."""
+    values = {path: get(design, path) for path in paths(design)}
+    return [path for path, it in values.items() if isinstance(it, float) and it > 0.0]
 
 
 def run_levers(
@@ -88,8 +121,7 @@ def run_levers(
     """
     mechanism, design = run.mechanism, run.design
     known = [name for name in names if name in mechanism.quantities and mechanism.quantities[name].differentiable]
-    values = {path: get(design, path) for path in paths(design)}
-    numbers = [path for path, it in values.items() if isinstance(it, float) and it > 0.0]
+    numbers = numbers_above_zero(design)
     if not known or not numbers:
         return {}
     found = sensitivity(
@@ -100,25 +132,23 @@ def run_levers(
     return {name: it for name, it in levers.items() if it}
 
 
-def _elasticities(
-    problem: Problem, after: Evaluation, value: float, slope: Sequence[float] | np.ndarray
-) -> dict[str, float]:
-    """Return the elasticities of a value by the variables, from its slopes by the scaled ones."""
-    if not value:
-        return {}
-    each = zip(problem.variables, problem.values(after.scaled), np.asarray(slope).tolist(), strict=False)
-    return {it.path: float(by) * float(x) / (it.slope(float(x)) * value) for it, x, by in each}
+def lever_table(levers: Levers, catalogue: Catalogue, where: str = "", others: str = NO_VARIABLES) -> Table | None:
+    """Return the levers as people are shown them, a row for each limit; None where there are none.
 
-
-def lever_table(levers: Levers, catalogue: Catalogue) -> Table | None:
-    """Return the levers as people are shown them, a row for each limit; None where there are none."""
+    **Arguments:** ``where`` they are, in words; ``others``: what levers in brackets are, which have a row of their own
+    where one is too short.
+    """
     if not levers:
         return None
     outside = any(not it.variable for each in levers.values() for it in each)
-    brackets = "; in brackets numbers that are no variables" if outside else ""
-    made = table(f"Levers: change in % for 1 % more{brackets}", ("limit", "", "", ""))
+    title = f"Levers: change in % for 1 % more{where and f', {where}'}"
+    made = table(f"{title}; in brackets {others}" if outside else title, ("limit", "", "", ""))
     for name, each in levers.items():
-        made.add_row(lever_title(name, catalogue), *map(str, each), *[""] * (SHOWN - len(each)))
+        one_row = len(each) <= SHOWN
+        rows = [each] if one_row else [[it for it in each if it.variable == inside] for inside in (True, False)]
+        for place, row in enumerate(filter(None, rows)):
+            title = "" if place else lever_title(name, catalogue)
+            made.add_row(title, *map(str, row), *[""] * (SHOWN - len(row)))
     return made
 
 

@@ -27,7 +27,7 @@ from ..search.store import Record
 from ..tolerances.corners import Corners
 from ..tolerances.spread import Spread, Tightening, spread_lines, spread_table
 from .broken_limits import broken_limits
-from .levers import Lever, lever_table, tuned_levers
+from .levers import ASK, DECIDING, Lever, Levers, lever_table, tuned_levers
 from .limits_in_the_way import first_impact_levers, limits_in_the_way
 from .message import SearchReport, headline
 
@@ -51,13 +51,14 @@ class Tuned(Saved):
       ``message``: both in words.
     - ``lower_bound``: first impacts, which no buffer softens; None where the mechanism has no such lower bound.
     - ``records``: every evaluation, as in the log.
-    - ``captures``: solved in all, the last check included.
+    - ``captures``: solved in all, the last check included, those for ``others`` left out.
     - ``corners``: the design in the corners of the tolerances and of the ranges that the problem scatters over; None
       where there are none of either.
     - ``spreads``: the scatter of the objective's and of each limited quantity by tolerances; ``tightening``: which
       tolerance to tighten first; none without tolerances.
     - ``missing``: a line for each part of the evidence that could not be computed.
     - ``report``: what the search says of itself, of which ``message`` is made; None for a tuning without a search.
+    - ``others``: levers of the limits that are no variables; none where they were not asked for.
     - ``identity``: a hash of all that makes it the tuning it is, as its folder has it; "" where that is not known.
 
     **Example:**
@@ -89,6 +90,7 @@ class Tuned(Saved):
     identity: str = ""
     missing: tuple[str, ...] = ()
     report: SearchReport | None = None
+    others: Levers = dataclasses.field(default_factory=dict)
 
     @property
     def objective(self) -> tuple[float, float]:
@@ -144,8 +146,9 @@ class Tuned(Saved):
 
     @property
     def levers(self) -> dict[str, list[Lever]]:
-        """Return the three strongest levers of each limited quantity, and of the first impact, by name."""
-        return tuned_levers(self.goal, self.after, self.lower_bound)
+        """Return the three strongest levers of each limited quantity, of the objective and of the first impact, by
+        name: those among the variables, then the ``others``."""
+        return tuned_levers(self.goal, self.after, self.lower_bound, self.others)
 
     @property
     def above_lower_bound(self) -> float:
@@ -201,6 +204,7 @@ def tuned_parts(tuned: Tuned) -> list[str | Table]:
     ]
     lines += [] if tuned.corners is None else tuned.corners.lines(problem)
     lines += spread_lines(problem, tuned.spreads, tuned.tightening)
+    lines += [] if tuned.others else [ASK]
     lines += tuned_warnings(tuned)
     lines += [f"limit {line}" for line in broken_limits(tuned.goal, tuned.after, tuned.lower_bound)]
     broken = tuned.goal.broken(tuned.after)
@@ -208,7 +212,8 @@ def tuned_parts(tuned: Tuned) -> list[str | Table]:
     # A slice of one: the line is there only where some are left out.
     lines += [f"and {len(broken) - SHOWN} more" for _ in broken[SHOWN : SHOWN + 1]]
     limits = limits_in_the_way(tuned.goal, tuned.after, tuned.lower_bound, tuned.inactive_variables)
-    tables = [limits, lever_table(tuned.levers, problem.catalogue), _tuned_objective(tuned)]
+    where = DECIDING if len(problem.cases) > 1 else ""
+    tables = [limits, lever_table(tuned.levers, problem.catalogue, where), _tuned_objective(tuned)]
     tables += [_tuned_cases(tuned), _left_open(tuned), _tuned_variables(tuned)]
     tables.append(spread_table(problem, tuned.spreads))
     first = headline(tuned.message, tuned.goal.feasible(tuned.after), tuned.end_count(tuned.after))

@@ -13,7 +13,7 @@ from jaxtyping import Bool, Float, Int
 
 from ...cluster.pool import Pool
 from ...errors import InputError
-from ...fields import Part, value_at
+from ...fields import Part, get, value_at
 from ...hybrid import Diffrax, Solver, name_of, solver_named
 from ...mechanisms.quantity import END_TIME
 from ...run.request import check_pair
@@ -145,6 +145,23 @@ class Evaluator:
             for case in cases
         ]
         return gather(problem, point, cases, runs, np.array(shares))
+
+    def by_numbers(
+        self,
+        scaled: Float[np.ndarray, " variables"],
+        cases: Sequence[Case],
+        paths: Sequence[str],
+        rtol: float | None = None,
+    ) -> Evaluation:
+        """Evaluate a design in some load cases, with derivatives by the logarithms of its numbers at some ``paths`` in
+        place of the variables.
+
+        A number counts as drawn: the factor and the shift of a load case stay as they are.
+        """
+        point, design = np.asarray(scaled, float), self.problem.built(scaled)
+        runs = [run.of_known_slopes() for run in self._measure([point], cases, rtol, True, paths)]
+        stretch = [[float(get(case.of(design), it)) - dict(case.shifts).get(it, 0.0) for it in paths] for case in cases]
+        return gather(self.problem, point, cases, runs, np.array(stretch))
 
     def _measure(
         self,

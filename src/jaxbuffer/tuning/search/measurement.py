@@ -19,6 +19,7 @@ from ..problem.problem import Problem
 
 # How many of each run's highest impacts are listed: none below them has yet mattered within the length of a step.
 PEAKS = 24
+SLOPES = ("peaks_slope", "rest_slope", "margin_slope")
 LEAST_LACK = 1e-6  # of the margin of a run that has not reached an end [-]
 
 
@@ -72,8 +73,11 @@ class Measurement(NamedTuple):
 
     def of_columns(self, columns: Sequence[int]) -> "Measurement":
         """Return the same run with the slopes by some of its paths only."""
-        slopes = {name: getattr(self, name)[..., columns] for name in ("peaks_slope", "rest_slope", "margin_slope")}
-        return self._replace(**slopes)
+        return self._replace(**{name: getattr(self, name)[..., columns] for name in SLOPES})
+
+    def of_known_slopes(self) -> "Measurement":
+        """Return the same run with a slope of zero in place of each that is not finite."""
+        return self._replace(**{name: np.nan_to_num(getattr(self, name), posinf=0.0, neginf=0.0) for name in SLOPES})
 
     @staticmethod
     def of_numbers(problem: Problem, run: RunEnd, impacts: int, numbers: Mapping[str, float]) -> "Measurement":
