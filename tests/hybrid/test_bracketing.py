@@ -98,14 +98,13 @@ def test_a_maximum_is_as_close_as_its_height_needs(shortfall):
     assert len(tried) == (1 if 0.5 * curvature * (0.01 * LENGTH) ** 2 <= shortfall else 2)
 
 
-@pytest.mark.parametrize(("linear_time", "enough"), [(0.05 * LENGTH, False), (0.2 * LENGTH, True)])
-def test_a_flat_maximum_is_as_close_as_the_state_can_be_moved_along_its_rate(linear_time, enough):
-    """A tenth of the step behind its end, where any height will do: what else is logged there would be off."""
+@pytest.mark.parametrize(("linear_time", "near"), [(0.05 * LENGTH, False), (0.2 * LENGTH, True)])
+def test_a_flat_maximum_is_moved_onto_no_farther_than_the_state_can_be(linear_time, near):
+    """A tenth of the step behind its end, where any height will do: moved farther, what else is logged would be off."""
     bracket = begun(MAXIMUM, 0.5 * LENGTH, lambda x: x - 0.4 * LENGTH)
     found = refined(bracket, value=0.1 * LENGTH, rate=0.0, shortfall=1.0, linear_time=linear_time)
-    assert bool(found.converged) == bool(found.finished) == enough
-    np.testing.assert_allclose(float(found.offset), -0.1 * LENGTH * enough, rtol=1e-12)
-    np.testing.assert_allclose(float(found.bracket.step), 0.4 * LENGTH, rtol=1e-12)
+    assert found.converged
+    np.testing.assert_allclose(float(found.offset), -0.1 * LENGTH * near, rtol=1e-12)
 
 
 def test_a_guard_that_bends_is_met_at_once():

@@ -90,7 +90,8 @@ class Refinement(NamedTuple):
 
     ``finished``: no further try; ``converged``: the step ends on the event; ``occurred``: it does, or a little beyond,
     and not before one that could not be found; ``offset``: time from the step's end to the event [s], zero unless
-    converged; ``guard_rate``: the guard's rate [1/s times its unit]; ``bracket``: what to try next if not finished.
+    converged, and where a maximum is too far to move the state there; ``guard_rate``: the guard's rate [1/s times its
+    unit]; ``bracket``: what to try next if not finished.
     """
 
     finished: Bool[Array, ""]
@@ -119,8 +120,8 @@ def refine(
 
     **Arguments:** ``bracket``; ``step`` tried [s]; ``guards`` at its end: the first ``rated`` have exact rates, the
     others get theirs from the parabola through both ends of the bracket and this point; ``tolerance`` [s];
-    ``shortfall``: by how much an observable may be below its maximum where the step ends, if the maximum is no farther
-    than ``linear_time`` [s], over which the state at the step's end can be moved there along its rate.
+    ``shortfall``: by how much an observable may be below its maximum where the step ends; ``linear_time`` [s]: over
+    how long the state there can be moved along its rate.
     """
     exact = bracket.guard < rated
     z = guards.value[bracket.guard]
@@ -137,7 +138,9 @@ def refine(
     tolerance = jnp.where(exact, tolerance, MAXIMUM_TOLERANCE * tolerance)
     # Of a maximum of rounding alone the rate is nothing, and the offset anything.
     inside = exact | (jnp.abs(offset) <= high - low)
-    beside = ~exact & inside & (jnp.abs(offset) <= linear_time) & (0.5 * jnp.abs(z * offset) <= shortfall)
+    # Farther than the state can be moved along its rate, a step's end stands for the maximum as it is.
+    near = exact | (jnp.abs(offset) <= jnp.maximum(linear_time, tolerance))
+    beside = ~exact & inside & (0.5 * jnp.abs(z * offset) <= shortfall)
     close = (jnp.abs(offset) <= tolerance) | beside
     # With tangents the same step may end a little beside: it stays on its event.
     converged = close | bracket.converged & rising
@@ -159,7 +162,7 @@ def refine(
         finished=finished,
         converged=converged,
         occurred=finished & (converged | ~below),
-        offset=jnp.where(converged & inside, offset, 0.0),
+        offset=jnp.where(converged & inside & near, offset, 0.0),
         guard_rate=rate,
         bracket=reached,
     )
