@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
-from jaxbuffer.cli.commands.levers import found
+from jaxbuffer.cli.commands.levers import find_levers
 from jaxbuffer.cli.entry import run
 from jaxbuffer.output.run_files import run_text
 from jaxbuffer.output.tuned_records import tuned_record
@@ -14,7 +14,7 @@ from jaxbuffer.tables import text
 from jaxbuffer.tuning import assessment
 from jaxbuffer.tuning.assessment import with_levers
 from jaxbuffer.tuning.problem.objective import Constraints
-from jaxbuffer.tuning.report.deciding import decisions
+from jaxbuffer.tuning.report.governing import governed_quantities
 from jaxbuffer.tuning.report.levers import (
     ASK,
     Lever,
@@ -151,7 +151,7 @@ def test_a_quantity_with_two_limits_is_at_the_nearer_one():
         stated(), limits=jb.Limits(at_most={"stroke": 0.025}, at_least={"stroke": 0.0099}, require_success=False)
     )
     tuned = with_strokes(made_up_tuning(problem), 0.020, 0.010)
-    stroke, objective = decisions(tuned.goal, tuned.after)
+    stroke, objective = governed_quantities(tuned.goal, tuned.after)
     assert (stroke.name, stroke.weights, stroke.value) == ("stroke", {1: 1.0}, 0.010)
     assert stroke.room == pytest.approx(0.1 / 9.9) and objective.name == "objective"
 
@@ -170,7 +170,7 @@ def test_an_end_is_decided_where_its_margin_is_least(last, name, value):
     rest, names = tuned.after.rest.copy(), problem.names
     rest[:, names.index("settling_time") - 1], rest[:, names.index("relative_energy") - 1] = (3.0, 4.0), (0.001, 0.02)
     code = np.array([int(problem.mechanism.outcomes[it]) for it in ("held", last)])
-    decided = decisions(tuned.goal, tuned.after._replace(rest=rest, code=code, margin=np.array([0.5, 0.2])))
+    decided = governed_quantities(tuned.goal, tuned.after._replace(rest=rest, code=code, margin=np.array([0.5, 0.2])))
     shown = [(it.name, it.value, it.weights) for it in decided if it.name != "objective"]
     assert shown == ([(name, value, {1: 1.0})] if name else [])
 
@@ -219,8 +219,8 @@ def test_ctrl_c_leaves_levers_out_and_nothing_else(capsys):
     def stopped(_):
         raise KeyboardInterrupt
 
-    assert found("the result", stopped) == ("the result", True)
-    assert found("the result", lambda it: f"{it} with levers") == ("the result with levers", False)
+    assert find_levers("the result", stopped) == ("the result", True)
+    assert find_levers("the result", lambda it: f"{it} with levers") == ("the result with levers", False)
     assert "levers took 0.0 s" in capsys.readouterr().err
 
 

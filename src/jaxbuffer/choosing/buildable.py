@@ -18,7 +18,7 @@ from ..tuning.tune import tune
 from .alternatives import alternatives
 from .catalogue import CataloguePart, PartsCatalogue
 from .choice import Choice
-from .choose import EXAMPLE, finished, ranked
+from .choose import EXAMPLE, ranked, save_with_levers
 from .combinations import Combinations
 from .criterion import Criterion, check_obeyed
 from .means import OPTIMUM, Means
@@ -76,7 +76,7 @@ def buildable(
     shown = counted(progress, problem.mechanism.view.run_name)
     means = Means(folder, resume, workers, executor, solver, shown, report, settings)
     choice = rounded(problem, rules, continuous_design(problem, means) if design is None else design, means, ranking)
-    return finished(choice, means, save, levers)
+    return save_with_levers(choice, means, save, levers)
 
 
 def checked_rules(roundings: Mapping[str, Any], design: Part) -> dict[str, str | float]:

@@ -18,7 +18,7 @@ from ..progress import counted
 from ..tuning.assessment import levers_of_design
 from ..tuning.problem.objective import Objective, SecondObjective
 from ..tuning.problem.problem import Problem
-from ..tuning.report.deciding import OBJECTIVE
+from ..tuning.report.governing import OBJECTIVE
 from ..tuning.search.evaluation import Evaluator
 from ..tuning.search.goal import Goal
 from ..tuning.search.store import Record
@@ -117,12 +117,11 @@ def choose(
     choice = ranked(criterion, combinations, means, ranking)
     choice = with_optimum(choice, means) if optimum else choice
     choice = with_tuned(choice, tuned, means) if tuned else choice
-    return finished(choice, means, save, levers)
+    return save_with_levers(choice, means, save, levers)
 
 
-def finished(choice: Choice, means: Means, save: bool, levers: bool) -> Choice:
-    """Return the choice, with its ``levers`` where they are asked for; ``save``: write it into its folder, before they
-    are found too."""
+def save_with_levers(choice: Choice, means: Means, save: bool, levers: bool) -> Choice:
+    """Save a choice in its folder, if any and if ``save``, and return it; with ``levers`` save it again with them."""
 
     def keep(choice: Choice) -> Choice:
         if save and means.path is not None:

@@ -15,7 +15,7 @@ from .records import words
 
 HEADINGS = ("quantity", "unit", "worst", "in scenario", "limit", "margin", "verdict")
 BEYOND = ("scenario", "quantity", "unit", "value", "limit", "beyond it")
-MANY, FEW = 12, 24  # broken limits, levers; a longer table is folded
+MANY_BROKEN, MANY_LEVERS = 12, 24  # rows: a longer table is folded
 VARIABLE, CHOSEN = ("variable", "no variable"), ("chosen", "not chosen")  # kinds of levers
 CELLS: Mapping[State, Cell] = {
     "kept": Cell("kept", "good"),
@@ -50,26 +50,25 @@ def limits(results: Results, every: Sequence[Results] = (), named: bool = False)
     warnings = [*(f"Limit {line}." for line in results.tuned.get("broken_limits", [])), *warnings]
     if beyond := _beyond(check):
         heading = f"{where}{len(beyond)} times a limit is broken, the worst first"
-        tables.append(Table(heading, BEYOND, beyond, folded=len(beyond) > MANY))
+        tables.append(Table(heading, BEYOND, beyond, folded=len(beyond) > MANY_BROKEN))
         warnings = [_summed(check, beyond), *warnings]
     return PageSection("Limits", warnings=warnings, tables=tables)
 
 
-def lever_tables(results: Results, record: Record | None, places: tuple[str, str]) -> list[Table]:
+def lever_tables(results: Results, record: Record | None, kinds: tuple[str, str]) -> list[Table]:
     """Return the table of the numbers that move each limited quantity of a folder's record most; none where they are
-    not known. ``places``: what a number is that is varied there, and one that is not."""
-    levers, (varied, fixed) = {} if record is None else record.get("levers", {}), places
+    not known. ``kinds``: what a number is that is varied there, and one that is not."""
+    levers = {} if record is None else record.get("levers", {})
     if not levers:
         return []
     known = results.mechanism.quantities
     rows: list[Row] = [
-        [lever_title(name, known), it["path"], number_text(it["elasticity"], 2, sign=True), kind]
+        [lever_title(name, known), it["path"], number_text(it["elasticity"], 2, sign=True), kinds[not it["variable"]]]
         for name, each in levers.items()
         for it in each
-        for kind in [varied if it["variable"] else fixed]
     ]
     caption = "Levers: the numbers that move what is limited most, in % for 1 % more of each, where it is decided"
-    return [Table(caption, ("quantity", "number", "change [%]", "kind"), rows, folded=len(rows) > FEW)]
+    return [Table(caption, ("quantity", "number", "change [%]", "kind"), rows, folded=len(rows) > MANY_LEVERS)]
 
 
 class LimitCounts(NamedTuple):

@@ -17,7 +17,7 @@ from ...study.config import Config
 from ...study.overrides import apply_options
 from ...tuning.problem.settings import Settings
 from ..exits import LIMITS_BROKEN, OK, fail, interrupted
-from .levers import LEFT_OUT, found
+from .levers import LEFT_OUT, find_levers
 from .progress import sweeping, tuning
 from .request import CommandLine, asked_for, given, say_cautions
 
@@ -55,7 +55,7 @@ def choose(
             choice = work(means)
             if moved:
                 files.keep("design.toml", choice_design(choice))
-                choice, left_out = found(choice, lambda it: with_levers(it, means))
+                choice, left_out = find_levers(choice, lambda it: with_levers(it, means))
     except KeyboardInterrupt:
         return interrupted(request.output, "the runs so far are kept")
     contents = choice_files(choice, request.made(study, resume))

@@ -12,7 +12,7 @@ T = TypeVar("T")
 LEFT_OUT = "all but the levers is there"
 
 
-def found(result: T, find: Callable[[T], T]) -> tuple[T, bool]:
+def find_levers(result: T, find: Callable[[T], T]) -> tuple[T, bool]:
     """Return a result as ``find`` gives it its levers, and whether Ctrl-C has left them out."""
     begun = time.perf_counter()
     try:

@@ -16,7 +16,7 @@ from ...tuning.tune import tune_with as compute
 from ...value_text import with_unit
 from ..exits import INTERRUPTED, LIMITS_BROKEN, OK, fail, interrupted
 from ..streams import note
-from .levers import LEFT_OUT, found
+from .levers import LEFT_OUT, find_levers
 from .output import Output
 from .progress import tuning
 from .request import CommandLine, asked_for, check_swept_once, tuned_problem
@@ -50,7 +50,7 @@ def tune(request: CommandLine, scheduler: str | None, resume: bool, levers: str,
                 None if problem.needs_search else study.tuning.most_evaluations * (1 if problem.then is None else 2),
             )
             if moved:
-                tuned, left_out = found(tuned, lambda it: with_levers(it, None, executor, study.options.solver))
+                tuned, left_out = find_levers(tuned, lambda it: with_levers(it, None, executor, study.options.solver))
     except KeyboardInterrupt:
         return keep_best(problem, settings, files)
     contents = tuned_files(tuned, request.made(study, resume), note)

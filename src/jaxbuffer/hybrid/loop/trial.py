@@ -160,9 +160,9 @@ def _step(
         second = SecondDerivative(near, SPACING * jnp.min(state.step_sizes.steps))
     field = lambda time, at: tangents.field(lambda p, y: task.build(p).derivative(time, y, active))(at)  # noqa: E731
     tolerance = task.options.tolerance
-    # columns that are padding are zeros: any allowance does
     # What Newton's method leaves open changes the invariant too, and no estimate of the error shows it.
     allowed = _share_left(point.change, tolerance.rtol) * tolerance.allowance(rows, system)
+    # columns that are padding are zeros: any allowance does
     allowance = jnp.maximum(columns(allowed), 1e-300)
     step = task.options.solver.step(
         method,

@@ -18,7 +18,7 @@ from ...value_text import number_text
 from ..search.checks import PeakForceBound
 from ..search.evaluation import Evaluation, Evaluator
 from ..search.goal import Goal
-from .deciding import decisions
+from .governing import governed_quantities
 
 SHOWN = 3  # levers of a limit
 LEAST = 0.005  # elasticity, below which a number is no lever
@@ -68,7 +68,7 @@ def tuned_levers(
     pairs = zip(problem.variables, problem.values(after.scaled), strict=True)
     sizes = np.array([float(x) / it.slope(float(x)) for it, x in pairs])
     levers = dict[str, list[Lever]]()
-    for it in decisions(goal, after):
+    for it in governed_quantities(goal, after):
         by = dict(zip(problem.paths, (it.elasticities(after, places) * sizes).tolist(), strict=True))
         levers[it.name] = [*strongest(by, problem.paths), *others.get(it.name, ())]
     if bound is not None and bound.elasticities:
@@ -82,11 +82,12 @@ def levers_by_numbers(
     """Return the levers of each limited quantity and of the objectives among all numbers of a design above 0, in the
     load cases that decide them: first the strongest of those that are ``chosen``, then of the others.
 
-    Each of these load cases is run once more, with derivatives by all of these numbers.
+    Each of these load cases is run once more, with derivatives by all of these numbers. One by which a slope is not
+    known is no lever.
 
     **Arguments:** ``after``: the design in all load cases; ``evaluator`` of the same problem.
     """
-    problem, decided = goal.problem, decisions(goal, after)
+    problem, decided = goal.problem, governed_quantities(goal, after)
     cases = sorted({case for it in decided for case in it.weights})
     addresses = numbers_above_zero(problem.built(after.scaled))
     if not cases or not addresses:
@@ -141,8 +142,8 @@ def lever_table(levers: Levers, catalogue: Catalogue, where: str = "", others: s
     if not levers:
         return None
     outside = any(not it.variable for each in levers.values() for it in each)
-    title = f"Levers: change in % for 1 % more{where and f', {where}'}"
-    made = table(f"{title}; in brackets {others}" if outside else title, ("limit", "", "", ""))
+    heading = f"Levers: change in % for 1 % more{where and f', {where}'}"
+    made = table(f"{heading}; in brackets {others}" if outside else heading, ("limit", "", "", ""))
     for name, each in levers.items():
         one_row = len(each) <= SHOWN
         rows = [each] if one_row else [[it for it in each if it.variable == inside] for inside in (True, False)]

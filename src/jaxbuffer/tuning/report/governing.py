@@ -1,4 +1,4 @@
-"""What decides a design: its limits, the end of its runs and its objectives, each in the load case that decides it."""
+"""What decides a design: its limits, the end of its runs and its objectives, each in the load case that governs it."""
 
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
@@ -14,8 +14,8 @@ FAR = 0.5  # room of a limit that a mechanism always has, beyond which it decide
 OBJECTIVE, THEN = "objective", "then"  # what the objectives are called among limited quantities
 
 
-class Decision(NamedTuple):
-    """A limit or an objective of a design, in the load cases that decide it.
+class GovernedQuantity(NamedTuple):
+    """A limited quantity or an objective of a design, in the load cases that govern it.
 
     ``name`` of the quantity, or `OBJECTIVE`, `THEN`; ``room`` to the limit, relative to it [-], infinite for an
     objective; ``value`` in its unit; ``weights``: how much each load case counts, by its place, 1 for a limit's single
@@ -37,14 +37,14 @@ class Decision(NamedTuple):
         return np.asarray(np.sum(slopes, axis=0) / self.value)
 
 
-def decisions(goal: Goal, after: Evaluation) -> list[Decision]:
+def governed_quantities(goal: Goal, after: Evaluation) -> list[GovernedQuantity]:
     """Return what decides a design, the limit with the least room first, then the objectives.
 
     What has no slopes, and what is zero, is left out.
 
     **Arguments:** ``after``: the design in all load cases.
     """
-    problem, limits = goal.problem, list[Decision]()
+    problem, limits = goal.problem, list[GovernedQuantity]()
     for it in goal.constraints:
         limit = _of_limit(it, after) if isinstance(it, QuantityLimit) else None
         # A limit that nobody asked for decides only where it is near.
@@ -60,7 +60,7 @@ def decisions(goal: Goal, after: Evaluation) -> list[Decision]:
     return [it for it in each if it is nearest.get(it.name)]
 
 
-def _of_limit(limit: QuantityLimit, after: Evaluation) -> Decision | None:
+def _of_limit(limit: QuantityLimit, after: Evaluation) -> GovernedQuantity | None:
     """Return a limit in the load case that is nearest to it; None where it is known of none."""
     numbers = limit.numbers(after)
     if not np.any(known := np.isfinite(numbers) & after.solved):
@@ -69,7 +69,7 @@ def _of_limit(limit: QuantityLimit, after: Evaluation) -> Decision | None:
     return _of_quantity(limit.limit.name, -float(numbers[case]), limit.column, case, after)
 
 
-def _of_end(goal: Goal, after: Evaluation) -> Decision | None:
+def _of_end(goal: Goal, after: Evaluation) -> GovernedQuantity | None:
     """Return the end that runs must have, in the load case with the least margin: the time until it, or what is left
     that must fall until then; None for an end of which neither is known."""
     problem, end = goal.problem, goal.problem.end
@@ -85,14 +85,14 @@ def _of_end(goal: Goal, after: Evaluation) -> Decision | None:
     return _of_quantity(name, float(after.margin[case]), problem.names.index(name), case, after)
 
 
-def _of_quantity(name: str, room: float, column: int, case: int, after: Evaluation) -> Decision:
+def _of_quantity(name: str, room: float, column: int, case: int, after: Evaluation) -> GovernedQuantity:
     def slope(point: Evaluation, place: int) -> np.ndarray:
         return np.asarray(point.quantities_slope[place, column])
 
-    return Decision(name, room, float(after.quantities[case, column]), {case: 1.0}, slope)
+    return GovernedQuantity(name, room, float(after.quantities[case, column]), {case: 1.0}, slope)
 
 
-def _of_objective(name: str, goal: Goal, after: Evaluation) -> Decision:
+def _of_objective(name: str, goal: Goal, after: Evaluation) -> GovernedQuantity:
     """Return an objective, in the load cases that count."""
     weights = goal.objective.case_weights(after.quantities @ goal.weights)
     counting = {int(case): float(weights[case]) for case in np.flatnonzero(weights)}
@@ -100,4 +100,4 @@ def _of_objective(name: str, goal: Goal, after: Evaluation) -> Decision:
     def slope(point: Evaluation, place: int) -> np.ndarray:
         return np.asarray(goal.weights @ point.quantities_slope[place])
 
-    return Decision(name, np.inf, goal.value(after), counting, slope)
+    return GovernedQuantity(name, np.inf, goal.value(after), counting, slope)
