@@ -3,6 +3,7 @@
 import jax.numpy as jnp
 import pytest
 
+from jaxbuffer.hybrid.loop.trial import _linear_time
 from jaxbuffer.hybrid.system import Linearisation
 
 
@@ -38,3 +39,16 @@ def test_without_stiff_forces():
     assert nothing.rank == 0
     assert nothing.directions.shape == nothing.response.shape == (3, 0)
     assert float(nothing.fastest()) == 0.0
+
+
+@pytest.mark.parametrize("shortfall", [1e-3, 1e-6, 1e-10])
+def test_a_swinging_force_is_moved_no_farther_than_it_is_even(shortfall):
+    """cos ωt at √(2 s)/ω from its top is 1 - s: a step that ends there may be moved onto the top. Moved along its slope
+    from as far as any may be, the force is too high by a few s."""
+    spring = of_spring(2.0, 800.0, 1.0)
+    time = float(_linear_time(spring, shortfall))
+    assert (2.0 * shortfall) ** 0.5 / 20.0 < time
+    phase = 20.0 * time
+    moved = float(jnp.cos(phase) + phase * jnp.sin(phase))
+    assert 0.0 <= moved - 1.0 < 5.0 * shortfall
+    assert jnp.isfinite(_linear_time(Linearisation.none(3, 2), shortfall))

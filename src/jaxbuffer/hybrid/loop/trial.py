@@ -20,7 +20,7 @@ from .task import Task
 P = TypeVar("P")
 BEFORE_RELEASE = 0.6  # of the predicted time to a release: near it only a step that ends on it is accurate
 ADDED, LEAST_SHARE = 0.3, 1e-4  # see `_allowed_change`
-LINEAR = 3e-3  # of the time in which the fastest stiff force decays or rings: what is moved is right to its square
+LINEAR = 3.0  # see `_linear_time`
 SPACING = 1e-3  # of a step as accuracy allows: how far beside its end the second derivative is taken from
 
 
@@ -89,8 +89,18 @@ def take_trial(task: Task[P], state: LoopState) -> Trial:
     norm = jnp.where(length > task.event_time, jnp.maximum(state_norm, jnp.max(norms)), state_norm)
     # The last norm too, since the invariant is in it and not in the others.
     finite = jnp.all(jnp.isfinite(norms)) & jnp.isfinite(norm) & jnp.all(jnp.isfinite(step.rate))
-    linear_time = LINEAR / jnp.maximum(stiff.fastest(), 1e-150)  # no stiff force may act at all
-    return Trial(method, length, with_tangents, step, guards, change, state_norm, norm, finite, linear_time)
+    linear = _linear_time(stiff, task.shortfall)
+    return Trial(method, length, with_tangents, step, guards, change, state_norm, norm, finite, linear)
+
+
+def _linear_time(stiff: Linearisation, shortfall: Scalar) -> Float[Array, ""]:
+    """Return for how long a state changes evenly, at its rate, to some ``shortfall`` of a force that swings [s].
+
+    With ω the fastest rate of the stiff forces, a force at its top is moved over a time t too high by (ωt)²/2 of it. A
+    step that falls short of its own maximum by just the shortfall, (ωt)²/2 of that too, is well within this time.
+    """
+    # No stiff force may act at all.
+    return LINEAR * jnp.sqrt(jnp.asarray(shortfall)) / jnp.maximum(stiff.fastest(), 1e-150)
 
 
 def _allowed_change(change: Scalar, share: Scalar, rtol: Scalar) -> Float[Array, ""]:
