@@ -1,4 +1,5 @@
-"""How large the programs of a run and of its derivatives are: equations of their jaxprs, calls inlined.
+"""How large the programs of a run and of its derivatives are: equations of their jaxprs, calls inlined, without those
+whose results nothing uses, which JAX drops before it compiles.
 
 `python -m benchmarks equations [--mechanism NAME] [--functions N] [--hlo] [--seconds]`. An equation counts to the loop
 if it is in the program's largest `while`, which steps the run; all others run once, or once for each of a few instants,
@@ -17,6 +18,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import typer
+from jax.interpreters.partial_eval import dce_jaxpr
 
 import jaxbuffer as jb
 from jaxbuffer.mechanisms.mechanism import Request
@@ -24,7 +26,7 @@ from jaxbuffer.mechanisms.registry import mechanism_of
 from jaxbuffer.programs.cache import Static
 from jaxbuffer.run.request import request
 from jaxbuffer.run.simulate import CHECKED
-from jaxbuffer.run.stepper import run_of, stepped
+from jaxbuffer.run.stepper import run_of, stepped, stepper_of
 from jaxbuffer.sensitivities.gradients import _gradients, _stepped
 
 from .names import chosen
@@ -75,9 +77,8 @@ def programs(case: Case) -> dict[str, tuple[Callable[..., Any], tuple[Any, ...]]
     between = jax.eval_shape(lambda given: stepped(given, CHECKED), given)
 
     def peak(design: Any) -> Any:
-        # As a traced run is: its numbers are unchecked, and both parts are one program.
         moved = given._replace(parameters=(design, *given.parameters[1:]))
-        return run_of(moved, stepped(moved)).peak_force
+        return stepper_of(mechanism).run(moved).peak_force
 
     made: dict[str, tuple[Callable[..., Any], tuple[Any, ...]]] = {
         "run, stepping": (lambda given: stepped(given, CHECKED), (given,)),
@@ -152,9 +153,15 @@ def outside(jaxpr: Any, loop: Any, around: frozenset[str] = frozenset()) -> Iter
                 yield from outside(part, loop, names)
 
 
+def _used(function: Callable[..., Any], *arguments: Any) -> Any:
+    """Return the jaxpr of a function, without equations whose results nothing uses."""
+    jaxpr = jax.make_jaxpr(function)(*arguments).jaxpr
+    return dce_jaxpr(jaxpr, [True] * len(jaxpr.outvars))[0]
+
+
 def size_of(function: Callable[..., Any], *arguments: Any, once: bool = False) -> Size:
     """Return the size of a function's program; ``once``: whether all of it runs once, as reading off does."""
-    jaxpr = jax.make_jaxpr(function)(*arguments).jaxpr
+    jaxpr = _used(function, *arguments)
     loop = None if once else largest_loop(jaxpr)
     return Size(0 if loop is None else _length(loop), sum(1 for _ in outside(jaxpr, loop)))
 
@@ -173,7 +180,7 @@ def callers(equation: Any) -> set[str]:
 
 def by_function(function: Callable[..., Any], *arguments: Any, once: bool = False) -> Counter[str]:
     """Return how many of the equations that run once each function has, those that it calls included."""
-    jaxpr = jax.make_jaxpr(function)(*arguments).jaxpr
+    jaxpr = _used(function, *arguments)
     counts: Counter[str] = Counter()
     for equation in outside(jaxpr, None if once else largest_loop(jaxpr)):
         counts.update(equation)

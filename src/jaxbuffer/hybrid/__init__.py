@@ -23,10 +23,11 @@ from .rungekutta.solvers import DiagonallyImplicit as DiagonallyImplicit
 from .rungekutta.solvers import ExplicitRungeKutta as ExplicitRungeKutta
 from .rungekutta.solvers import Solver as Solver
 from .sensitivity.augmented_state import Tangents as Tangents
-from .solve import differentiable as differentiable
 from .solve import solve as solve
+from .solve import solve_and_read as solve_and_read
 from .solve import solve_at_fixed_times as solve_at_fixed_times
 from .solve import solve_with_tangents as solve_with_tangents
+from .solve import with_derivatives as with_derivatives
 from .system import EventValues as EventValues
 from .system import HybridSystem as HybridSystem
 from .system import Linearisation as Linearisation

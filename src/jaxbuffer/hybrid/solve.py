@@ -1,12 +1,13 @@
 """A run with the right derivative: `solve` differentiates with respect to every number in the system.
 
-The derivative rule integrates the tangents of the perturbed inputs as rows of the error-controlled state and
-returns J·ṗ with that J. It is linear in ṗ, so JAX transposes it: `jvp`, `jacfwd`, `grad`, `vmap` and `jit` all work.
+The derivative rule integrates the tangents of the perturbed inputs as rows of the error-controlled state, pushes each
+of them through what is read off the run, and returns J·ṗ with that J. It is linear in ṗ, so JAX transposes it: `jvp`,
+`jacfwd`, `grad`, `vmap` and `jit` all work.
 """
 
 import dataclasses
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeVar
 
 import equinox as eqx
 import jax
@@ -22,6 +23,8 @@ from .options import Options
 from .rungekutta.diffrax_solver import Diffrax
 from .sensitivity.augmented_state import Tangents, push_through_assembly
 from .system import HybridSystem
+
+T = TypeVar("T")
 
 # With tangents: how closely events are located [s], and maxima, as a fraction of their height. Where a parameter moves
 # the arrival of an impact by a second, the tangent beside its peak holds that much of the force's rate, which cancels
@@ -69,39 +72,72 @@ def solve_at_fixed_times(
 ) -> Result:
     """Run as `solve` does, with derivatives of ``log.rows`` and ``log.rates`` at the events' fixed times; an event's
     own time shifts by -guard/guard_rate (see `Log`). Nothing else in the log has derivatives."""
-    return _solve(parameters, build, jnp.asarray(duration, float), options, allowed)
+    return solve_and_read(build, _as_it_is, parameters, duration, options, allowed)
+
+
+def solve_and_read(
+    build: Callable[..., HybridSystem],
+    read: Callable[[Any, Array, Options, Result], T],
+    parameters: Any,
+    duration: Float[Array, ""] | float,
+    options: Options,
+    allowed: Bool[Array, ""] | None = None,
+) -> T:
+    """Run as `solve_at_fixed_times` does, and return ``read(parameters, duration, options, result)``.
+
+    The derivatives of what is read are pushed forward from those of the result, in reverse mode too. Backwards, all
+    that is evaluated on the way would be one large kernel: a gradient takes half as long again to compile, in space with
+    four times the memory (docs/decisions.md).
+    """
+    return _solve_and_read(parameters, build, read, jnp.asarray(duration, float), options, allowed)
+
+
+def _as_it_is(parameters: Any, duration: Array, options: Options, result: Result) -> Result:
+    return result
 
 
 @eqx.filter_custom_jvp
-def _solve(
-    parameters: Any, build: Callable[..., HybridSystem], duration: Array, options: Options, allowed: Array | None
-) -> Result:
+def _solve_and_read(
+    parameters: Any,
+    build: Callable[..., HybridSystem],
+    read: Callable[[Any, Array, Options, Result], T],
+    duration: Array,
+    options: Options,
+    allowed: Array | None,
+) -> T:
     by = _stepper(options)
 
     def state_alone(parameters: Any, *others: Any) -> Result:
         return by(lambda system: system, Tangents(build(*parameters)), *others)
 
-    return one_by_one(state_alone, parameters, duration, options, allowed)
+    return read(parameters, duration, options, one_by_one(state_alone, parameters, duration, options, allowed))
 
 
-@_solve.def_jvp
-def _solve_jvp(primals: tuple, tangents: tuple) -> tuple[Result, Result]:
-    parameters, build, duration, options, allowed = primals
-    if jax.tree.leaves(tangents[2:]):
+@_solve_and_read.def_jvp
+def _solve_and_read_jvp(primals: tuple, tangents: tuple) -> tuple[Any, Any]:
+    parameters, build, read, duration, options, allowed = primals
+    if jax.tree.leaves(tangents[1:]):
         raise InputError(FIXED)
     leaves, structure = jax.tree.flatten(parameters, is_leaf=_is_none)
     moves = jax.tree.leaves(tangents[0], is_leaf=_is_none)
     chosen = [i for i, move in enumerate(moves) if move is not None]
 
-    def assembled(values: list[Array], others: list[Array]) -> HybridSystem:
-        filled = list(others)
+    def filled(values: list[Array], others: list[Array]) -> Any:
+        all_of = list(others)
         for i, value in zip(chosen, values, strict=True):
-            filled[i] = value
-        return build(*jax.tree.unflatten(structure, filled))
+            all_of[i] = value
+        return jax.tree.unflatten(structure, all_of)
 
     values = [leaves[i] for i in chosen]
+    assembled = lambda values, others: build(*filled(values, others))  # noqa: E731
     result = solve_with_tangents(assembled, values, leaves, duration, options, allowed)
-    return _of_state(result), _moved(result, values, [moves[i] for i in chosen])
+
+    def found(values: list[Array], result: Result) -> Any:
+        return read(filled(values, leaves), duration, options, result)
+
+    all_found, columns = with_derivatives(found, values, result)
+    along = jnp.stack([moves[i] for i in chosen])
+    return all_found, jax.tree.map(lambda x: jnp.sum(along.reshape(-1, *[1] * (x.ndim - 1)) * x, axis=0), columns)
 
 
 def solve_with_tangents(
@@ -113,7 +149,7 @@ def solve_with_tangents(
     allowed: Bool[Array, ""] | None = None,
 ) -> Result:
     """Run the system that ``assemble(values, others)`` makes, with a tangent for each of the ``values``, of which
-    `differentiable` makes derivatives.
+    `with_derivatives` makes derivatives.
 
     **Returns:** a `Result` whose ``log.rows``, ``log.rates`` and ``steps.rows`` have one row for the state and one for
     each of the values: the derivative at fixed time, times the value's size.
@@ -143,17 +179,32 @@ def motion(system: HybridSystem) -> tuple[Array, ...]:
     return state, system.derivative(none, state, active), *after
 
 
-@eqx.filter_custom_jvp
-def differentiable(result: Result, values: list[Array]) -> Result:
-    """Return a result of `solve_with_tangents` with one row, the state, whose derivatives by ``values`` are those of
-    `solve_at_fixed_times`."""
-    return _of_state(result)
+def with_derivatives(read: Callable[[list[Array], Result], T], values: list[Array], result: Result) -> tuple[T, T]:
+    """Read something off a run of `solve_with_tangents`, with its derivatives.
+
+    **Arguments:** ``read``: a function of the values and of a result with one row, the state, as
+    `solve_at_fixed_times` returns it; the ``values`` and ``result`` of the run.
+
+    **Returns:** what is read, and its derivatives by each of the values along a leading axis, None for what has none.
+    """
+
+    def pushed(direction: list[Array], change: Result) -> tuple[T, T]:
+        return eqx.filter_jvp(read, (values, _with_rows(result, lambda rows: rows[:, :1])), (direction, change))
+
+    # What is read is evaluated once; each push-forward is along one of the values.
+    return eqx.filter_vmap(pushed, out_axes=(None, 0))(list(jnp.eye(len(values))), _changes(result, values))
 
 
-@differentiable.def_jvp
-def _differentiable_jvp(primals: tuple, tangents: tuple) -> tuple[Result, Result]:
-    (result, values), (_, moves) = primals, tangents
-    return _of_state(result), _moved(result, values, moves)
+def _changes(result: Result, values: list[Array]) -> Result:
+    """Return how the result changes with each of the values, along a leading axis: nothing but its rows does."""
+    sizes = _sizes(values)[None, :, None]
+    change = _with_rows(result, lambda rows: jnp.swapaxes(rows[:, 1:] / sizes, 0, 1)[:, :, None])
+    none = jax.tree.map(lambda _: None, change)
+    return none._replace(
+        start=none.start._replace(rows=change.start.rows),
+        log=dataclasses.replace(none.log, rows=change.log.rows, rates=change.log.rates),
+        steps=dataclasses.replace(none.steps, rows=change.steps.rows if change.steps.time.shape[0] else None),
+    )
 
 
 def _sizes(values: list[Array]) -> Float[Array, " values"]:
@@ -161,27 +212,6 @@ def _sizes(values: list[Array]) -> Float[Array, " values"]:
     tolerance."""
     all_of = jnp.stack(values)
     return jnp.where(all_of == 0.0, 1.0, jnp.abs(all_of))
-
-
-def _of_state(result: Result) -> Result:
-    """Return the result without its tangents."""
-    return _with_rows(result, lambda rows: rows[:, :1])
-
-
-def _moved(result: Result, values: list[Array], moves: list[Array]) -> Result:
-    """Return how the result changes with ``moves`` of the values."""
-    shares = jnp.stack([jnp.zeros(()) if move is None else move for move in moves]) / _sizes(values)
-
-    def moved(rows: Array) -> Array:
-        # One operation for all values, and so is its transpose: a sum of products, since each array is large.
-        return jnp.sum(rows[:, 1:] * shares[None, :, None], axis=1, keepdims=True)
-
-    none, change = jax.tree.map(lambda _: None, result), _with_rows(result, moved)
-    return none._replace(
-        start=none.start._replace(rows=change.start.rows),
-        log=dataclasses.replace(none.log, rows=change.log.rows, rates=change.log.rates),
-        steps=dataclasses.replace(none.steps, rows=change.steps.rows if result.steps.time.shape[0] else None),
-    )
 
 
 def _with_rows(result: Result, of: Callable[[Array], Array]) -> Result:

@@ -3,9 +3,11 @@
 import dataclasses
 import itertools
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, TypeVar
 
+import equinox as eqx
 import jax
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool
 
@@ -20,6 +22,7 @@ from .sizing import Sizer, Sizing
 from .system import ContactSystem
 from .view import Names, View
 
+T = TypeVar("T")
 TOLERANCES = {"low": LEAST_TOLERANCE, "high": 1e-2}
 LIMITS: dict[str, dict[str, Any]] = {
     "duration": POSITIVE,
@@ -171,13 +174,31 @@ class Stepper(Protocol):
         """Step a run. ``unchecked``: whether its numbers may be out of range, or the run not ``enabled``; it then fails
         without a step, and need have derivatives backwards only."""
 
+    def run(self, request: Request) -> Any:
+        """Return the `Run` of unchecked numbers, with derivatives by all of its parameters."""
+        return self.read(request, self.step(request, unchecked=True, enabled=True))
+
     def step_with_tangents(self, make: Callable[[list[Array], Any], Request], values: list[Array], others: Any) -> Any:
-        """Step the run ``make(values, others)`` with a tangent for each value; None where `differentiable` does it."""
+        """Step the run ``make(values, others)`` with a tangent for each value; None where `with_derivatives` steps."""
         return None
 
-    def differentiable(self, request: Request, result: Any, values: list[Array]) -> Any:
-        """Return the result of `step_with_tangents`, with derivatives by the values; without one, step the run."""
-        return self.step(request, unchecked=False, enabled=True)
+    def with_derivatives(
+        self,
+        read: Callable[[list[Array], Any], T],
+        make: Callable[[list[Array]], Request],
+        values: list[Array],
+        result: Any,
+    ) -> tuple[T, T]:
+        """Return ``read(values, stepped)`` with its derivatives by each value along a leading axis, None for what has
+        none. ``stepped``: as `step` returns it, of ``make(values)``; ``result``: that of `step_with_tangents`."""
+
+        def found(values: list[Array]) -> T:
+            return read(values, self.step(make(values), unchecked=False, enabled=True))
+
+        def pushed(direction: list[Array]) -> tuple[T, T]:
+            return eqx.filter_jvp(found, (values,), (direction,))
+
+        return eqx.filter_vmap(pushed, out_axes=(None, 0))(list(jnp.eye(len(values))))
 
     def many(self, one: Callable[..., Any]) -> Callable[..., Any]:
         """Return the function ``one`` of a run's numbers as a function of arrays of them."""

@@ -14,11 +14,11 @@ from ..hybrid import Result, Solver, solver_named
 from ..mechanisms.mechanism import LIMITS, Mechanism, Request
 from ..mechanisms.registry import mechanism_of
 from ..mechanisms.run import DesignOf, R, Run
-from ..programs.cache import Static, after
+from ..programs.cache import Static, after, stored
 from .history import trimmed
 from .instants import at_times
 from .request import DEFAULT_TOLERANCE, ONE_RUN, check_assembly, check_pair, options_of, request
-from .stepper import CHECKED, HISTORY_STEPS, UNCHECKED, run_of, stepped, stepper_of
+from .stepper import CHECKED, HISTORY_STEPS, run_of, stepped, stepper_of
 
 
 @overload
@@ -119,7 +119,7 @@ def simulate(
         if any(map(np.ndim, jax.tree.leaves(given.parameters))):
             _refuse_arrays(design, scenario, one)
     # Traced numbers have no values to check yet: the program does it, and such a run ends with `failed_input`.
-    run = _simulate(given, UNCHECKED if traced else CHECKED)
+    run = _traced(given) if traced else _simulate(given, CHECKED)
     if not traced and run.outcome.failed:
         check_assembly(mechanism, design, scenario, stabilisation)
     return _with_history(run, mechanism, times)
@@ -161,3 +161,9 @@ def _array(value: Any) -> Any:
 @after(stepped, what="a run")
 def _simulate(request: Request, unchecked: Static, result: Result) -> Run:
     return run_of(request, result)
+
+
+@stored
+def _traced(request: Request) -> Run:
+    """Run within a larger program, which may differentiate it."""
+    return stepper_of(request.mechanism).run(request)

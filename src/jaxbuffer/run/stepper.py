@@ -1,8 +1,9 @@
 """A run stepped through time and read off: from event to event, unless its mechanism has a stepper of its own."""
 
 import dataclasses
+import functools
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeVar
 
 import jax
 from jaxtyping import Array, Bool
@@ -12,15 +13,17 @@ from ..hybrid import (
     Options,
     Result,
     StepTolerance,
-    differentiable,
+    solve_and_read,
     solve_at_fixed_times,
     solve_with_tangents,
+    with_derivatives,
 )
 from ..mechanisms.mechanism import Mechanism, Request, Stepper
 from ..mechanisms.run import Run
 from ..programs.cache import Static
 from .read_off import read_off
 
+T = TypeVar("T")
 CHECKED, UNCHECKED = Static(False), Static(True)
 HISTORY_STEPS = 20_000
 
@@ -37,6 +40,12 @@ class Events:
         build, options = request.mechanism.system, events_options(request)
         return solve_at_fixed_times(build, request.parameters, request.duration, options, allowed)
 
+    def run(self, request: Request) -> Run:
+        """See `Stepper`."""
+        mechanism, options = request.mechanism, events_options(request)
+        read = functools.partial(_read, mechanism)
+        return solve_and_read(mechanism.system, read, request.parameters, request.duration, options, request.allowed)
+
     def step_with_tangents(
         self, make: Callable[[list[Array], Any], Request], values: list[Array], others: Any
     ) -> Result:
@@ -49,9 +58,11 @@ class Events:
         allowed, options = request.allowed, events_options(request)
         return solve_with_tangents(assembled, values, others, request.duration, options, allowed)
 
-    def differentiable(self, request: Request, result: Result, values: list[Array]) -> Result:
+    def with_derivatives(
+        self, read: Callable[[list[Array], Result], T], make: Any, values: list[Array], result: Result
+    ) -> tuple[T, T]:
         """See `Stepper`."""
-        return differentiable(result, values)
+        return with_derivatives(read, values, result)
 
     def many(self, one: Callable[..., Any]) -> Callable[..., Any]:
         """Return a function that steps runs one after the other, though it is mapped: see `solve_at_fixed_times`."""
@@ -67,6 +78,12 @@ class Events:
 
 
 EVENTS = Events()
+
+
+def _read(mechanism: Mechanism, parameters: Any, duration: Array, options: Options, result: Result) -> Run:
+    assert options.tolerance is not None
+    tolerances = (options.tolerance.rtol, options.tolerance.atol)
+    return read_off(Request(mechanism, parameters, duration, tolerances, options), result)
 
 
 def stepper_of(mechanism: Mechanism) -> Stepper:

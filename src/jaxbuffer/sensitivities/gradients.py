@@ -107,9 +107,11 @@ def _gradients(
 ) -> Gradients:
     catalogue = mechanism.quantities
 
-    def outputs(values: list[Array]) -> tuple[tuple[Array, dict[str, Array]], tuple[Run, Array]]:
-        given = _moved(mechanism, inputs, values, addresses, solver)
-        run = run_of(given, stepper_of(mechanism).differentiable(given, result, values))
+    def make(values: list[Array]) -> Request:
+        return _moved(mechanism, inputs, values, addresses, solver)
+
+    def read(values: list[Array], result: Any) -> tuple[Run, Array, dict[str, Array]]:
+        run = run_of(make(values), result)
         unknown = jnp.full((), jnp.nan)  # of what has no derivatives
         numbers = [it.of(run) if it.differentiable else unknown for it in catalogue.values()]
         results = jnp.stack(numbers) if numbers else jnp.zeros(0)
@@ -117,10 +119,15 @@ def _gradients(
         if slots is not None:
             others = jnp.full(run.impacts.time.shape, jnp.nan)
             impacts |= {name: others.at[slots].set(run.loads(name, slots)) for name in LOAD_UNITS}
-        return (results, impacts), (run, results)
+        return run, results, impacts
 
     separate = [values[k] for k in range(len(addresses.value))]
-    # Forward mode: the tangents of the run are there already, and each quantity is a push-forward of them.
-    (slopes, by_impact), (run, results) = jax.jacfwd(outputs, has_aux=True)(separate)
-    by_impact = {name: jnp.stack(columns, axis=1) for name, columns in by_impact.items()}
-    return Gradients(run, results, jnp.stack(slopes, axis=1), by_impact)
+    # The tangents of the run are there already: each quantity is pushed forward from them.
+    (run, results, impacts), slopes = stepper_of(mechanism).with_derivatives(read, make, separate, result)
+
+    def last(slopes: Array | None, of: Array) -> Array:
+        return jnp.zeros((*of.shape, len(separate))) if slopes is None else jnp.moveaxis(slopes, 0, -1)
+
+    _, of_results, of_impacts = slopes
+    by_impact = {name: last(of_impacts[name], it) for name, it in impacts.items()}
+    return Gradients(run, results, last(of_results, results), by_impact)
