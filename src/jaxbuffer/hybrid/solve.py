@@ -85,9 +85,9 @@ def solve_and_read(
 ) -> T:
     """Run as `solve_at_fixed_times` does, and return ``read(parameters, duration, options, result)``.
 
-    The derivatives of what is read are pushed forward from those of the result, in reverse mode too. Backwards, all
-    that is evaluated on the way would be one large kernel: a gradient takes half as long again to compile, in space with
-    four times the memory (docs/decisions.md).
+    What is read has derivatives pushed forward from those of the result, in reverse mode too: backwards, all that is
+    evaluated on the way would be one kernel, which takes longer to compile and, in space, beyond 10 GB
+    (docs/decisions.md).
     """
     return _solve_and_read(parameters, build, read, jnp.asarray(duration, float), options, allowed)
 
