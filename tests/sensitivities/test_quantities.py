@@ -1,5 +1,7 @@
 """Every quantity that can be asked for has the right derivative, events that move with the parameters included."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -118,3 +120,11 @@ def test_angles_are_shown_in_degrees():
     for unit, factor in shown:
         assert unit == "deg"
         assert factor == pytest.approx(np.degrees(1.0), rel=1e-14)
+
+
+def test_elasticities_of_chaotic_runs_have_exponents():
+    """The tank's, whose liquid amplifies small differences, are as large as that."""
+    found = jb.sensitivity(jb.BarDrop(), wrt=["bar.density"], duration=0.01, certify="none")
+    large = dataclasses.replace(found, elasticities=np.full_like(found.elasticities, -2.5e90))
+    assert "-2.500e+90" in str(large)
+    assert f"{found.elasticities[0, 0]:+.4f}" in str(found)

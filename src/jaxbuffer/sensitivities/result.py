@@ -20,6 +20,8 @@ from ..tables import html, table, text
 from ..value_text import percent_text, quotient_unit, with_unit
 from .certificate import Certificate
 
+LARGEST = 1e6  # elasticity that is written in full: chaotic runs have far larger ones, which the certificate refuses
+
 COLUMNS = {
     **dict.fromkeys(("quantity", "parameter", "value", "parameter_unit", "gradient", "gradient_unit"), ""),
     **{"elasticity": "-", "estimated_error": "-", "verdict": ""},
@@ -103,10 +105,12 @@ def _tables(result: Sensitivity) -> list[str | Table]:
         (above, factor), (below, many) = shown_unit(catalogue, result.quantities[i]), shown[k]
         return with_unit(factor / many * result.gradients[i, k], quotient_unit(above, below), 5, sign=True)
 
+    def elasticity(i: int, k: int) -> str:
+        number = result.elasticities[i, k]
+        return f"{number:+.3e}" if LARGEST < abs(number) < np.inf else f"{number:+.4f}"
+
     elastic = table("Elasticities: per cent change of a quantity for one per cent more of a parameter")
-    _by_parameter(
-        elastic, result, np.flatnonzero(np.logical_not(signed)), lambda i, k: f"{result.elasticities[i, k]:+.4f}"
-    )
+    _by_parameter(elastic, result, np.flatnonzero(np.logical_not(signed)), elasticity)
     derivatives = table("Derivatives of quantities that can change sign")
     _by_parameter(derivatives, result, np.flatnonzero(signed), slope)
     main, certificate = result.quantities[0], result.certificate
