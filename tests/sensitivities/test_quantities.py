@@ -122,6 +122,7 @@ def test_angles_are_shown_in_degrees():
         assert factor == pytest.approx(np.degrees(1.0), rel=1e-14)
 
 
+@pytest.mark.slow
 def test_elasticities_of_chaotic_runs_have_exponents():
     """The tank's, whose liquid amplifies small differences, are as large as that."""
     found = jb.sensitivity(jb.BarDrop(), wrt=["bar.density"], duration=0.01, certify="none")

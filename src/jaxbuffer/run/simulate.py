@@ -1,5 +1,6 @@
 """`simulate`: one run of any mechanism, from a design and a scenario to everything one wants to know of it."""
 
+import functools
 from typing import Any, overload
 
 import equinox as eqx
@@ -163,7 +164,7 @@ def _simulate(request: Request, unchecked: Static, result: Result) -> Run:
     return run_of(request, result)
 
 
-@stored
+@functools.partial(stored, what="a run")
 def _traced(request: Request) -> Run:
     """Run within a larger program, which may differentiate it."""
     return stepper_of(request.mechanism).run(request)
