@@ -106,7 +106,7 @@ def main(
 ) -> int:
     """Print the table; the exit status."""
     known = {each.name: each for each in references() if each.outcome == "captured"}
-    shown = table(f"Warm times [ms], peak force and end time within {TARGET:g}")
+    shown = table(f"Warm times in ms, peak force and end time within {TARGET:g}")
     for heading in ("capture", ours.NAME, PEER, "times as fast", "settings"):
         shown.add_column(heading, justify="left" if heading in ("capture", "settings") else "right")
     for name in chosen(case, known, "capture"):
