@@ -76,7 +76,7 @@ def free_starts(count: int) -> str:
 def main(starts: Annotated[int, typer.Option(help="free starts of the sweep")] = 10_000) -> None:
     """Print the table."""
     jb.configure()
-    times = table("Quickest warm times [ms]")
+    times = table("Quickest warm times in ms")
     for heading in ("", "capture alone", "with five derivatives", "until held, or 20 s", "with five derivatives"):
         times.add_column(heading, justify="right" if heading else "left")
     times.add_row(*row("Table 2, 22 and 24 kg", jb.table2(), SMALL_LATCH, jb.Scenario()))
