@@ -132,12 +132,12 @@ def _solve_and_read_jvp(primals: tuple, tangents: tuple) -> tuple[Any, Any]:
     assembled = lambda values, others: build(*filled(values, others))  # noqa: E731
     result = solve_with_tangents(assembled, values, leaves, duration, options, allowed)
 
-    def found(values: list[Array], result: Result) -> Any:
+    def read_from(values: list[Array], result: Result) -> Any:
         return read(filled(values, leaves), duration, options, result)
 
-    all_found, columns = with_derivatives(found, values, result)
+    value, columns = with_derivatives(read_from, values, result)
     along = jnp.stack([moves[i] for i in chosen])
-    return all_found, jax.tree.map(lambda x: jnp.sum(along.reshape(-1, *[1] * (x.ndim - 1)) * x, axis=0), columns)
+    return value, jax.tree.map(lambda x: jnp.sum(along.reshape(-1, *[1] * (x.ndim - 1)) * x, axis=0), columns)
 
 
 def solve_with_tangents(
@@ -188,11 +188,11 @@ def with_derivatives(read: Callable[[list[Array], Result], T], values: list[Arra
     **Returns:** what is read, and its derivatives by each of the values along a leading axis, None for what has none.
     """
 
-    def pushed(direction: list[Array], change: Result) -> tuple[T, T]:
+    def push(direction: list[Array], change: Result) -> tuple[T, T]:
         return eqx.filter_jvp(read, (values, _with_rows(result, lambda rows: rows[:, :1])), (direction, change))
 
     # What is read is evaluated once; each push-forward is along one of the values.
-    return eqx.filter_vmap(pushed, out_axes=(None, 0))(list(jnp.eye(len(values))), _changes(result, values))
+    return eqx.filter_vmap(push, out_axes=(None, 0))(list(jnp.eye(len(values))), _changes(result, values))
 
 
 def _changes(result: Result, values: list[Array]) -> Result:

@@ -192,13 +192,13 @@ class Stepper(Protocol):
         """Return ``read(values, stepped)`` with its derivatives by each value along a leading axis, None for what has
         none. ``stepped``: as `step` returns it, of ``make(values)``; ``result``: that of `step_with_tangents`."""
 
-        def found(values: list[Array]) -> T:
+        def step_and_read(values: list[Array]) -> T:
             return read(values, self.step(make(values), unchecked=False, enabled=True))
 
-        def pushed(direction: list[Array]) -> tuple[T, T]:
-            return eqx.filter_jvp(found, (values,), (direction,))
+        def push(direction: list[Array]) -> tuple[T, T]:
+            return eqx.filter_jvp(step_and_read, (values,), (direction,))
 
-        return eqx.filter_vmap(pushed, out_axes=(None, 0))(list(jnp.eye(len(values))))
+        return eqx.filter_vmap(push, out_axes=(None, 0))(list(jnp.eye(len(values))))
 
     def many(self, one: Callable[..., Any]) -> Callable[..., Any]:
         """Return the function ``one`` of a run's numbers as a function of arrays of them."""
