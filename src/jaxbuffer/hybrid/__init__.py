@@ -1,6 +1,7 @@
 """Time stepping of any hybrid mechanism: solvers, events, sensitivities."""
 
 from .event_times import moving as moving
+from .loop.log import UNMOVED as UNMOVED
 from .loop.log import Kind as Kind
 from .loop.log import Log as Log
 from .loop.log import Steps as Steps

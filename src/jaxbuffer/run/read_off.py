@@ -16,7 +16,7 @@ from .conservation import balance
 from .history import history as history_of
 from .impacts import contact_time, impacts
 from .maxima import maxima, places_of
-from .moving import moving_end, moving_events
+from .moving import moving_end, moving_events, moving_maxima
 from .readings import readings
 from .survey import survey
 
@@ -30,15 +30,16 @@ def read_off(request: Request, result: Result) -> Run:
 def _read_off(request: Request, system: ContactSystem, result: Result) -> Solved:
     """Read off what every mechanism's runs have."""
     mechanism, parameters, duration, _, options = request
-    events, places = survey(system, result.log), places_of(system, result.log)
-    log, by_guard = moving_events(result.log, events), result.status < Status.TIMEOUT
+    log, places = moving_maxima(system, result.log), places_of(system, result.log)
+    events, by_guard = survey(system, log), result.status < Status.TIMEOUT
+    log = moving_events(log, events)
     read = readings(system, mechanism.reader, result.start, log, places.slots, by_guard)
     events = events.with_forces(jnp.append(places.slots, jnp.maximum(log.count - 1, 0)), read.observables)
     log = moving_end(log, read.end_time, read.end.state)
     code = outcome_code(mechanism.outcomes, system.end_outcomes, result.status)
     # a factor, so that derivatives are NaN as well
     known = jnp.where(code < mechanism.outcomes["failed_steps"], 1.0, jnp.nan)
-    top, hits = maxima(system, log, places, read), impacts(system, log, events)
+    top, hits = maxima(system, log, result.log, places, read), impacts(system, log, events)
     energy, conserved = balance(system, read, log, events.drift)
     touched = top.peak_force > 0.0  # without a contact there is no largest force, nor a time and a place of it
     numbers = {
