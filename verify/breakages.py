@@ -71,6 +71,7 @@ RISES_AGAIN = "tests/hybrid/test_crossing.py::test_a_maximum_of_what_rises_again
 JUMPING = "tests/hybrid/test_jumping_guards.py::test_the_run_ends_where_both_jump[1e-06-1.1]"
 TWO_SIDES = "tests/contact/test_two_sides.py"
 ANY_SIGN = "tests/hybrid/test_maxima.py::test_a_maximum_is_one_whatever_its_sign[loop-0.9]"
+DELAYED = "tests/run/test_moving_maxima.py::test_a_hinge_force_of_microseconds_by_what_delays_its_impact[explicit]"
 CHAINED = "tests/tuning/test_custom_quantity.py::test_slopes_are_those_of_the_function"
 
 
@@ -235,6 +236,12 @@ def _release_stands_still() -> None:
     from jaxbuffer.run import readings
 
     readings.largest_at_event = lambda system, kind: jnp.zeros(kind.shape, bool)
+
+
+def _maxima_at_fixed_times() -> None:
+    from jaxbuffer.run import read_off
+
+    read_off.moving_maxima = lambda system, log: log
 
 
 def _falling_ends_only() -> None:
@@ -627,6 +634,12 @@ BREAKAGES = (
     Breakage("maxima from zero", "nothing below zero is a largest value", _maxima_from_zero, (ANY_SIGN,)),
     Breakage(
         "release's time", "a maximum right after a release does not move with it", _release_stands_still, (RELEASED,)
+    ),
+    Breakage(
+        "fixed maxima",
+        "derivatives of a maximum at a time that is not quite its own",
+        _maxima_at_fixed_times,
+        (DELAYED,),
     ),
     Breakage(
         "falling ends", "no maximum in a step at whose end the quantity rises", _falling_ends_only, (RISES_AGAIN,)

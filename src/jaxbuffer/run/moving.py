@@ -2,9 +2,10 @@
 
 import dataclasses
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
 from ..hybrid import UNMOVED, Kind, Log
 from ..mechanisms.system import ContactSystem
@@ -20,26 +21,33 @@ def moving_maxima(system: ContactSystem, log: Log) -> Log:
     the derivative at a fixed time holds the force's rate over that uncertainty times the delay.
     """
     ours = (log.kind == Kind.PEAK) & (log.guard_rate < UNMOVED)
-    motion = jnp.zeros(log.rows.shape[-1], bool)
-    for name in ("q", "v"):
-        motion = motion.at[system.places[name]].set(True)
-    state = jax.vmap(_with_the_motion, (0, 0, 0, None))(log.rows[:, 0], log.rates[:, 0], ours, motion)
+    state = _with_the_motion(log.rows[:, 0], system, log.active, ours)
     return dataclasses.replace(log, rows=log.rows.at[:, 0].set(state))
 
 
-@jax.custom_jvp
-def _with_the_motion(state: Array, rate: Array, applies: Array, motion: Array) -> Float[Array, " state"]:
-    """Return a state as it is, whose change has lost what a delay explains of its entries in ``motion``."""
-    return state
+# A rule of its own, since the states' rates are asked for by derivatives alone. Those in the log are a little beside.
+@eqx.filter_custom_jvp
+def _with_the_motion(
+    states: Float[Array, "slots state"], system: ContactSystem, active: Array, maximum: Bool[Array, " slots"]
+) -> Float[Array, "slots state"]:
+    """Return states as they are, whose changes, at a ``maximum``, have lost what a delay explains of them."""
+    return states
 
 
-@_with_the_motion.defjvp
+@_with_the_motion.def_jvp
 def _with_the_motion_jvp(primals: tuple, tangents: tuple) -> tuple[Array, Array]:
-    (state, rate, applies, motion), (change, *_) = primals, tangents
-    along = jnp.where(motion & applies, rate, 0.0)
-    size = jnp.vdot(along, along)
-    delay = -jnp.vdot(along, change) / jnp.where(size > 0.0, size, 1.0)
-    return state, change + delay * rate
+    (states, system, active, maximum), (changes, *_) = primals, tangents
+    if changes is None:
+        return states, jnp.zeros_like(states)
+
+    def moved(state: Array, change: Array, active: Array, maximum: Array) -> Array:
+        rate = system.derivative(jnp.zeros(()), state, active)
+        along, of = (jnp.concatenate([x[system.places[name]] for name in ("q", "v")]) for x in (rate, change))
+        size = jnp.vdot(along, along)
+        delay = -jnp.vdot(along, of) / jnp.where(size > 0.0, size, 1.0)
+        return change + jnp.where(maximum, delay, 0.0) * rate
+
+    return states, jax.vmap(moved)(states, changes, active, maximum)
 
 
 def moving_end(log: Log, time: Float[Array, ""], state: Float[Array, " state"]) -> Log:

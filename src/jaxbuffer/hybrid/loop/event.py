@@ -124,19 +124,11 @@ def logged(
 
     **Returns:** the log, and the largest value of each observable in it.
     """
+    state = _with_values_after(task, state, trial, decision)
     log, highest = _with_start(task, state, trial, decision)
     mine = task.observable_of(event.guard) & event.maximum
     # At the event: the rate of the one that has a maximum there falls to zero on the way.
     values = trial.guards.value + jnp.where(mine, 0.5, 1.0) * event.offset * trial.guards.value_rate
-    # What is largest right after a touchdown with a jump, or right after a release, has no maximum that could be
-    # located. The step onto a release ends a little beside it, where the contact still pushes; the log's values are
-    # those without that push.
-    of_rate = task.contacts > 0 and task.system.observes_rate
-    if task.system.jumps or of_rate:
-        mode_changes = event.touchdown & task.system.jumps | event.release & of_rate
-        at = (event.time, event.rows_at_event[0], event.active)
-        after = lambda: task.system.observables_anew(*at)  # noqa: E731
-        values = lax.cond(mode_changes, after, lambda: values)
     # Guards are numbered through all kinds; the log counts each kind from zero.
     first = jnp.where(event.of_contact, 0, jnp.where(event.terminal, task.contacts, task.rated))
     when = decision.accepted & (event.kind != Kind.NONE)
@@ -153,7 +145,18 @@ def logged(
         rates=trial.step.rate + event.offset * trial.step.second,
         touching=task.system.touching(state.active),
     )
-    return log, jnp.where(when & (mine | ~log.overflown), jnp.maximum(highest, values), highest)
+    known = when & ~task.sudden(event.kind) & (mine | ~log.overflown)
+    return log, jnp.where(known, jnp.maximum(highest, values), highest)
+
+
+def _with_values_after(task: Task, state: LoopState, trial: Trial, decision: Decision) -> LoopState:
+    """Put the observables after a sudden event in place of those before it, in the log, once the derivative has been
+    evaluated there."""
+    log = state.log
+    last = log.kind[jnp.maximum(log.count - 1, 0)]
+    after = decision.accepted & state.reevaluating & (state.attempts > 0) & ~log.overflown & task.sudden(last)
+    logged = jnp.where(after, jnp.maximum(state.logged, trial.guards.value), state.logged)
+    return state._replace(log=log.with_last_values(after, trial.guards.value), logged=logged)
 
 
 def _with_start(

@@ -82,6 +82,11 @@ class Log(eqx.Module):
         starts = (self.kind == Kind.TOUCHDOWN) & (self.time == 0.0)
         return dataclasses.replace(self, values=jnp.where(starts[:, None], values[None], self.values))
 
+    def with_last_values(self, when: Bool[Array, ""], values: Float[Array, " observables"]) -> "Log":
+        """Return the log with these observables in its last entry if ``when``; the log is not overflown."""
+        slot = jnp.where(when, self.count - 1, self.kind.shape[0] - 1)
+        return _put(self, {"values": values}, slot)
+
     @staticmethod
     def empty(slots: int, rows: Rows, contacts: int, observables: int) -> "Log":
         """Return an empty log with room for ``slots`` events in order.

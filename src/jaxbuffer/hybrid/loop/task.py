@@ -12,6 +12,7 @@ from ..._types import Scalar
 from ..options import Options
 from ..sensitivity.augmented_state import Rows, Tangents
 from ..system import Active, HybridSystem
+from .log import Kind
 
 P = TypeVar("P")
 
@@ -75,6 +76,13 @@ class Task(Generic[P]):
     def observable_of(self, guard: Int[Array, ""]) -> Bool[Array, " observables"]:
         """Return which observable's maxima a guard stands for, if any's."""
         return self.each_observable == guard - self.rated
+
+    def sudden(self, kind: Int[Array, ""]) -> Bool[Array, ""]:
+        """Return whether an event of this `Kind` changes observables at once: a touchdown with a jump; a release, onto
+        which a step ends a little beside, where the contact still pushes. What is largest right after it has no
+        maximum that could be located."""
+        at_release = self.contacts > 0 and self.system.observes_rate
+        return (kind == Kind.TOUCHDOWN) & self.system.jumps | (kind == Kind.RELEASE) & at_release
 
     @property
     def of_rate(self) -> Bool[Array, " observables"]:

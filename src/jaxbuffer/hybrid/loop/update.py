@@ -114,12 +114,12 @@ def next_phase(
     """Return what the next trial step is for, and the bracket of the event to locate.
 
     The table of transitions says it, with two exceptions after an accepted step. The derivative is evaluated again
-    after a touchdown at which it jumps, as it does wherever the gap could not be brought to zero, and with tangents
-    after a release: there dF/dp ∝ √gap, so a rounding-level gap makes it inaccurate. And a release so near that no
-    other step can be accurate is located at once, without a longer step that finds it first.
+    after an event that changes observables at once, after a touchdown whose gap could not be brought to zero, and with
+    tangents after a release: there dF/dp ∝ √gap, so a rounding-level gap makes it inaccurate. And a release so near
+    that no other step can be accurate is located at once, without a longer step that finds it first.
     """
-    jumps = task.system.jumps | ~decision.refinement.converged
-    reevaluate = event.touchdown & jumps | event.release & bool(task.tangents.count)
+    deep = event.touchdown & ~decision.refinement.converged
+    reevaluate = task.sudden(event.kind) | deep | event.release & bool(task.tangents.count)
     contact, release = next_release(point.guards, event.active)
     near = release <= jnp.minimum(event.contact_step, step_sizes.steps[0])
     near = decision.accepted & ~event.of_contact & near
