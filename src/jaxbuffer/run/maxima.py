@@ -40,29 +40,25 @@ def places_of(system: ContactSystem, log: Log) -> Places:
     return Places(slots, jnp.concatenate([contact[None], others]))
 
 
-def maxima(system: ContactSystem, log: Log, fixed: Log, places: Places, read: Readings) -> Maxima:
-    """Return the largest values over the start, all located events and the end.
-
-    **Arguments:** ``log``, whose events move; ``fixed``: the same one with derivatives at fixed times; ``places`` in
-    it; ``read``: the readings there.
-    """
+def maxima(system: ContactSystem, log: Log, places: Places, read: Readings) -> Maxima:
+    """Return the largest values over the start, all located events and the end."""
     contacts, values = system.impact_contacts, read.largest[jnp.arange(len(places.columns)), places.columns]
     located = values[1:] if contacts else values
     largest = jnp.maximum(located, read.start.observables[contacts:])
     others = dict(zip(system.observed[contacts:], largest, strict=True))
     if not contacts:  # there is no force
         return Maxima(jnp.zeros(()), jnp.zeros(()), jnp.asarray(-1), others)
-    return Maxima(values[0], _peak_time(system, log, fixed, places), places.columns[0], others)
+    return Maxima(values[0], _peak_time(system, log, places), places.columns[0], others)
 
 
-def _peak_time(system: ContactSystem, log: Log, fixed: Log, places: Places) -> Float[Array, ""]:
+def _peak_time(system: ContactSystem, log: Log, places: Places) -> Float[Array, ""]:
     """Return when a contact force is largest, with the derivative -(∂slope/∂p)/(dslope/dt)."""
     slot, contact = places.slots[0], places.columns[0]
     its_own = (log.kind[slot] == Kind.PEAK) & (log.which[slot] == contact)
     # Where the force is largest without being stationary its time moves with that event alone: an infinite rate adds
     # nothing.
     rate = jnp.where(its_own, log.guard_rate[slot], jnp.inf)
-    point = (fixed.rows[slot, 0], fixed.rates[slot, 0])
+    point = (log.rows[slot, 0], log.rates[slot, 0])
     return _with_slope(log.time[slot], system, point, log.active[slot], contact, rate)
 
 

@@ -1,5 +1,6 @@
 """All that every mechanism's runs have, read off what time stepping found."""
 
+import dataclasses
 from typing import Any
 
 import equinox as eqx
@@ -39,7 +40,9 @@ def _read_off(request: Request, system: ContactSystem, result: Result) -> Solved
     code = outcome_code(mechanism.outcomes, system.end_outcomes, result.status)
     # a factor, so that derivatives are NaN as well
     known = jnp.where(code < mechanism.outcomes["failed_steps"], 1.0, jnp.nan)
-    top, hits = maxima(system, log, result.log, places, read), impacts(system, log, events)
+    # When a force is largest follows from derivatives at fixed times.
+    fixed = dataclasses.replace(log, rows=result.log.rows)
+    top, hits = maxima(system, fixed, places, read), impacts(system, log, events)
     energy, conserved = balance(system, read, log, events.drift)
     touched = top.peak_force > 0.0  # without a contact there is no largest force, nor a time and a place of it
     numbers = {
