@@ -62,9 +62,11 @@ def read_csv(path: Path) -> list[tuple[str, dict[str, CatalogueCell]]]:
 
 
 def _headings(table: CsvTable) -> list[tuple[str, str]]:
-    """Return name and unit of each column."""
-    split, where = [_name_and_unit(text) for text in table.headings], f"{table.file}, line {table.header}"
-    names = [name for name, _ in split]
+    """Return name and unit of each column, "" for none; a heading is such as "k_A [kN/m]"."""
+    # A curve's point has a bracket too, "force[2]", but no space before it.
+    parts = [text.partition(" [") for text in table.headings]
+    split = [(name, symbol.removesuffix("]")) for name, _, symbol in parts]
+    names, where = [name for name, _ in split], f"{table.file}, line {table.header}"
     for name in names:
         if not name:
             raise InputError(f"{where}: column {names.index('') + 1} has no heading")
@@ -74,13 +76,6 @@ def _headings(table: CsvTable) -> list[tuple[str, str]]:
         hint = table.in_comment(NAMES) or f"; found {', '.join(table.headings)}"
         raise InputError(f"{where}: no column is called name{hint}")
     return split
-
-
-def _name_and_unit(heading: str) -> tuple[str, str]:
-    """Return the name and the unit, "" for none, of a heading such as "k_A [kN/m]"."""
-    # A curve's point has a bracket too, "force[2]", but no space before it.
-    name, _, symbol = heading.partition(" [")
-    return name, symbol.removesuffix("]")
 
 
 def _typed(where: str, text: str, symbol: str) -> Any:

@@ -152,11 +152,8 @@ def _parts(choice: Choice) -> list[str | Table]:
     best = choice.best
     tables = [_ranking(choice)] if best is None else [_limits(choice, best), *_levers(choice), _ranking(choice)]
     tables += [] if best is None else [_fields(choice)]
-    return [choice.message[:1].upper() + choice.message[1:], *tables, *lines(choice), *_ask(choice)]
-
-
-def _ask(choice: Choice) -> list[str]:
-    return [] if choice.best is None or choice.levers else [ASK]
+    ask = [] if best is None or choice.levers else [ASK]
+    return [choice.message[:1].upper() + choice.message[1:], *tables, *lines(choice), *ask]
 
 
 def _levers(choice: Choice) -> list[Table]:

@@ -3,7 +3,7 @@
 import contextlib
 import dataclasses
 import uuid
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -78,13 +78,11 @@ class ChoiceStore:
             # A damaged block counts too: it stays, and no new one takes its name.
             self._next = max(self._next, int(file.stem) + 1)
             with contextlib.suppress(BlockError):  # its runs are computed again
-                self._take(blocks.read(file.name))
+                block = blocks.read(file.name)
+                keys, rtol = block["keys"].tolist(), float(block["rtol"])
+                rows = zip(block["code"].tolist(), block["impacts"].tolist(), block["values"], strict=True)
+                self._rows |= {((key[0], key[1]), rtol): row for key, row in zip(keys, rows, strict=True)}
         return blocks
-
-    def _take(self, block: Mapping[str, np.ndarray]) -> None:
-        keys, rtol = block["keys"].tolist(), float(block["rtol"])
-        rows = zip(block["code"].tolist(), block["impacts"].tolist(), block["values"], strict=True)
-        self._rows |= {((key[0], key[1]), rtol): row for key, row in zip(keys, rows, strict=True)}
 
     def row(self, key: Key, rtol: float) -> Row | None:
         """Return the numbers of a run that is done, at a tolerance of ``rtol`` [-]; None of any other."""

@@ -117,8 +117,10 @@ def simulate(
     if not all(type(leaf) is float for leaf in leaves):
         traced = any(isinstance(leaf, jax.core.Tracer) for leaf in leaves)
         given = jax.tree.map(_array, given)
-        if any(map(np.ndim, jax.tree.leaves(given.parameters))):
-            _refuse_arrays(design, scenario, one)
+        for path, leaf in jax.tree_util.tree_leaves_with_path((design, scenario)):
+            if np.ndim(leaf):
+                name = "".join(str(key) for key in path[1:]).lstrip(".")
+                raise InputError(f"{name} has shape {np.shape(leaf)}; {one}")
     # Traced numbers have no values to check yet: the program does it, and such a run ends with `failed_input`.
     run = _traced(given) if traced else _simulate(given, CHECKED)
     if not traced and run.outcome.failed:
@@ -144,13 +146,6 @@ def _with_history(run: Run, mechanism: Mechanism, times: Any) -> Run:
     if times is not None:
         run = eqx.tree_at(lambda r: r.history, run, at_times(run, times))
     return run
-
-
-def _refuse_arrays(design: Part, scenario: Part, one: str) -> None:
-    for path, leaf in jax.tree_util.tree_leaves_with_path((design, scenario)):
-        if np.ndim(leaf):
-            name = "".join(str(key) for key in path[1:]).lstrip(".")
-            raise InputError(f"{name} has shape {np.shape(leaf)}; {one}")
 
 
 def _array(value: Any) -> Any:

@@ -52,7 +52,9 @@ def decide(task: Task, state: LoopState, trial: Trial) -> Decision:
     least = jnp.maximum(state.extremes.below_largest(NEARLY), task.system.roundoff())
     maxima = trial.accurate & (bracket.tries < MAX_TRIES_MAXIMUM) & ~state.given_up
     crossing = first_crossing(before, trial.guards, trial.length, state.active, least, bracket.guard, maxima)
-    shortfall = _shortfall(task, state, trial)
+    # How far below its maximum an observable may be where a step onto that maximum ends.
+    mine, extent = task.observable_of(bracket.guard), state.extremes.including(trial.guards.value).extent
+    shortfall = task.shortfall * jnp.sum(jnp.where(mine, extent, 0.0))
     refinement = refine(bracket, trial.length, guards, task.rated, task.event_time, shortfall, trial.linear_time)
     outcome = _evaluated_once(_outcome(task, state, trial, crossing, refinement), state.point.time)
     shorter = _without_excursion(task, state, trial, outcome, before)
@@ -136,9 +138,3 @@ def _next_bracket(
     # Taken again with tangents, the step may end a little beside its event; that it has converged is remembered.
     again = state.bracket._replace(converged=refinement.converged)
     return where(outcome == StepOutcome.RETAKE, again, located)
-
-
-def _shortfall(task: Task, state: LoopState, trial: Trial) -> Float[Array, ""]:
-    """Return how far below its maximum an observable may be where a step onto that maximum ends."""
-    mine, extremes = task.observable_of(state.bracket.guard), state.extremes.including(trial.guards.value)
-    return task.shortfall * jnp.sum(jnp.where(mine, extremes.extent, 0.0))
