@@ -10,7 +10,7 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from .. import files
@@ -60,9 +60,7 @@ def tried(folder: Path, jaxlib: str) -> tuple[str, ...]:
         with store.being_made(file):  # of many processes that start at once, one tries
             answers = _read(file)
             if not answers:
-                # All are tried at once.
-                begun = {flag: _trial(flag) for flag in TRIALS}
-                answers = {flag: ended() for flag, ended in begun.items()}
+                answers = dict(zip(TRIALS, _takes(TRIALS), strict=True))
                 # A full disk, say: the next start tries again.
                 with contextlib.suppress(OSError):
                     files.write(file, json.dumps(answers, indent=1))
@@ -78,9 +76,14 @@ def _read(file: Path) -> dict[str, object]:
     return answers if isinstance(answers, dict) and answers.keys() >= set(TRIALS) else {}
 
 
+def _takes(flags: Sequence[str]) -> list[bool]:
+    """Return for each flag whether a process in which it is set compiles a program; all are tried at once."""
+    begun = [_trial(flag) for flag in flags]
+    return [ended() for ended in begun]
+
+
 def _trial(flag: str) -> Callable[[], bool]:
-    """Begin the trial of a flag: whether a process in which it is set compiles a program. What is returned waits for it
-    and returns whether it went well."""
+    """Begin the trial of a flag; what is returned waits for it and returns whether it went well."""
     path = os.pathsep.join(place for place in sys.path if place)  # jaxlib is found where this process finds it
     environment = {**os.environ, "XLA_FLAGS": flag, "JAX_PLATFORMS": "cpu", "PYTHONPATH": path}
     nothing = subprocess.DEVNULL
