@@ -28,8 +28,7 @@ def envelope_figure(rectangle: SafeRectangle) -> Figure:
     from matplotlib.colors import ListedColormap
 
     # Nothing is known of a cell but its four corners, and nothing beyond the outermost runs.
-    safe = rectangle.safe
-    proven = safe[:-1, :-1] & safe[1:, :-1] & safe[:-1, 1:] & safe[1:, 1:]
+    proven = _between_safe(rectangle.safe)
     axes.pcolormesh(right, top, proven.T.astype(float), cmap=ListedColormap([UNSAFE, SAFE]), vmin=0, vmax=1)
     _border(axes, proven, right, top)
     _reasons(axes, rectangle, x * over, y * above)
@@ -62,6 +61,11 @@ def envelope_figure(rectangle: SafeRectangle) -> Figure:
     label(axes, title, across_named, up_named, legend=False)
     legend_below(figure, *axes.get_legend_handles_labels())
     return figure
+
+
+def _between_safe(safe: np.ndarray) -> np.ndarray:
+    """Return which cells between runs (m, n) have safe runs at all four corners (m - 1, n - 1)."""
+    return safe[:-1, :-1] & safe[1:, :-1] & safe[:-1, 1:] & safe[1:, 1:]
 
 
 def _border(axes: Axes, safe: np.ndarray, right: np.ndarray, top: np.ndarray) -> None:
