@@ -71,7 +71,7 @@ def compared(case: Case, paths: tuple[str, ...]) -> tuple[Any, list[Compared]]:
     decided = (evidence.uncertainty / least < WRONG / 2) & (np.abs(claimed) < STEEP)
     errors = evidence.by_differences / least
     for k, j in zip(*np.nonzero((np.abs(claimed) >= STEEP) & (np.abs(claimed) < CHAOTIC)), strict=True):
-        errors[k, j], uncertain = steep(tight, claimed[k, j], sizes[k], int(k), int(j))
+        errors[k, j], uncertain = differenced_closely(tight, claimed[k, j], sizes[k], int(k), int(j))
         decided[k, j] = uncertain < WRONG / 2
     return run.outcome, [
         Compared(
@@ -84,7 +84,9 @@ def compared(case: Case, paths: tuple[str, ...]) -> tuple[Any, list[Compared]]:
     ]
 
 
-def steep(tight: TightSolves, claimed: float, size: float, quantity: int, parameter: int) -> tuple[float, float]:
+def differenced_closely(
+    tight: TightSolves, claimed: float, size: float, quantity: int, parameter: int
+) -> tuple[float, float]:
     """Return the error of one elasticity against a difference over a small change, relative, and its uncertainty: what
     half that change adds."""
     direction = np.zeros(len(tight.values))

@@ -13,7 +13,7 @@ from verification.docking_cases import DOCKING, QUANTITIES
 # Machines and programs round unlike, and the first free step after an impact, whose error is next to nothing, then has
 # another length (6e-5 s here), so that later steps differ: without XLA's optimisation, or with another JAX, the largest
 # hinge angle ends 9.4e-8 apart and the other numbers 8e-9. Their own error is up to 1.8e-7 (rtol 1e-10 says so).
-ROUNDING, ROUNDING_OF_HINGE = 2e-8, 2e-7
+ROUNDING, ROUNDING_OF_ANGLE = 2e-8, 2e-7
 # Table 2's capture without docking, to the last bit of one machine.
 TABLE2 = {
     "peak_force": "0x1.fa435745b350fp+7",
@@ -29,7 +29,7 @@ def test_the_papers_capture_did_not_move():
     """By more than machines that round unlike differ."""
     found = simulate(table2())
     for name, bits in TABLE2.items():
-        rounding = ROUNDING_OF_HINGE if name == "hinge_angle" else ROUNDING
+        rounding = ROUNDING_OF_ANGLE if name == "hinge_angle" else ROUNDING
         assert_allclose(float(getattr(found, name)), float.fromhex(bits), rtol=rounding, err_msg=name)
     assert int(found.impact_count) == 24
     assert found.outcome.name == "captured"

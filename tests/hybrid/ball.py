@@ -66,12 +66,19 @@ class Ball(HybridSystem):
         return Linearisation.none(1, 1)
 
 
-def task(tangents=0, jumps=False, **options):
+class BallByState(Ball):
+    """The same, but none of its observables depends on the state's rate."""
+
+    def rate_observables(self):
+        return (False, False)
+
+
+def task(tangents=0, jumps=False, ball=Ball, **options):
     """A run of the ball, with so many tangents by the floor's stiffness."""
     stiffness = jnp.asarray(1e4)
     directions = jnp.ones(tangents) if tangents else None
     settings = Options(**{"max_events": 8, "keep": 4, **options})
-    return Task.of(lambda k: Ball(k, jumps), Tangents(stiffness, directions), jnp.asarray(DURATION), settings)
+    return Task.of(lambda k: ball(k, jumps), Tangents(stiffness, directions), jnp.asarray(DURATION), settings)
 
 
 def guards(contact=(1.0, -0.1, 0.0), end=(-1.0, 0.0), force=(0.0, 0.0), other=(0.0, -1.0)):

@@ -19,6 +19,7 @@ from hybrid.ball import (
     PEAK,
     RATE_PEAK,
     Ball,
+    BallByState,
     guards,
     running,
     task,
@@ -36,6 +37,7 @@ from jaxbuffer.hybrid.rungekutta.controller import StepSizes
 PAGE = Path(__file__).parents[2] / "docs" / "loop.md"
 START = 0.5  # s
 STATE_ALONE, WITH_TANGENTS, JUMPING = task(), task(tangents=2), task(jumps=True)
+BY_STATE = task(ball=BallByState)
 FALLING = guards(contact=(1e-3, -1.0, 0.0))
 TOUCHING = guards(contact=(0.0, -1.0, 0.0))
 
@@ -59,7 +61,7 @@ def program(case):
     return jax.jit(iterate)
 
 
-PROGRAMS = {id(case): program(case) for case in (STATE_ALONE, WITH_TANGENTS, JUMPING)}
+PROGRAMS = {id(case): program(case) for case in (STATE_ALONE, WITH_TANGENTS, JUMPING, BY_STATE)}
 
 
 def iterated(case, state, trial):
@@ -304,14 +306,23 @@ def test_an_event_beside_the_step_is_recorded_at_its_own_time():
     assert float(after.point.rows[0, 0]) == 1.0
 
 
-@pytest.mark.parametrize(("case", "phase"), [(STATE_ALONE, Phase.LOCATE), (WITH_TANGENTS, Phase.RETAKE_LOCATE)])
-def test_a_release(case, phase):
-    """Steps go on as before the contact; the derivative is evaluated anew, as an observable depends on it."""
+@pytest.mark.parametrize(
+    ("case", "phase", "following"),
+    [
+        (BY_STATE, Phase.LOCATE, Phase.STEP),
+        (STATE_ALONE, Phase.LOCATE, Phase.REEVALUATE),
+        (WITH_TANGENTS, Phase.RETAKE_LOCATE, Phase.REEVALUATE),
+    ],
+    ids=["alone", "an observable of the rate", "tangents"],
+)
+def test_a_release(case, phase, following):
+    """Steps go on as before the contact; with tangents, or where an observable depends on it, the derivative is
+    evaluated anew."""
     before = StepSizes(jnp.array([3e-3, 4e-3]), jnp.array([0.1, 0.2]))
     at = guards(contact=(-1e-3, 1.0, 0.0))
     state = running(case, phase, at, closed=True, bracket=TOWARD_CONTACT, step_sizes_before_contact=before)
     outcome, after = iterated(case, state, trial(case, guards(contact=(0.0, 1.0, 0.0))))
-    assert (outcome, Phase(int(after.phase))) == (StepOutcome.ACCEPT, Phase.REEVALUATE)
+    assert (outcome, Phase(int(after.phase))) == (StepOutcome.ACCEPT, following)
     assert (int(after.log.count), int(after.log.kind[0])) == (1, Kind.RELEASE)
     np.testing.assert_array_equal(after.active, [0.0])
     np.testing.assert_array_equal(after.step_sizes.steps, before.steps)

@@ -106,8 +106,8 @@ def _instants(
     kind, ends = log.kind[slots], slots == jnp.maximum(log.count - 1, 0)
     switches = (kind == Kind.TOUCHDOWN) | (kind == Kind.RELEASE)
     moves = jnp.where(np.arange(len(slots)) < named, switches, largest_at_event(system, kind))
-    # The entry of a release has the rate before it, where the contact still pushes; at a maximum the two are one, and
-    # the one after it changes with the state.
+    # A release's entry has the rate before it, where the contact still pushes, and a maximum's the rate at a fixed
+    # time, from which its state has moved: both are evaluated anew.
     before = kind == Kind.TOUCHDOWN
     still, never = jnp.zeros_like(start.state), jnp.asarray(False)
     first = _Instant(start.state, start.active, still, jnp.zeros(()), never, never, never)
