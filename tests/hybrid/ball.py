@@ -85,7 +85,7 @@ def guards(contact=(1.0, -0.1, 0.0), end=(-1.0, 0.0), force=(0.0, 0.0), other=(0
     """Gap, its rate and acceleration; the end's guard and its rate; both observables and their rates."""
     observed = jnp.array([force, other])
     parts = [jnp.array([number]) for number in (*contact, *end)]
-    return Guards(*parts, observed[:, 0], observed[:, 1], jnp.zeros(()), jnp.zeros(()))
+    return Guards(*parts, observed[:, 0], observed[:, 1], jnp.zeros((0, 1)), jnp.zeros(()), jnp.zeros(()))
 
 
 _initial: dict = {}  # by the task's identity, beside the task, so that no other takes its place

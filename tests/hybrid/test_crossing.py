@@ -17,7 +17,9 @@ def seen(contacts=(), ends=(), observed=()):
     def columns(rows, n):
         return jnp.array(rows, float).reshape(-1, n).T
 
-    return Guards(*columns(contacts, 3), *columns(ends, 2), *columns(observed, 2), jnp.zeros(()), jnp.zeros(()))
+    return Guards(
+        *columns(contacts, 3), *columns(ends, 2), *columns(observed, 2), jnp.zeros((0, 1)), jnp.zeros(()), jnp.zeros(())
+    )
 
 
 def searched(before, after, active=NONE, least=NONE, ignored=-1, maxima=True, step=STEP):

@@ -13,7 +13,8 @@ NOTHING = jnp.zeros(0)
 def guards(gap, rate, acceleration):
     one = lambda x: jnp.array([x])  # noqa: E731
     return Guards(
-        one(gap), one(rate), one(acceleration), NOTHING, NOTHING, NOTHING, NOTHING, jnp.zeros(()), jnp.zeros(())
+        *(one(gap), one(rate), one(acceleration), NOTHING, NOTHING, NOTHING, NOTHING),
+        *(jnp.zeros((0, 1)), jnp.zeros(()), jnp.zeros(())),
     )
 
 

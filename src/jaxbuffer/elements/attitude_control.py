@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
+from jaxtyping import Array, Float
 
 from .._types import Scalar
 from ..basis import AnyBasis, components, squared
@@ -136,6 +137,17 @@ class AttitudeControl(Element):
 
     def roundoff(self) -> dict[str, Scalar]:
         return {f"{self.name}_moment": ROUNDED_LENGTH * self.stiffness}
+
+    @property
+    def reversing(self) -> int:
+        return len(self.basis.unit_turns)
+
+    def reversals(self, at: ControlState, closed: Closed) -> Float[Array, "reversing axes"]:
+        pairs = zip(at.angles, at.spins, strict=True)
+        of_axes = jnp.stack([jnp.asarray(self._unlimited(angle, spin) / self.limit) for angle, spin in pairs])
+        # A moment about each axis: none of them turns about as a vector does.
+        others = jnp.zeros((len(of_axes), at.basis.dimensions - 1))
+        return self._acting(closed) * jnp.concatenate([of_axes[:, None], others], axis=1)
 
     def springs(self, at: ControlState, closed: Closed) -> tuple[SpringDirection, ...]:
         """Return a spring-damper against a turn about each of the body's axes, as stiff as the moment's slope is."""

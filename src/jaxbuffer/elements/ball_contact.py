@@ -374,6 +374,15 @@ class BallContact(Element):
         # A ball's own spin does not change how fast its contact closes: its row is zero, and left out.
         return self.directions(system, at)[0][: system.velocities]
 
+    @property
+    def reversing(self) -> int:
+        return self.segments
+
+    def reversals(self, at: BallState, closed: Closed) -> Float[Array, "reversing axes"]:
+        slip = jnp.stack(components(at.approach.tangent * at.approach.slip), axis=1)
+        rubs = self._exerting(closed) * jnp.where(jnp.asarray(self.pair.friction.coefficient) > 0.0, 1.0, 0.0)
+        return (rubs / self.pair.friction.slip_speed)[:, None] * slip
+
     def stiff_force(self, at: BallState, closed: Closed) -> Scalar:
         return jnp.sum(self.contact_forces(at, closed).normal)
 

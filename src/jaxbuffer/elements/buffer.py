@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+from jaxtyping import Array, Float
 
 from .._types import Scalar
 from ..fields import MonotoneCubic
@@ -203,6 +204,16 @@ class Buffer(Element):
 
     def stiff_force(self, at: BufferState, closed: Closed) -> Scalar:
         return jnp.abs(self.force.tension(at.kin))
+
+    @property
+    def reversing(self) -> int:
+        return int(self.rubs)
+
+    def reversals(self, at: BufferState, closed: Closed) -> Float[Array, "reversing axes"]:
+        if not isinstance(self.force, BufferForce) or self.force.friction is None:
+            return super().reversals(at, closed)
+        others = jnp.zeros(at.kin.basis.dimensions - 1)
+        return jnp.append(at.stroke_rate / self.force.friction_speed, others)[None]
 
     @property
     def tolerance_share(self) -> float:

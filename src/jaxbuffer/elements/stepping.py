@@ -55,6 +55,16 @@ class SteppingHints(eqx.Module):
         return False
 
     @property
+    def reversing(self) -> int:
+        """Return how many forces of the element reverse where something passes through zero, as friction does."""
+        return 0
+
+    def reversals(self, at: Any, closed: Closed) -> Float[Array, "reversing axes"]:
+        """Return x of each, a force ∝ tanh x: of friction the slip over its slip speed, as a vector in the mechanism's
+        plane or space; zeros where the force does not act."""
+        raise NotImplementedError
+
+    @property
     def tolerance_share(self) -> float:
         """Return the share of a run's tolerance that steps keep to: less where a force is not smooth."""
         return 1.0

@@ -97,12 +97,13 @@ class Linearisation(eqx.Module):
 
 class EventValues(NamedTuple):
     """All that is watched of a state for events, looked at together: gaps with their rates, guards of the run's end,
-    observables, and `HybridSystem.invariant`."""
+    observables, `HybridSystem.reversals` and `HybridSystem.invariant`."""
 
     gap: Float[Array, " contacts"]
     gap_rate: Float[Array, " contacts"]
     terminal: Float[Array, " terminals"]
     value: Float[Array, " observables"]
+    reversals: Float[Array, "reversing axes"]
     invariant: tuple[Float[Array, ""], Float[Array, ""]]
 
 
@@ -233,6 +234,16 @@ class HybridSystem(eqx.Module):
         return jnp.zeros(()), jnp.zeros(())
 
     @property
+    def reversals_shape(self) -> tuple[int, int]:
+        """Return the shape of `reversals`."""
+        return (0, 1)
+
+    def reversals(self, state: State, active: Active) -> Float[Array, "reversing axes"]:
+        """Return x, a row each, of forces that reverse where x passes through zero, as the friction ∝ tanh x of a slip
+        of x slip speeds does; zeros where none acts."""
+        return jnp.zeros(self.reversals_shape)
+
+    @property
     def tolerance_share(self) -> float:
         """Return the share of a run's tolerance that its steps keep to: less where the state's rate is not smooth."""
         return 1.0
@@ -249,7 +260,10 @@ class HybridSystem(eqx.Module):
         gap, gap_rate = jax.jvp(self.gaps, (state,), (self.moving(state),))
         # The push-forward that gives the rates of all else stops here: the invariant's own rate is of no use.
         invariant = self.invariant(jax.lax.stop_gradient(state), active)
-        return EventValues(gap, gap_rate, self.terminals(state), self.observables(state, rate, active), invariant)
+        reversals = self.reversals(state, active)
+        return EventValues(
+            gap, gap_rate, self.terminals(state), self.observables(state, rate, active), reversals, invariant
+        )
 
     def event_time(self, state: State, rtol: Scalar) -> Scalar:
         """Return how closely steps of a run from a state end on events [s], at a relative tolerance.

@@ -259,6 +259,10 @@ class Assembled(ContactSystem):
         return self.energy_size is not None and all(element.balanced for element in self.elements)
 
     @property
+    def reversals_shape(self) -> tuple[int, int]:
+        return sum(element.reversing for element in self.elements), self.system.basis.dimensions
+
+    @property
     def tolerance_share(self) -> float:
         return min((element.tolerance_share for element in self.elements), default=1.0)
 
@@ -450,6 +454,11 @@ class Assembled(ContactSystem):
     def stiff_forces_at(self, at: EvaluatedState, active: Closed) -> Scalar:
         parts = zip(self.elements, at.elements, self.layout.of_elements(active), strict=True)
         return sum((element.stiff_force(*part) for element, *part in parts), start=jnp.zeros(()))
+
+    def reversals_at(self, at: EvaluatedState, active: Closed) -> Float[Array, "reversing axes"]:
+        parts = zip(self.elements, at.elements, self.layout.of_elements(active), strict=True)
+        each = [element.reversals(*part) for element, *part in parts if element.reversing]
+        return jnp.concatenate([jnp.zeros((0, self.reversals_shape[1])), *each])
 
     def momentum_at(self, at: EvaluatedState) -> tuple[Float[Array, " dimensions"], Float[Array, "..."]]:
         return momentum(self.system, self.layout, at)

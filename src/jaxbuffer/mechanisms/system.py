@@ -132,6 +132,10 @@ class ContactSystem(HybridSystem):
         """Return the sum of the sizes of stiff forces [N], for the rounding in `invariant`."""
         raise NotImplementedError
 
+    def reversals_at(self, at: Any, active: Active) -> Float[Array, "reversing axes"]:
+        """Return the `reversals` of an evaluated state."""
+        return jnp.zeros(self.reversals_shape)
+
     @property
     def momentum_scale(self) -> Scalar | None:
         """Return the momentum [kg m/s] that changes are compared with; None where the ground takes part."""
@@ -219,6 +223,7 @@ class ContactSystem(HybridSystem):
             gap_rate=-closing,
             terminal=self.terminals_at(at),
             value=self.observables_at(at, rate, active),
+            reversals=self.reversals_at(at, active),
             invariant=self.invariant_at(jax.lax.stop_gradient(at), active),
         )
 

@@ -21,8 +21,8 @@ class Guards(NamedTuple):
     """What is watched of a state, with time derivatives.
 
     ``gap`` of each contact [m], ``gap_rate`` [m/s], ``gap_acceleration`` [m/s²]; ``terminal``: guards of the run's
-    end, and their rates; ``value`` of each observable, and its rate; ``invariant``: what the motion does not change
-    (see `HybridSystem.invariant`), and how much of it may be rounding.
+    end, and their rates; ``value`` of each observable, and its rate; ``reversals``, ``invariant`` and how
+    much of it may be rounding: see `HybridSystem`.
     """
 
     gap: Float[Array, " contacts"]
@@ -32,6 +32,7 @@ class Guards(NamedTuple):
     terminal_rate: Float[Array, " terminals"]
     value: Float[Array, " observables"]
     value_rate: Float[Array, " observables"]
+    reversals: Float[Array, "reversing axes"]
     invariant: Float[Array, ""]
     invariant_rounding: Float[Array, ""]
 
@@ -114,4 +115,5 @@ def observe(system: HybridSystem, state: Array, rate: Array, second: Array, acti
     at, moves = jax.jvp(look, (state, rate), (rate, second))
     of_rate = jnp.asarray(system.rate_observables(), bool)
     value_rate = jnp.where(of_rate & ~jnp.any(second != 0.0), RISING, moves.value)
-    return Guards(at.gap, at.gap_rate, moves.gap_rate, at.terminal, moves.terminal, at.value, value_rate, *at.invariant)
+    terminal, gap = (at.terminal, moves.terminal), (at.gap, at.gap_rate, moves.gap_rate)
+    return Guards(*gap, *terminal, at.value, value_rate, at.reversals, *at.invariant)

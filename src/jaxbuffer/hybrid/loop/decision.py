@@ -9,6 +9,7 @@ from ..events.bracketing import MAX_TRIES, MAX_TRIES_MAXIMUM, Bracket, Refinemen
 from ..events.crossing import NEARLY, Crossing, first_crossing
 from ..events.excursion import excursion_in_step
 from ..events.guards import Guards, signed
+from ..events.reversal import reversal_in_step
 from ..trees import where
 from .phase import StepOutcome
 from .state import LoopState
@@ -57,17 +58,17 @@ def decide(task: Task, state: LoopState, trial: Trial) -> Decision:
     shortfall = task.shortfall * jnp.sum(jnp.where(mine, extent, 0.0))
     refinement = refine(bracket, trial.length, guards, task.rated, task.event_time, shortfall, trial.linear_time)
     outcome = _evaluated_once(_outcome(task, state, trial, crossing, refinement), state.point.time)
-    shorter = _without_excursion(task, state, trial, outcome, before)
+    shorter = _shorter(task, state, trial, outcome, before)
     outcome = jnp.where(shorter < trial.length, int(StepOutcome.SHORTEN), outcome)
     return Decision(outcome, _next_bracket(state, outcome, crossing, refinement, before), refinement, shorter)
 
 
-def _without_excursion(
-    task: Task, state: LoopState, trial: Trial, outcome: Int[Array, ""], before: Guards
-) -> Float[Array, ""]:
+def _shorter(task: Task, state: LoopState, trial: Trial, outcome: Int[Array, ""], before: Guards) -> Float[Array, ""]:
     """Return the length of the step [s], or of a shorter one to take instead where an event may begin and end within
-    it."""
+    it, or where a force reverses."""
     stands = (outcome == StepOutcome.ACCEPT) | (outcome == StepOutcome.LOOK_BACK) | (outcome == StepOutcome.RETAKE)
+    # Shorter steps than events are located to resolve nothing more.
+    stands = stands & (trial.length > task.event_time)
     point, step = state.point, trial.step
     fraction = excursion_in_step(
         task.system,
@@ -78,10 +79,10 @@ def _without_excursion(
         step=trial.length,
         active=state.active,
         located=state.bracket.guard,
-        # Shorter steps than events are located to resolve nothing more.
-        when=stands & (trial.length > task.event_time),
+        when=stands,
     )
-    return fraction * trial.length
+    reversal = jnp.where(stands, reversal_in_step(before, trial.guards), 1.0)
+    return jnp.minimum(fraction, reversal) * trial.length
 
 
 def _outcome(task: Task, state: LoopState, trial: Trial, crossing: Crossing, refinement: Refinement) -> Int[Array, ""]:

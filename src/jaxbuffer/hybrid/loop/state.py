@@ -112,8 +112,9 @@ def initial_state(task: Task[P], allowed: Bool[Array, ""] | None = None) -> Loop
     system, options, contacts = task.system, task.options, task.contacts
     (start, active), zero, one = task.start, jnp.zeros(()), jnp.ones(())
     none, terminal, value = (jnp.zeros(n) for n in (contacts, task.terminals, task.observables))
+    reversals = jnp.zeros(system.reversals_shape)
     # Placeholders: the first iteration evaluates them.
-    guards = Guards(none, none, none, terminal, terminal, value, value, zero, zero)
+    guards = Guards(none, none, none, terminal, terminal, value, value, reversals, zero, zero)
     log = Log.empty(options.max_events, start, contacts, task.observables)
     contact_step = options.tolerance.first_step(task.tangents.count) * system.impact_step(start[0])
     step_sizes = StepSizes.of(jnp.minimum(contact_step, task.duration), len(options.solver.methods))
