@@ -72,6 +72,7 @@ JUMPING = "tests/hybrid/test_jumping_guards.py::test_the_run_ends_where_both_jum
 TWO_SIDES = "tests/contact/test_two_sides.py"
 ANY_SIGN = "tests/hybrid/test_maxima.py::test_a_maximum_is_one_whatever_its_sign[loop-0.9]"
 DELAYED = "tests/run/test_moving_maxima.py::test_a_hinge_force_of_microseconds_by_what_delays_its_impact[explicit]"
+PUSHED_BACK = "tests/elements/test_reversing_force.py::test_a_body_that_is_pushed_back_swings_as_far_beyond[0.0001]"
 CHAINED = "tests/tuning/test_custom_quantity.py::test_slopes_are_those_of_the_function"
 
 
@@ -242,6 +243,14 @@ def _maxima_at_fixed_times() -> None:
     from jaxbuffer.run import read_off
 
     read_off.moving_maxima = lambda system, log: log
+
+
+def _reversals_unseen() -> None:
+    import jax.numpy as jnp
+
+    from jaxbuffer.hybrid.loop import decision
+
+    decision.reversal_in_step = lambda before, after: jnp.ones(())
 
 
 def _falling_ends_only() -> None:
@@ -640,6 +649,9 @@ BREAKAGES = (
         "derivatives of a maximum at a time that is not quite its own",
         _maxima_at_fixed_times,
         (DELAYED,),
+    ),
+    Breakage(
+        "unseen reversals", "a step passes over the reversal of a force unseen", _reversals_unseen, (PUSHED_BACK,)
     ),
     Breakage(
         "falling ends", "no maximum in a step at whose end the quantity rises", _falling_ends_only, (RISES_AGAIN,)
