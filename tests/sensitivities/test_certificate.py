@@ -62,6 +62,19 @@ def test_one_elasticity_off_by_a_per_cent_is_found_by_either_kind(gather, parame
     assert certificate.error[0, parameter] > 0.9e-2
 
 
+@pytest.mark.parametrize("quantity", range(2))
+@pytest.mark.parametrize("parameter", range(3))
+def test_no_quantity_is_diluted_by_one_that_others_change(quantity, parameter):
+    """The first parameter alone changes the one quantity much, the last alone the other: no direction suits both."""
+    truth = np.array([[1.0, 0.02, 0.01], [0.01, 0.02, 1.0]])
+    claimed = truth.copy()
+    claimed[quantity, parameter] *= 1.01
+    certificate = certified(claimed, truth=truth)
+    assert certificate.verdicts[quantity] == Verdict.check and certificate.verdicts[1 - quantity] == Verdict.trusted
+    assert certificate.error[quantity, parameter] > 0.9e-2
+    assert certified(truth, truth=truth).verdict == Verdict.trusted
+
+
 @pytest.mark.parametrize("gather", [together, each])
 def test_a_wrong_sign_is_refused(gather):
     certificate = certified(ELASTICITIES * np.array([[1.0, -1.0, 1.0], [1.0, 1.0, 1.0]]), gather)

@@ -76,11 +76,20 @@ def test_nothing_is_evaluated_where_no_move_is_inside():
 
 def test_a_balanced_direction_weighs_every_parameter_the_same():
     elasticities = np.array([0.34, -0.046, 0.0042, 1e-5, 0.0])
-    direction = balanced_direction(elasticities, 1e-3)
+    direction = balanced_direction(elasticities[None], 1e-3)
     assert np.max(np.abs(direction)) == 1.0
     share = direction * elasticities
     np.testing.assert_allclose(share[:3], share[0])
     assert 0.0 <= share[4] <= share[3] < share[0]
+
+
+def test_a_direction_balanced_for_several_quantities_favours_none():
+    elasticities = np.array([[-0.5, 0.02, 1e-3], [1e-3, 0.08, 0.5]])
+    direction = balanced_direction(elasticities, 1e-3)
+    changes = np.abs(direction * elasticities)
+    np.testing.assert_allclose(changes[0] * changes[1], changes[0, 0] * changes[1, 0])
+    np.testing.assert_array_equal(np.sign(direction), [-1.0, 1.0, 1.0])
+    assert np.max(np.abs(direction)) == 1.0
 
 
 def test_bounds_are_asked_for_as_far_as_one_sided_steps_reach():

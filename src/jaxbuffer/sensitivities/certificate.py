@@ -14,9 +14,8 @@ from .._types import Code
 from ..mechanisms.quantity import PEAK_FORCE, PEAK_TIME
 from ..mechanisms.run import Run
 from ..value_text import percent_text
-from .evidence import FLOOR, Evidence
+from .evidence import FLOOR, TRUSTED, Evidence
 
-TRUSTED = 3e-3  # estimated relative error up to which a gradient is trusted: no trusted one was off by 1 %
 HOPELESS = 0.5  # beyond, not even the sign is established
 KINK = 1e-2  # relative change of one parameter that may swap active peak and runner-up without a word
 
@@ -180,7 +179,7 @@ def _judged(
     share = percent_text(error[k, worst]) if error[k, worst] < 1.0 else "more than itself"
     loudest = int(np.argmax([part[k, worst] for part in parts]))
     source = ("by its change with the tolerance", "by differences of tight solves", "as far as differences can tell")
-    # One difference along all parameters accuses none of them in particular.
+    # A difference along all parameters accuses none of them in particular.
     whose = f"{name} by {paths[worst]}" if thorough or loudest == 0 else f"an elasticity of {name}"
     finding = f"{whose} may be off by {share}, {source[loudest]}"
     if error[k, worst] > HOPELESS:

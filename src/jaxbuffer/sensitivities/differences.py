@@ -92,7 +92,12 @@ def side_by_side(
 
 
 def balanced_direction(elasticities: np.ndarray, floor: float) -> np.ndarray:
-    """Return a relative move in which every parameter changes a quantity by the same amount and in the same sense, so
-    that an error in any of the elasticities shows; the largest component is 1."""
-    move = np.where(elasticities < 0.0, -1.0, 1.0) / np.maximum(np.abs(elasticities), floor)
+    """Return a relative move in which the parameters change the quantities about alike, so that an error in any of the
+    elasticities shows; the largest component is 1.
+
+    **Arguments:** ``elasticities`` (quantities, parameters); ``floor``: below which they count as large as this. Of one
+    quantity all changes are the same, and in the same sense; of several, their products over all quantities are.
+    """
+    mean = np.exp(np.mean(np.log(np.maximum(np.abs(elasticities), floor)), axis=0))
+    move = np.where(elasticities[0] < 0.0, -1.0, 1.0) / mean
     return move / np.max(np.abs(move))

@@ -22,13 +22,15 @@ from .differences import Difference, balanced_direction, difference, side_by_sid
 NOISE = 10.0 * Events.difference_tolerance  # relative error that a solve which is differenced leaves in a quantity
 FLOOR = 1e-3  # elasticities below count as this large when an error is made relative
 FAINT = 1e-6  # of the largest peak: impacts below are no landmarks
+TRUSTED = 3e-3  # estimated relative error up to which a gradient is trusted: no trusted one was off by 1 %
 SETTLED = 3e-4  # relative uncertainty of a difference that is small enough
+DIRECTIONS = 3  # in which `together` takes differences, at most
 
 
 class Evidence(NamedTuple):
     """Errors of elasticities, absolute [-], each (quantities, paths): ``by_tolerance``: change to the gradient at
     another tolerance; ``by_differences``: distance from differences of tight solves, whose own ``uncertainty`` comes
-    next; ``solves`` spent on them; ``thorough``: a difference for each path, or one for all together."""
+    next; ``solves`` spent on them; ``thorough``: a difference for each path, or one to three along all."""
 
     by_tolerance: np.ndarray
     by_differences: np.ndarray
@@ -141,18 +143,34 @@ def each(tight: TightSolves, elasticities: np.ndarray, sizes: np.ndarray, by_tol
 
 
 def together(tight: TightSolves, elasticities: np.ndarray, sizes: np.ndarray, by_tolerance: np.ndarray) -> Evidence:
-    """Take one difference along all parameters; its error is charged to each parameter."""
-    # One direction serves all quantities: another for each would take as many solves again.
-    direction = balanced_direction(elasticities[0], FLOOR)
+    """Take one difference along all parameters, and more for the quantities of which it tells too little.
+
+    Its error is charged to each parameter as if that one alone were wrong. A parameter that changes a quantity far less
+    than the others do along a direction is thus charged with what may be theirs, and a direction for that quantity
+    alone tells more.
+    """
     size = np.maximum(np.abs(elasticities), FLOOR)
-    share = np.mean(size * np.abs(direction), axis=1)  # of a typical parameter in the directional change
-    ((value, uncertainty, _),) = _differences(tight, [direction], [SETTLED * share * sizes])
-    missed = np.abs(elasticities @ direction - value / sizes)
-    # Charged to each parameter in proportion to its elasticity, over what a typical one adds to the difference.
-    spread = size / share[:, None]
-    return Evidence(
-        by_tolerance, missed[:, None] * spread, (uncertainty / sizes)[:, None] * spread, len(tight.known), False
-    )
+    missed, uncertainty = np.full(size.shape, np.inf), np.full(size.shape, np.inf)
+    wanted = known = np.flatnonzero(np.all(np.isfinite(elasticities), axis=1))
+    for _ in range(DIRECTIONS):
+        if not wanted.size:
+            break
+        direction = balanced_direction(elasticities[wanted], FLOOR)
+        moved = np.abs(direction)
+        # Of the quantities that are wanted, the least change by any parameter must be told too.
+        settled = np.full(len(size), np.inf)
+        settled[wanted] = SETTLED * np.min(size[wanted] * moved, axis=1)
+        ((value, uncertain, _),) = _differences(tight, [direction], [settled * sizes])
+        off = np.abs(elasticities @ direction - value / sizes)[:, None] / moved
+        uncertain = (uncertain / sizes)[:, None] / moved
+        better = ~(np.maximum(off, uncertain) >= np.maximum(missed, uncertainty))  # NaN, of no difference, stays NaN
+        missed, uncertainty = np.where(better, off, missed), np.where(better, uncertain, uncertainty)
+        worst = np.max(np.maximum(missed, uncertainty) / size, axis=1)
+        # Each has a direction of its own once.
+        known = np.setdiff1d(known, wanted) if wanted.size == 1 else known
+        untold = [k for k in known if np.isfinite(worst[k]) and worst[k] > TRUSTED]
+        wanted = np.array(sorted(untold, key=lambda k: -worst[k])[:1], int)
+    return Evidence(by_tolerance, missed, uncertainty, len(tight.known), False)
 
 
 def _differences(tight: TightSolves, directions: list[np.ndarray], settled: list[np.ndarray]) -> list[Difference]:

@@ -167,7 +167,7 @@ def _certificate_lines(certificate: Certificate, quantities: Sequence[str], mech
                 f"  runner-up            {peaks.runner_up_force:.6g} N, impact {peaks.runner_up_impact + 1},"
                 f" {percent_text(peaks.margin, '.3g')} below" + (swap if peaks.swap_path else "")
             )
-    kind = "a difference for each parameter" if certificate.thorough else "one difference along all parameters together"
+    kind = "a difference for each parameter" if certificate.thorough else "differences along all parameters together"
     if certificate.solves:
         lines.append(f"  evidence             gradient at another tolerance; {kind}, {certificate.solves} tight solves")
     lines.append("  errors are relative to the elasticity, those below 0.001 counting as 0.001")

@@ -46,9 +46,9 @@ def sensitivity(
     - ``wrt``: dotted paths of numbers in the design, or "scenario.…" of the scenario (default: the mechanism's).
     - ``quantities``: names in the mechanism's catalogue, or of an impact as in "impact.3.peak_force" (default: the
       mechanism's).
-    - ``certify``: "quick" compares with the gradient at a tenth of the tolerance and with one difference of tight
-      solves along all parameters together, "thorough" with differences of tight solves for each parameter, "none" with
-      nothing.
+    - ``certify``: "quick" compares with the gradient at a tenth of the tolerance and with one to three differences
+      of tight solves along all parameters together, "thorough" with differences of tight solves for each parameter,
+      "none" with nothing.
     - ``executor``: solves in place of threads of this process: any executor of `concurrent.futures`, as for `sweep`;
       the numbers are the same (docs/clusters.md).
 
