@@ -36,6 +36,7 @@ def test_what_a_run_compiles_to_run_once(known, name):
     assert before.outside < 0.15 * before.loop
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [pytest.param("capture", marks=pytest.mark.slow), "bar_drop"])
 def test_what_a_gradient_compiles_to_run_once(known, name):
     function, arguments = programs(known[name])["jax.grad"]

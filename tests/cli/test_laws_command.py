@@ -12,12 +12,14 @@ from jaxbuffer.mechanisms.probe_cone.comparison import ASKED, compare_laws, firs
 from verification.test_first_impact import closed_form
 
 
+@pytest.mark.slow
 def test_first_contact_has_the_joints_effective_mass():
     mass, speed = first_contact(jb.table2(), jb.Scenario())
     assert_allclose(mass, closed_form(jb.table2(), jb.Scenario())[1], rtol=1e-12)
     assert_allclose(speed, 0.1 * 0.5**0.5, rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_first_contact_in_space_is_the_planar_flank_s_turned_about_the_axis():
     in_space = first_contact(jb.docking3d(), jb.Scenario3D(azimuth=0.7))
     assert_allclose(in_space, first_contact(jb.table2(), jb.Scenario()), rtol=1e-9)

@@ -92,6 +92,7 @@ def test_an_unknown_format_is_refused_before_anything_is_computed(computed, caps
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.slow
 def test_figures_are_saved_last(computed, tmp_path):
     """What a kill then costs is pictures."""
     assert run(["simulate", "--output", "out"]) == 0
@@ -110,6 +111,7 @@ sys.stdout.buffer.write(picture)
 """
 
 
+@pytest.mark.slow
 def test_an_unknown_backend_changes_no_picture(tmp_path):
     def picture(backend):
         words = [sys.executable, "-c", PICTURE.format(backend=backend)]
@@ -127,6 +129,7 @@ def test_a_matplotlibrc_that_cannot_be_read_is_said_before_anything_is_computed(
     assert "Traceback (most recent call last)" not in found.stderr.splitlines()[-1]
 
 
+@pytest.mark.slow
 def test_a_picture_in_python_is_drawn_in_our_style(tmp_path):
     with matplotlib.rc_context(SETTINGS):
         figure = jb.draw(jb.simulate(jb.BarDrop(), jb.BarDropScenario(height=0.01), 0.06, history=True))

@@ -285,6 +285,7 @@ def test_figure_over_more_fields_is_cut_into_slices():
     check_readable(figure)
 
 
+@pytest.mark.slow
 def test_report_prints_its_abstract_and_no_summary_again(computed, no_figures, capsys, tmp_path):
     for words in (["simulate"], ["sensitivity"], ["tune"], ["sweep", *TWO]):
         assert run([*words, "--output", words[0]]) == 0

@@ -1,5 +1,6 @@
 """The family of contact laws: published restitutions, closed forms, no tension, and what a design makes of a name."""
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -220,15 +221,25 @@ def test_what_does_not_fit_a_law_is_refused(values, message):
         replace(table2(), values)
 
 
+@eqx.filter_jit  # once for all forces of a law
+def depth_and_slope(way, law, force):
+    return jax.value_and_grad(lambda f: jnp.asarray(way(law, f)))(force)
+
+
+@eqx.filter_jit
+def exerted_and_stiffness(law, depth):
+    return jax.value_and_grad(law.elastic)(depth)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", EXAMPLES)
 @pytest.mark.parametrize("force", [1e-3, 250.0, 1e6])
 def test_the_depth_of_a_force_and_its_slope(name, force):
     """In closed form and by bisection: there the spring alone exerts it; the slope is the inverse of the spring's."""
     law = EXAMPLES[name]
-    for way in (law.depth, lambda f: ContactLaw.depth(law, f)):
-        found, slope = jax.value_and_grad(lambda f, way=way: jnp.asarray(way(f)))(force)
-        exerted, stiffness = jax.value_and_grad(law.elastic)(found)
+    for way in (type(law).depth, ContactLaw.depth):
+        found, slope = depth_and_slope(way, law, jnp.asarray(force))
+        exerted, stiffness = exerted_and_stiffness(law, found)
         assert_allclose(exerted, force, rtol=1e-12)
         assert_allclose(slope * stiffness, 1.0, rtol=1e-9)
-        assert way(jnp.asarray(0.0)) == 0.0
+        assert depth_and_slope(way, law, jnp.asarray(0.0))[0] == 0.0

@@ -1,6 +1,7 @@
 """The laws of a pin in a hole: published depths and fits, inverses, derivatives, energies, restitutions, limits."""
 
 import doctest
+import functools
 from decimal import Decimal, localcontext
 from itertools import pairwise
 
@@ -197,6 +198,17 @@ def test_slope_is_the_inverse_of_the_written_laws(name):
     assert_allclose(slope * (u - 1.0), np.pi * MODULUS * JOINT["length"], rtol=1e-11)
 
 
+@functools.cache  # compiled once for all depths of a law
+def force_and_energy(name):
+    """Both at a depth, by the numbers of the joint, and their derivatives."""
+
+    def both(values, depth):
+        chosen = law(name, **dict(zip((*JOINT, "modulus"), values, strict=True)))
+        return jnp.stack([chosen.elastic(depth), chosen.energy(depth)])
+
+    return jax.jit(both), jax.jit(jax.jacobian(both))
+
+
 @pytest.mark.slow
 @each_law
 @pytest.mark.parametrize("share", [1e-4, 0.7, 3.0])
@@ -204,12 +216,8 @@ def test_derivatives_by_every_number(name, share):
     """Of force and energy, below and above the limit, against central differences."""
     numbers = jnp.asarray([*JOINT.values(), MODULUS])
     depth = float(law(name).depth(share * top(law(name))))
-
-    def both(values):
-        chosen = law(name, **dict(zip((*JOINT, "modulus"), values, strict=True)))
-        return jnp.stack([chosen.elastic(depth), chosen.energy(depth)])
-
-    both, slopes = jax.jit(both), jax.jit(jax.jacobian(both))(numbers)
+    both, jacobian = (functools.partial(it, depth=depth) for it in force_and_energy(name))
+    slopes = jacobian(numbers)
     assert np.all(np.isfinite(slopes))
     for k, value in enumerate(numbers):
         step = 1e-5 * float(value)

@@ -119,6 +119,7 @@ def test_a_law_is_read_by_its_name_in_a_stored_program():
     assert ChosenLaw("hertz") is ChosenLaw("hertz", Hertz)
 
 
+@pytest.mark.slow
 def test_the_comparison_has_registered_laws(register, monkeypatch):
     for name in ("ASKED", "CURVE"):
         monkeypatch.setattr(comparison, name, (0.9,))

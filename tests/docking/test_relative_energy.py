@@ -29,6 +29,7 @@ def test_where_the_origin_is_does_not_matter():
     assert_allclose(near, far, rtol=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("free_tip", [False, True], ids=["welded tip", "free tip"])
 @pytest.mark.parametrize("closed", [(), ("latch",)], ids=["open", "latched"])
 def test_a_rigid_motion_of_the_whole_has_none(free_tip, closed):

@@ -5,6 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from in_short import often
 from jaxbuffer import Scenario3D, docking3d, replace
 from jaxbuffer.hybrid.sensitivity.batched_map import on_columns
 from jaxbuffer.mechanisms.docking3d.assembly import assemble
@@ -25,6 +26,7 @@ PARTS = {
     "table 2": {},
     "all parts": {**LATCH, "probe.free_tip": True, "buffer.stop_stiffness": 2e4, "buffer.friction": 0.2},
 }
+ALL = PARTS["all parts"]
 TIP_SPIN = (0.3, -0.2, 0.4)  # rad/s
 
 
@@ -63,7 +65,7 @@ def momenta(mechanism, state):
     return jnp.stack(linear), jnp.stack(angular)
 
 
-@pytest.mark.parametrize("values", PARTS.values(), ids=PARTS)
+@pytest.mark.parametrize("values", often(PARTS.values(), id(ALL), names=id), ids=PARTS)
 def test_momenta_and_energy_are_kept(values):
     mechanism, state, closed = moving(values)
 
@@ -83,7 +85,7 @@ def test_momenta_and_energy_are_kept(values):
     assert abs(sum(each)) < 1e-10 * max(map(abs, each))
 
 
-@pytest.mark.parametrize("values", PARTS.values(), ids=PARTS)
+@pytest.mark.parametrize("values", often(PARTS.values(), id(ALL), names=id), ids=PARTS)
 def test_the_linearised_motion_is_read_number_by_number(values):
     """On random columns, against the same linear map taken one by one."""
     mechanism, state, closed = moving(values)

@@ -1,5 +1,6 @@
 """A ball in a surface of revolution, on moving bodies of space."""
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -56,6 +57,7 @@ def mechanism(element, seed=0, **where):
     return Assembled(system, q, v, (element,), energy_size=1.0, momentum_size=1.0)
 
 
+@eqx.filter_jit  # once for all states of a mechanism
 def conserved(assembled, state, active):
     """Rates of both momenta and of all energies together [N, N m, W]."""
     rate = assembled.derivative(0.0, state, active)

@@ -111,6 +111,7 @@ def test_times_at_which_runs_end_have_no_models():
     assert "peak_latch_force" in names and omitted == ("settling_time", "end_time")
 
 
+@pytest.mark.slow
 def test_of_many_scenarios_those_that_decide_are_taken():
     many = [jb.BarDropScenario(height=h) for h in np.linspace(0.05, 0.2, 16)]
     found = what_if(problem(scenarios=many), runs=32)

@@ -124,6 +124,7 @@ def test_hertz_is_no_rate_of_turning():
         Scenario(passive_rate="1 Hz")
 
 
+@pytest.mark.slow
 def test_pint_is_imported_only_for_text_with_a_unit():
     code = "import sys, jaxbuffer as jb; jb.Scenario({}); print('pint' in sys.modules)"
     for value, imported in (("0.2", "False"), ("'20 cm/s'", "True")):

@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from in_short import often
 
 from hybrid.phases import arrays, stepper
 from jaxbuffer.contact import BallPair, LankaraniNikravesh, RegularisedCoulomb, Segment
@@ -109,7 +110,10 @@ def test_implicit_steps_pass_over_stiff_modes(evidence):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("solver", [Automatic(), ExplicitRungeKutta(), DiagonallyImplicit()])
+@pytest.mark.parametrize(
+    "solver",
+    often([Automatic(), ExplicitRungeKutta(), DiagonallyImplicit()], "Automatic", names=lambda it: type(it).__name__),
+)
 def test_the_loop_stays_one_kernel(solver):
     """XLA leaves out any loop that holds a call into a library."""
     mechanism = arrays(hanging(SOFT, contact=True, damping_ratio=0.02))
@@ -121,6 +125,7 @@ def test_the_loop_stays_one_kernel(solver):
         assert not [line for line in inside if forbidden in line]
 
 
+@pytest.mark.slow
 def test_a_ball_pushes_the_bars_end_and_is_pushed(evidence):
     """Pressed together, with friction: what is stored and lost balances."""
     mechanism = arrays(hanging(SOFT, contact=True))

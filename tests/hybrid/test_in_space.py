@@ -236,6 +236,7 @@ def test_the_loop_stays_one_kernel():
         assert not [line for line in inside if forbidden in line]
 
 
+@pytest.mark.slow
 def test_newtons_matrix_solves_with_the_stiff_part():
     """(I - shift J) u = r with J by its definition, of positions that are more than velocities; two columns."""
     system = stiffly_held()

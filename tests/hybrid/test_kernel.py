@@ -20,9 +20,13 @@ def compiled(design, scenario, solver):
 
 
 # The automatic solver has the steps of both others in its loop. `make test` has the smallest mechanism alone.
-EACH = [pytest.param(it, marks=pytest.mark.slow) for it in (Automatic(), ExplicitRungeKutta(), DiagonallyImplicit())]
+EACH = [
+    pytest.param(Automatic(), marks=pytest.mark.slow),
+    *(pytest.param(it, marks=pytest.mark.long) for it in (ExplicitRungeKutta(), DiagonallyImplicit())),
+]
 
 
+@pytest.mark.slow
 def test_no_library_calls_of_a_bar():
     check(jb.BarDrop(), jb.BarDropScenario(), Automatic())
 

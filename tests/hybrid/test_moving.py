@@ -58,6 +58,7 @@ def impact(speed, stiffness):
     )
 
 
+@pytest.mark.slow
 def test_times_of_events_move(found):
     result, time, *_ = found
     kinds = np.asarray(result.log.kind)[: int(result.log.count)]

@@ -25,9 +25,10 @@ SOLVERS = {
     "Automatic": (Automatic(), 8, (8, 16)),
 }
 SWING, CLOSING = 0.02, 1.2e-4  # s; the second ends before the first impact's peak
-QUICK = ("DOP853", "KenCarp4")  # the methods between which the automatic solver, which runs take, switches
+# The methods between which the automatic solver, which runs take, switches are quick, and that is slow.
+MARKS = {"DOP853": (), "KenCarp4": (), "Automatic": pytest.mark.slow}
 each_solver = pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in SOLVERS]
+    "name", [pytest.param(name, marks=MARKS.get(name, pytest.mark.long)) for name in SOLVERS]
 )
 
 
@@ -84,6 +85,7 @@ def test_order_is_kept_in_the_root_of_time(evidence, name):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", [*(pytest.param(name, marks=pytest.mark.slow) for name in ("Tsit5", "KenCarp3")), "KenCarp4"]
 )

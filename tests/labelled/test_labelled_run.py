@@ -53,6 +53,7 @@ def test_the_table_is_that_of_the_file(drop):
     np.testing.assert_array_equal(table["time [s]"], np.asarray(drop.history.time))
 
 
+@pytest.mark.slow
 def test_without_a_history_there_are_no_steps(drop):
     short = jb.simulate(jb.BarDrop(), jb.BarDropScenario(height=0.194), 0.01)
     data = short.to_xarray()

@@ -60,14 +60,15 @@ def test_closed_forms_without_a_damper():
     lossless = jb.replace(jb.BarDrop(), {"impact.damping": 0.0})
     share = EXPONENT / (EXPONENT + 1.0)
     # A height moves the touchdown by 0.3 s for each unit of its logarithm, two thousand times an impact's duration: at
-    # the default tolerance that leaves 1e-3 of an elasticity by it.
-    for rtol, of_height, verdict in ((1e-6, 2e-3, "check"), (1e-8, 2e-5, "trusted")):
+    # the default tolerance that leaves 1e-3 of an elasticity by it, which the certificate says.
+    for rtol, of_height in ((1e-6, 2e-3), (1e-8, 2e-5)):
         certified = jb.sensitivity(lossless, DROP, wrt, quantities=quantities, rtol=rtol)
         expected = [1.0 / (EXPONENT + 1.0), share, share]
         np.testing.assert_allclose(certified.elasticities[0], expected, rtol=2e-3)  # but for the weight
         np.testing.assert_allclose(certified.elasticities[1, :2], 0.0, atol=1e-5)
         assert certified.elasticities[1, 2] == pytest.approx(1.0, abs=of_height)
-        assert certified.certificate.verdict.name == verdict
+        said = certified.certificate
+        assert said.verdict.name == "trusted" and said.error[1, 2] > 0.9 * abs(certified.elasticities[1, 2] - 1.0)
 
 
 def test_gradients_where_the_damper_decides():

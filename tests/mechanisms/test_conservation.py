@@ -1,5 +1,6 @@
 """What the equations of motion conserve at every instant, and which published simplifications break it."""
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -14,9 +15,21 @@ each_tip = pytest.mark.parametrize("tip", TIPS)
 each_seed = pytest.mark.parametrize("seed", quick(range(3), 0))
 
 
+@eqx.filter_jit  # once for all states and places of a mechanism
+def rate_of(assembled, state, active):
+    return assembled.derivative(0.0, state, active)
+
+
+@eqx.filter_jit
+def energy_flows(assembled, state, active):
+    rate = assembled.derivative(0.0, state, active)
+    _, flows = jax.jvp(lambda y: assembled.energy_at(assembled.evaluate(y), active), (state,), (rate,))
+    return flows
+
+
 def momentum_rates(assembled, state, active):
     """Rates of linear momentum [N] and of angular momentum about the origin [N m], and the largest force [N]."""
-    rate = np.asarray(assembled.derivative(0.0, state, active))
+    rate = np.asarray(rate_of(assembled, state, active))
     force = np.asarray(assembled.system.masses()) * rate[12:24]
     x, y = np.asarray(state[:12:3]), np.asarray(state[1:12:3])
     angular = np.sum(x * force[1::3] - y * force[0::3] + force[2::3])
@@ -27,9 +40,7 @@ def momentum_rates(assembled, state, active):
 
 def energy_rate(assembled, state, active):
     """d/dt of everything stored and everything lost [W], and the size of the flows it is made of."""
-    rate = assembled.derivative(0.0, state, active)
-    _, energy = jax.jvp(lambda y: assembled.energy_at(assembled.evaluate(y), active), (state,), (rate,))
-    flows = jax.tree.leaves(energy)
+    flows = jax.tree.leaves(energy_flows(assembled, state, active))
     return float(sum(flows)), max(abs(float(flow)) for flow in flows)
 
 

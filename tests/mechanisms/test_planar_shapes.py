@@ -93,7 +93,6 @@ def test_a_tapered_rod_vibrates_as_beam_theory_says(kind, evidence):
     evidence(TOPIC, f"tapered rod, {kind.__name__}: frequencies", off.max(), 1e-2, "Rayleigh and Ritz")
 
 
-@pytest.mark.quick
 def test_mass_and_centre_of_a_tapered_rod(evidence):
     """In closed form; the mechanism starts on its constraints, the centre beside the pins' line too."""
     design = with_shape(rod__shape=rod(tapered, turn=0.7), rod__width=WIDTH)

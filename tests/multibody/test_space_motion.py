@@ -149,6 +149,7 @@ def test_universal_joints_against_minimal_coordinates():
     np.testing.assert_allclose(total, total[0], atol=1e-10 * np.ptp([0.0, *total]))
 
 
+@pytest.mark.slow
 def test_free_bodies_on_a_slide_keep_momentum_and_energy():
     """A probe that slides in a body without turning, on a spring; nothing holds the two: both momenta as vectors."""
     joints = (Prismatic(0, 1, (0.3, 0.0, 0.0), (-0.4, 0.0, 0.0)),)

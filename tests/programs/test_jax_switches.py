@@ -8,7 +8,7 @@ import jax
 import pytest
 
 import jaxbuffer as jb
-from in_short import quick
+from in_short import often, quick
 
 STUDY = 'kind = "bar_drop"\n[scenario]\nheight = 0.01\n[options]\nduration = 0.06\n'  # m, s
 
@@ -60,14 +60,19 @@ def plain(tmp_path_factory):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "value"),
-    [
-        ("JAX_ENABLE_X64", "0"),
-        ("JAX_DEBUG_INFS", "1"),
-        ("JAX_LOG_COMPILES", "1"),
-        ("JAX_NUMPY_RANK_PROMOTION", "raise"),
-        ("JAX_TRANSFER_GUARD", "log"),
-        ("JAX_ENABLE_CHECKS", "1"),
-    ],
+    often(
+        [
+            ("JAX_ENABLE_X64", "0"),
+            ("JAX_DEBUG_INFS", "1"),
+            ("JAX_LOG_COMPILES", "1"),
+            ("JAX_NUMPY_RANK_PROMOTION", "raise"),
+            ("JAX_TRANSFER_GUARD", "log"),
+            ("JAX_ENABLE_CHECKS", "1"),
+        ],
+        "JAX_ENABLE_X64",
+        "JAX_ENABLE_CHECKS",
+        names=lambda it: it[0],
+    ),
 )
 def test_a_switch_that_is_not_changes_no_number(tmp_path, plain, name, value):
     found = command(tmp_path, name, value)

@@ -19,7 +19,6 @@ def compiled(assembled, state, active):
     return assembled.derivative(jnp.zeros(()), state, active)
 
 
-@pytest.mark.quick
 @few
 @given(st.booleans(), st.sampled_from(PLACES), st.integers(0, 10_000))
 def test_compiled_derivative_is_the_eager_one(evidence, free, place, seed):

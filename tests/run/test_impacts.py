@@ -128,6 +128,7 @@ def test_the_impact_of_the_peak(contact, time, expected):
     assert int(_peak_impact(log, top, impacts(system(), log, surveyed(log)))) == expected
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("room", "time", "expected"), [(6, 2.5, 0), (6, 2.6, -1), (8, 4.5, 2)])
 def test_beyond_a_full_log_the_impact_of_the_peak_is_unknown(room, time, expected):
     """It may be another one's than the last that is listed."""

@@ -122,6 +122,7 @@ def test_the_largest_of_all_entries():
     assert {name: float(value) for name, value in top.others.items()} == {"height": 7.0, "rate": 1.0}
 
 
+@pytest.mark.slow
 def test_another_observable_may_be_largest_while_another_contact_pushes_more():
     entries = [(Kind.PEAK, 0, 2.0, (6.0, 5.0, 2.0)), (Kind.PEAK, 1, 3.0, (4.0, 5.0, 7.0))]
     top = largest(Toy(), logged(entries), start())

@@ -94,6 +94,7 @@ def test_two_contacts_of_a_wedge():
         assert_allclose(alone, 0.5 * 2.0 * closing**2, rtol=1e-13)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("apart", "together"), [(0.0, True), (1e-6, False)])
 def test_touchdowns_at_one_instant_are_one_impact(apart, together):
     """Both of them count both contacts; a microsecond later, the second one does."""

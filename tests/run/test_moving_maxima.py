@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from in_short import often
 
 import jaxbuffer as jb
 from jaxbuffer.hybrid import UNMOVED, ExplicitRungeKutta, Kind, Log
@@ -69,7 +70,7 @@ def test_of_a_mere_delay_nothing_is_left(kind, guard_rate, left):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("solver", ["automatic", "explicit"])
+@pytest.mark.parametrize("solver", often(["automatic", "explicit"], "explicit"))
 def test_a_hinge_force_of_microseconds_by_what_delays_its_impact(solver):
     """The tip slides across the cone, strikes the other flank after 0.45 s and pulls at the hinge for 8 µs. More
     friction delays that by 0.17 s a unit of its logarithm: within the 1e-13 s to which the maximum's time is known the

@@ -166,6 +166,7 @@ def digits(run):
     return repr(float(run.peak_force))
 
 
+@pytest.mark.slow
 def test_a_problem_goes_on_working_in_the_other_process(pool):
     """Also one whose own quantity was compiled before."""
     tuned = made_up_tuning(problem())

@@ -24,6 +24,7 @@ def test_a_damped_spectrum_of_a_half_sine(evidence):
     evidence(TOPIC, "damped spectrum of a half-sine", off, 2e-5, "pyyeti 1.4.7")
 
 
+@pytest.mark.slow
 def test_without_damping_it_is_the_closed_form():
     ratios = np.array([0.2, 0.5, 0.8, 1.3, 2.2])
     found = shock_spectrum(half_sine(4001), 1.0 / 4000.0, ratios, 0.0)

@@ -120,6 +120,7 @@ def test_a_piston_on_a_column_swings_at_its_first_frequency_and_keeps_its_energy
     assert np.ptp(total[1:]) < 2e-3 * total[1]
 
 
+@pytest.mark.slow
 def test_a_heavy_piston_sends_joukowskys_pressure_up_a_long_column(evidence):
     """p = ρ c v = 1.5 MPa per m/s, behind a front that moves at c."""
     system, _ = piston_and_column(200, mass=1e12, free_end=True)

@@ -143,6 +143,7 @@ def test_multipliers_let_nobody_in_and_never_pull():
         assert float(jnp.min(jnp.where(pairs.present, pairs.gap, 1.0))) > -2e-5  # the surface turns within a step
 
 
+@pytest.mark.slow
 def test_defence_nodes_let_in_what_neighbours_push_away():
     """Pairs that share nodes: each is closed for itself, so all together are pushed too far or not far enough; the
     difference to multipliers goes with the step."""

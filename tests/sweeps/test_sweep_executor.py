@@ -31,6 +31,7 @@ def same(one, other):
     return all(np.array_equal(one.columns[name], other.columns[name], equal_nan=True) for name in other.columns)
 
 
+@pytest.mark.slow
 def test_threads_and_processes_find_the_same_bits(whole):
     with ThreadPoolExecutor(2) as threads:
         assert same(swept(threads), whole)

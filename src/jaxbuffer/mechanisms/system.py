@@ -227,6 +227,9 @@ class ContactSystem(HybridSystem):
             invariant=self.invariant_at(jax.lax.stop_gradient(at), active),
         )
 
+    def reversals(self, state: State, active: Active) -> Float[Array, "reversing axes"]:
+        return self.reversals_at(self.evaluate(state), active)
+
     def invariant(self, state: State, active: Active) -> tuple[Float[Array, ""], Float[Array, ""]]:
         return self.invariant_at(self.evaluate(state), active)
 

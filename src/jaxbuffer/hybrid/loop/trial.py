@@ -20,7 +20,7 @@ from .task import Task
 P = TypeVar("P")
 BEFORE_RELEASE = 0.6  # of the predicted time to a release: near it only a step that ends on it is accurate
 ADDED, LEAST_SHARE = 0.3, 1e-4  # see `_allowed_change`
-LINEAR = 3.0  # see `_linear_time`
+LINEAR, LEAST_SHORTFALL = 3.0, 1e-6  # see `_linear_time`
 SPACING = 1e-3  # of a step as accuracy allows: how far beside its end the second derivative is taken from
 
 
@@ -98,8 +98,10 @@ def _linear_time(stiff: Linearisation, shortfall: Scalar) -> Float[Array, ""]:
 
     With ω the fastest rate of the stiff forces, a force at its top is moved over a time t too high by (ωt)²/2 of it. A
     step that falls short of its own maximum by just the shortfall, (ωt)²/2 of that too, is well within this time.
+    Tighter tolerances make it no shorter: nearer to a top its rate is rounding, and says no more of when it is reached.
     """
-    return LINEAR * jnp.sqrt(shortfall) / jnp.maximum(stiff.fastest(), 1e-150)  # no stiff force may act at all
+    allowed = jnp.maximum(shortfall, LEAST_SHORTFALL)
+    return LINEAR * jnp.sqrt(allowed) / jnp.maximum(stiff.fastest(), 1e-150)  # no stiff force may act at all
 
 
 def _allowed_change(change: Scalar, share: Scalar, rtol: Scalar) -> Float[Array, ""]:
