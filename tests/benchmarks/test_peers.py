@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
 from in_short import often
 
 pytest.importorskip("numba", reason="numba is not installed: pip install 'jaxbuffer[bench]'")

@@ -47,6 +47,7 @@ def with_seven_tolerances():
     return jb.Problem(jb.table2(), [SCENARIO], [], limits=limits, tolerances=tolerances)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_best_of_seven_tolerances_is_the_best_in_all_128_corners(tmp_path, evidence):
     problem = with_seven_tolerances()

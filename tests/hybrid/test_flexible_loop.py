@@ -8,9 +8,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from in_short import often
 
 from hybrid.phases import arrays, stepper
+from in_short import often
 from jaxbuffer.contact import BallPair, LankaraniNikravesh, RegularisedCoulomb, Segment
 from jaxbuffer.hybrid import Automatic, DiagonallyImplicit, ExplicitRungeKutta, Options, StepTolerance, solve
 from jaxbuffer.mechanisms.assembled import Assembled, BallContact

@@ -196,6 +196,7 @@ def test_the_drawn_liquid_goes_with_a_wall_that_moves_to_one_side():
     assert inside.sum() == pytest.approx(_areas(mesh.nodes[seen.sets.wetted][None])[0], rel=1e-12)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_rigid_tank_slides_under_a_cushion_at_an_angle(evidence):
     """A mass that falls onto one that slides without friction, with a cushion between them, by SciPy."""

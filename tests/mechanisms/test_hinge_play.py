@@ -4,10 +4,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from in_short import often
 from numpy.testing import assert_allclose
 
 import jaxbuffer as jb
+from in_short import often
 from jaxbuffer import InputError, replace, table2
 from jaxbuffer.contact.laws import DampedHertz, free_impact
 from verification.exact_bending import BendingModel

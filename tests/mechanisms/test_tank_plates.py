@@ -4,9 +4,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from in_short import often
 
 import jaxbuffer as jb
+from in_short import often
 from jaxbuffer.mechanisms.tank_drop.assembly import assembled
 from jaxbuffer.mechanisms.tank_drop.design import ZONES, valid
 from jaxbuffer.mechanisms.tank_drop.numbering import Numbering

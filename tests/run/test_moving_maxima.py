@@ -4,9 +4,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from in_short import often
 
 import jaxbuffer as jb
+from in_short import often
 from jaxbuffer.hybrid import UNMOVED, ExplicitRungeKutta, Kind, Log
 from jaxbuffer.mechanisms.bar_drop import BAR_DROP
 from jaxbuffer.run.moving import moving_maxima

@@ -100,6 +100,7 @@ def pressed(across):
     )
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_pressure_and_width_under_refinement(evidence):
     """The pressure √(F E*/(π R)) √(1 - x²/a²) over four fifths of the half width a = √(4 F R/(π E*)), and that width

@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from in_short import often
 
 import jaxbuffer as jb
+from in_short import often
 from jaxbuffer.cli.entry import run
 from jaxbuffer.mechanisms import mechanism_named
 from jaxbuffer.study.load import load
