@@ -125,7 +125,6 @@ def test_the_loop_stays_one_kernel(solver):
         assert not [line for line in inside if forbidden in line]
 
 
-@pytest.mark.slow
 def test_a_ball_pushes_the_bars_end_and_is_pushed(evidence):
     """Pressed together, with friction: what is stored and lost balances."""
     mechanism = arrays(hanging(SOFT, contact=True))

@@ -132,6 +132,7 @@ def test_the_largest_stretch_has_the_slopes_of_the_closed_form():
     np.testing.assert_allclose(jax.jacfwd(of)(numbers), jax.grad(lambda n: largest_swing(*n))(numbers), rtol=1e-7)
 
 
+@pytest.mark.quick
 def test_the_energy_of_the_whole_as_a_rigid_body_is_that_of_one_body():
     """Three bodies that move as one: their kinetic energy; and of any motion ½ P²/M + ½ H·J⁻¹H by NumPy."""
     rng = np.random.default_rng(1)
