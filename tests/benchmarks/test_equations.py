@@ -37,7 +37,7 @@ def test_what_a_run_compiles_to_run_once(known, name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [pytest.param("capture", marks=pytest.mark.slow), "bar_drop"])
+@pytest.mark.parametrize("name", ["capture", "bar_drop"])
 def test_what_a_gradient_compiles_to_run_once(known, name):
     function, arguments = programs(known[name])["jax.grad"]
     assert size_of(function, *arguments).outside <= MOST[name][1]

@@ -48,7 +48,6 @@ def with_seven_tolerances():
 
 
 @pytest.mark.long
-@pytest.mark.slow
 def test_the_best_of_seven_tolerances_is_the_best_in_all_128_corners(tmp_path, evidence):
     problem = with_seven_tolerances()
     (tmp_path / round_folder(7)).mkdir()  # of an earlier choice

@@ -1,7 +1,7 @@
 """A force that reverses within a step, which a step that sees nothing of it leaves nearly right and its slopes wrong.
 
 A body that a control pushes back with its whole moment, which turns over within a millionth of the angle that the body
-swings through; and a slider's pin that stays in contact while its friction reverses some fifty times.
+swings through; and a slider's pin that stays in contact while its friction reverses again and again.
 """
 
 import jax.numpy as jnp

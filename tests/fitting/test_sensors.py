@@ -55,7 +55,6 @@ def test_a_gain_is_found_beside_the_numbers_behind_a_measured_test(tmp_path):
 
 
 @pytest.mark.long
-@pytest.mark.slow
 def test_two_tests_at_once_tell_the_numbers_and_the_noise_that_was_left_out():
     truth, random = [520.0, 7.3, 410.0, 3.1, 0.24], np.random.default_rng(0)
     design = jb.replace(START, dict(zip(BOUNDS, truth, strict=True)))

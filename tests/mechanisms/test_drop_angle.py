@@ -197,7 +197,6 @@ def test_the_drawn_liquid_goes_with_a_wall_that_moves_to_one_side():
 
 
 @pytest.mark.long
-@pytest.mark.slow
 def test_a_rigid_tank_slides_under_a_cushion_at_an_angle(evidence):
     """A mass that falls onto one that slides without friction, with a cushion between them, by SciPy."""
     angle, mass, soft, damping = 0.03, 60.0, 1e6, 1e3

@@ -19,9 +19,9 @@ def compiled(assembled, state, active):
     return assembled.derivative(jnp.zeros(()), state, active)
 
 
+@pytest.mark.quick
 @few
 @given(st.booleans(), st.sampled_from(PLACES), st.integers(0, 10_000))
-@pytest.mark.quick
 def test_compiled_derivative_is_the_eager_one(evidence, free, place, seed):
     """To the rounding of the penetration, 1e-16 m of some µm."""
     assembled = mechanism(free)

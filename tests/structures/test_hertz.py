@@ -101,7 +101,6 @@ def pressed(across):
 
 
 @pytest.mark.long
-@pytest.mark.slow
 def test_pressure_and_width_under_refinement(evidence):
     """The pressure √(F E*/(π R)) √(1 - x²/a²) over four fifths of the half width a = √(4 F R/(π E*)), and that width
     by the forces' second moment, a²/4 of an ellipse."""

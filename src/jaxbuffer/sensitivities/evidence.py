@@ -143,34 +143,44 @@ def each(tight: TightSolves, elasticities: np.ndarray, sizes: np.ndarray, by_tol
 
 
 def together(tight: TightSolves, elasticities: np.ndarray, sizes: np.ndarray, by_tolerance: np.ndarray) -> Evidence:
-    """Take one difference along all parameters, and more for the quantities of which it tells too little.
+    """Take a difference along all parameters; its error is charged to each of them as if that one alone were wrong.
 
-    Its error is charged to each parameter as if that one alone were wrong. A parameter that changes a quantity far less
-    than the others do along a direction is thus charged with what may be theirs, and a direction for that quantity
-    alone tells more.
+    A parameter that changes a quantity far less than the others do is so charged with what may be their errors. The
+    quantities for which that leaves most in doubt get a direction of their own.
     """
     size = np.maximum(np.abs(elasticities), FLOOR)
-    missed, uncertainty = np.full(size.shape, np.inf), np.full(size.shape, np.inf)
-    wanted = known = np.flatnonzero(np.all(np.isfinite(elasticities), axis=1))
-    for _ in range(DIRECTIONS):
-        if not wanted.size:
-            break
-        direction = balanced_direction(elasticities[wanted], FLOOR)
-        moved = np.abs(direction)
-        # Of the quantities that are wanted, the least change by any parameter must be told too.
-        settled = np.full(len(size), np.inf)
-        settled[wanted] = SETTLED * np.min(size[wanted] * moved, axis=1)
-        ((value, uncertain, _),) = _differences(tight, [direction], [settled * sizes])
-        off = np.abs(elasticities @ direction - value / sizes)[:, None] / moved
-        uncertain = (uncertain / sizes)[:, None] / moved
-        better = ~(np.maximum(off, uncertain) >= np.maximum(missed, uncertainty))  # NaN, of no difference, stays NaN
-        missed, uncertainty = np.where(better, off, missed), np.where(better, uncertain, uncertainty)
-        worst = np.max(np.maximum(missed, uncertainty) / size, axis=1)
-        # Each has a direction of its own once.
-        known = np.setdiff1d(known, wanted) if wanted.size == 1 else known
-        untold = [k for k in known if np.isfinite(worst[k]) and worst[k] > TRUSTED]
-        wanted = np.array(sorted(untold, key=lambda k: -worst[k])[:1], int)
-    return Evidence(by_tolerance, missed, uncertainty, len(tight.known), False)
+    finite = np.flatnonzero(np.all(np.isfinite(elasticities), axis=1))
+    if not finite.size:
+        unknown = np.full(size.shape, np.nan)
+        return Evidence(by_tolerance, unknown, unknown, 0, False)
+    errors = _along(tight, [finite], elasticities, sizes)
+    worst = np.max(np.max(errors[0], axis=0) / size, axis=1)
+    doubtful = [k for k in finite[np.argsort(-worst[finite])] if TRUSTED < worst[k] < np.inf][: DIRECTIONS - 1]
+    if doubtful and finite.size > 1:
+        errors += _along(tight, [np.array([k]) for k in doubtful], elasticities, sizes)
+    # Of each elasticity the direction that leaves it least in doubt; NaN is the error where none could be differenced.
+    larger = np.nan_to_num(np.max(errors, axis=1), nan=np.inf)
+    best = np.take_along_axis(np.array(errors), np.argmin(larger, axis=0)[None, None], axis=0)[0]
+    return Evidence(by_tolerance, best[0], best[1], len(tight.known), False)
+
+
+def _along(
+    tight: TightSolves, groups: list[np.ndarray], elasticities: np.ndarray, sizes: np.ndarray
+) -> list[np.ndarray]:
+    """Take a difference along a direction for each group of quantities; return for each the distance from it and its
+    uncertainty (2, quantities, paths), charged to each parameter."""
+    directions = [balanced_direction(elasticities[group], FLOOR) for group in groups]
+    settled = np.full((len(groups), len(sizes)), np.inf)
+    for row, group, direction in zip(settled, groups, directions, strict=True):
+        # The parameter that changes a quantity least needs the smallest uncertainty.
+        size = np.maximum(np.abs(elasticities[group]), FLOOR)
+        row[group] = SETTLED * np.min(size * np.abs(direction), axis=1) * sizes[group]
+    differences = _differences(tight, directions, list(settled))
+    return [
+        np.stack([np.abs(elasticities @ direction - value / sizes), uncertainty / sizes])[:, :, None]
+        / np.abs(direction)
+        for direction, (value, uncertainty, _) in zip(directions, differences, strict=True)
+    ]
 
 
 def _differences(tight: TightSolves, directions: list[np.ndarray], settled: list[np.ndarray]) -> list[Difference]:

@@ -98,7 +98,7 @@ def _linear_time(stiff: Linearisation, shortfall: Scalar) -> Float[Array, ""]:
 
     With ω the fastest rate of the stiff forces, a force at its top is moved over a time t too high by (ωt)²/2 of it. A
     step that falls short of its own maximum by just the shortfall, (ωt)²/2 of that too, is well within this time.
-    Tighter tolerances make it no shorter: nearer to a top its rate is rounding, and says no more of when it is reached.
+    Tighter tolerances make it no shorter: the times of a struck beam's maxima are then less exact, not more.
     """
     allowed = jnp.maximum(shortfall, LEAST_SHORTFALL)
     return LINEAR * jnp.sqrt(allowed) / jnp.maximum(stiff.fastest(), 1e-150)  # no stiff force may act at all
