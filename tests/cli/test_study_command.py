@@ -1,5 +1,6 @@
 """`jaxbuffer init`, `check` and `schema`."""
 
+import functools
 import json
 import os
 import re
@@ -28,6 +29,13 @@ count = 24
 approach_speed = {normal = ["10 cm/s", "1 cm/s"]}
 [problem.sample.factors]
 """
+
+
+@functools.cache
+def example(kind: str) -> str:
+    return example_toml(mechanism_named(kind))
+
+
 KINDS = [mechanism.name for mechanism in all_mechanisms()]
 # The longest example by far: `make test` has it once.
 each_kind = pytest.mark.parametrize("kind", quick(KINDS, *(kind for kind in KINDS if kind != "docking3d")))
@@ -41,7 +49,7 @@ def test_an_example_loads_to_the_defaults_and_has_every_field(kind, computed, ca
     assert (study.design, study.scenario) == (design, mechanism.scenario())
     limits = {**mechanism.defaults.limits, **mechanism.defaults.example_limits}
     assert study.problem().limits.at_most == limits and study.sweep
-    text = example_toml(mechanism)
+    text = example(kind)
     assert max(map(len, text.splitlines())) <= 120
     for part in (mechanism.design(), mechanism.scenario()):
         for path in paths(part):
@@ -54,7 +62,7 @@ def test_an_example_loads_to_the_defaults_and_has_every_field(kind, computed, ca
 def test_the_defaults_in_the_comments_are_the_defaults(kind):
     """Every commented field with a value, made to hold, leaves the study as it is."""
     mechanism = mechanism_named(kind)
-    text = re.sub(r"^# (\w+ = [^\s].*)$", r"\1", example_toml(mechanism).split("[problem")[0], flags=re.MULTILINE)
+    text = re.sub(r"^# (\w+ = [^\s].*)$", r"\1", example(kind).split("[problem")[0], flags=re.MULTILINE)
     study = loads(text.encode(), "example")
     design = replace(mechanism.design(), mechanism.defaults.example)
     for part, default in ((study.design, design), (study.scenario, mechanism.scenario())):
@@ -154,7 +162,7 @@ def test_a_study_is_explained(computed, capsys, tmp_path):
 @each_kind
 def test_the_example_of_parts_roundings_and_a_fit_can_be_taken(kind):
     mechanism = mechanism_named(kind)
-    text = example_toml(mechanism)
+    text = example(kind)
     taken = re.sub(r"^# (?!#)", "", text[text.index("# [parts.") :], flags=re.MULTILINE).replace("## ", "# ")
     study = loads(f'kind = "{kind}"\n{taken}'.encode(), "example")
     (catalogue,), path = study.parts, mechanism.defaults.parameters[0]
@@ -215,8 +223,10 @@ def test_what_is_wrong_with_a_study_is_one_line(computed, capsys, tmp_path, text
     assert shown.out == "" and shown.err.startswith(f"error: {message}") and shown.err.count("\n") == 1
 
 
-def validator(schema) -> Draft7Validator:
-    """Of a schema that is one itself, which takes half a second to check."""
+@functools.cache
+def validator(kind: str) -> Draft7Validator:
+    """Of the schema of a mechanism's studies, which is one itself; that takes half a second to check."""
+    schema = study_schema(mechanism_named(kind))
     Draft7Validator.check_schema(schema)
     return Draft7Validator(schema)
 
@@ -227,8 +237,8 @@ def test_the_schema_takes_examples_and_refuses_mistakes(kind, capsys):
     mechanism = mechanism_named(kind)
     schema = json.loads(capsys.readouterr().out)
     assert schema == json.loads(json.dumps(study_schema(mechanism)))
-    described = validator(schema).is_valid
-    assert described(tomllib.loads(example_toml(mechanism)))
+    described = validator(kind).is_valid
+    assert described(tomllib.loads(example(kind)))
     field = next(path for path in paths(mechanism.design()) if "limits" in metadata(mechanism.design(), path))
     section, name = field.split(".")
     assert described({section: {name: "2 kg"}}) and described({section: {name: 2.0}})
@@ -237,7 +247,7 @@ def test_the_schema_takes_examples_and_refuses_mistakes(kind, capsys):
 
 
 def test_the_schema_knows_samples_and_choices_that_are_swept():
-    described = validator(study_schema(mechanism_named("probe_cone"))).is_valid
+    described = validator("probe_cone").is_valid
     for text, right in (
         ('[sample]\ncount = 64\nmethod = "sobol"\n[sample.ranges]\nbuffer.k_A = ["200 N/m", "2 kN/m", "log"]', True),
         ("[sample.ranges]\nbuffer.k_A = [200]", False),
@@ -257,12 +267,12 @@ def test_the_schema_knows_samples_and_choices_that_are_swept():
 @each_kind
 def test_the_example_shows_how_designs_scatter(kind, tmp_path):
     """The lines of [problem.sample], made to hold, are a study with so many cases, which its schema takes too."""
-    text = example_toml(mechanism_named(kind)).split("[tune]")[1].partition("\n\n")[2]
+    text = example(kind).split("[tune]")[1].partition("\n\n")[2]
     shown = r"^# (\[problem\.sample.*\].*|count = .*|seed = .*|.* = \{uniform.*)$"
     text = re.sub(shown, r"\1", text, flags=re.MULTILINE)
     text = f'kind = "{kind}"\n{text}'
     assert len(loads(text.encode(), "example").problem().cases) == 24
-    assert validator(study_schema(mechanism_named(kind))).is_valid(tomllib.loads(text))
+    assert validator(kind).is_valid(tomllib.loads(text))
 
 
 @pytest.mark.parametrize("word", ["robust", "tolerance", "monte carlo"])
@@ -275,8 +285,8 @@ def test_a_search_of_the_docs_finds_how_designs_scatter(word):
         and "[problem.sample]" in text
     ]
     assert found == ["robust.md"]
-    example = example_toml(mechanism_named("bar_drop")).lower()
-    assert word in "".join(re.findall(r".*problem\.sample.*", example)) and "# [tolerances]" in example
+    shown = example("bar_drop").lower()
+    assert word in "".join(re.findall(r".*problem\.sample.*", shown)) and "# [tolerances]" in shown
 
 
 @each_kind

@@ -29,15 +29,20 @@ KEYS = [
 ]
 
 
+@pytest.fixture(scope="module")
+def schema_and_example():
+    mechanism = mechanism_named("probe_cone")
+    return study_schema(mechanism), example_toml(mechanism).splitlines()
+
+
 @pytest.mark.parametrize(("table", "name"), KEYS)
-def test_a_key_is_described_checked_and_suggested_wherever_it_is_declared(table, name):
-    mechanism, known = mechanism_named("probe_cone"), declared(TABLES[table])[name]
-    schema = study_schema(mechanism)
+def test_a_key_is_described_checked_and_suggested_wherever_it_is_declared(table, name, schema_and_example):
+    known, (schema, example) = declared(TABLES[table])[name], schema_and_example
     for part in table.split("."):
         schema = schema["properties"][part]
     assert schema["properties"][name]["description"].endswith(known["doc"])
     if table != "sample":  # which the example leaves out
-        assert any(line.startswith(f"# {name} = ") for line in example_toml(mechanism).splitlines())
+        assert any(line.startswith(f"# {name} = ") for line in example)
     with pytest.raises(InputError, match=rf"{table}\.{name}x is unknown; did you mean .*{name}"):
         loads(f"[{table}]\n{name}x = 1".encode(), "study.toml")
     with pytest.raises(InputError, match=rf"{table}\.{name}.* \[\]|{table}\.{name}: '\[\]'"):

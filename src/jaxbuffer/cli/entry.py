@@ -1,11 +1,14 @@
 """From arguments to an exit code: no error leaves as a traceback unless it is a bug."""
 
+import functools
 import os
 import sys
 import traceback
 from collections.abc import Sequence
+from typing import Any
 
 import typer
+from typer.main import get_command
 
 from ..errors import InputError
 from ..files import Lock
@@ -40,7 +43,7 @@ def run(arguments: Sequence[str]) -> int:
     """Run the command line; errors become one line on stderr and an exit code."""
     try:
         # Outside its standalone mode typer raises what it would print over several lines before it ends the process.
-        code = app(list(arguments), prog_name="jaxbuffer", standalone_mode=False, obj=tuple(arguments))
+        code = _commands()(list(arguments), prog_name="jaxbuffer", standalone_mode=False, obj=tuple(arguments))
     except InputError as error:
         return fail(error, BAD_INPUT)
     except OSError as error:
@@ -64,3 +67,9 @@ def run(arguments: Sequence[str]) -> int:
     if code == INTERRUPTED:
         print("interrupted", file=sys.stderr, flush=True)
     return code or OK
+
+
+@functools.cache
+def _commands() -> Any:
+    """Return all commands with their options, which typer would otherwise build anew in each call."""
+    return get_command(app)

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import concrete
 from ..value_text import with_unit
-from .paths import get, metadata, paths
+from .paths import get, has_path, metadata, paths
 from .shown import cut
 from .units import as_typed
 
@@ -96,7 +96,7 @@ def why_inactive(design: Any, scenario: Any, path: str, varied: Collection[str] 
     **Arguments:** ``design``, ``scenario``, ``varied``: as of `inactive`.
     """
     part, own = _owner(design, scenario, path)
-    if not _declared(part, own):
+    if part is None or not has_path(part, own):
         return ""
     section = path.rpartition(".")[0]
     for need in metadata(part, own).get("needs", ()):
@@ -124,10 +124,6 @@ def why_inactive(design: Any, scenario: Any, path: str, varied: Collection[str] 
 def _owner(design: Any, scenario: Any, path: str) -> tuple[Any, str]:
     """Return the design or the scenario, whichever has the path, and the path in it."""
     return (scenario, path.removeprefix(ROOT)) if path.startswith(ROOT) else (design, path)
-
-
-def _declared(part: Any, path: str) -> bool:
-    return part is not None and path in set(paths(part))
 
 
 def _value(design: Any, scenario: Any, path: str) -> Any:

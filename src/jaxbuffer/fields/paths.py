@@ -47,7 +47,7 @@ def check_path(module: eqx.Module, path: str) -> None:
     """Check that ``path`` is a dotted path of ``module``. **Raises:** `InputError` with the nearest name."""
     if not isinstance(path, str):
         raise InputError(f"{shown(path)} is not a dotted path such as 'buffer.k_A'")
-    if _has_field(module, path):
+    if has_path(module, path):
         return
     known = [*paths(module), *(point_paths(module) if "[" in path else ())]
     if path not in known:
@@ -67,7 +67,7 @@ def _declared(kind: type[eqx.Module]) -> Mapping[str, Mapping[str, Any]]:
     return {field.name: field.metadata for field in dataclasses.fields(kind)}
 
 
-def _has_field(module: eqx.Module, path: str) -> bool:
+def has_path(module: eqx.Module, path: str) -> bool:
     """Return whether ``path`` is one of `paths`, without listing them: a tuning asks this thousands of times."""
     value: Any = module
     for name in path.split("."):
