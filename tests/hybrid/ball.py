@@ -5,6 +5,7 @@ Guards are numbered: 0 the contact, 1 the run's end, 2 the force's maximum, 3 th
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from jaxbuffer.hybrid import Options
 from jaxbuffer.hybrid.events.guards import Guards
@@ -83,9 +84,9 @@ def task(tangents=0, jumps=False, ball=Ball, **options):
 
 def guards(contact=(1.0, -0.1, 0.0), end=(-1.0, 0.0), force=(0.0, 0.0), other=(0.0, -1.0)):
     """Gap, its rate and acceleration; the end's guard and its rate; both observables and their rates."""
-    observed = jnp.array([force, other])
-    parts = [jnp.array([number]) for number in (*contact, *end)]
-    return Guards(*parts, observed[:, 0], observed[:, 1], jnp.zeros((0, 1)), jnp.zeros(()), jnp.zeros(()))
+    observed = np.array([force, other])
+    parts = [np.array([number]) for number in (*contact, *end)]
+    return Guards(*parts, observed[:, 0], observed[:, 1], np.zeros((0, 1)), np.zeros(()), np.zeros(()))
 
 
 _initial: dict = {}  # by the task's identity, beside the task, so that no other takes its place
@@ -112,21 +113,21 @@ def running(task, phase, at, closed=False, bracket=None, **others):
     )
 
 
-def trial(task, at, norm=0.5, length=LENGTH, with_tangents=True, finite=True):
+def trial(task, at, norm=0.5, length=LENGTH, with_tangents=True, finite=True, implicit=False):
     """A trial step that moves every row by one, with these guards at its end."""
-    rows = jnp.ones((1 + task.tangents.count, 3))
-    step = Step(rows, 2.0 * rows, 0.0 * rows, jnp.asarray(8.0), 0.0 * rows)
-    flags = jnp.asarray(with_tangents), jnp.asarray(finite)
-    norm = jnp.asarray(norm)
+    rows = np.ones((1 + task.tangents.count, 3))
+    step = Step(rows, 2.0 * rows, 0.0 * rows, np.asarray(8.0), 0.0 * rows)
+    flags = np.asarray(with_tangents), np.asarray(finite)
+    norm = np.asarray(norm)
     return Trial(
-        jnp.asarray(0),
-        jnp.asarray(length),
+        np.asarray(int(implicit)),
+        np.asarray(length),
         flags[0],
         step,
         at,
-        jnp.zeros(()),
+        np.zeros(()),
         norm,
         norm,
         flags[1],
-        jnp.asarray(length),
+        np.asarray(length),
     )

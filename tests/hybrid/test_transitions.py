@@ -21,6 +21,7 @@ from hybrid.ball import (
     Ball,
     BallByState,
     guards,
+    initial,
     running,
     task,
     trial,
@@ -30,7 +31,6 @@ from jaxbuffer.hybrid.events.bracketing import MAX_TRIES, MAX_TRIES_MAXIMUM, Bra
 from jaxbuffer.hybrid.loop import loop
 from jaxbuffer.hybrid.loop.decision import decide
 from jaxbuffer.hybrid.loop.phase import LOOKING_BACK, TRANSITIONS, Phase, StepOutcome
-from jaxbuffer.hybrid.loop.state import initial_state
 from jaxbuffer.hybrid.loop.task import Task
 from jaxbuffer.hybrid.rungekutta.controller import StepSizes
 
@@ -99,11 +99,12 @@ def thrown_over_the_end(state, step):
     apex, speed = 1e-6, 5.0 * LENGTH
 
     def at(rows, end_rate):
-        there = jnp.array([2.0 + apex - 0.1 * speed**2 / 2.0, end_rate, 0.0])
-        return jnp.zeros_like(rows).at[0].set(there), jnp.zeros_like(rows).at[0].set(jnp.array([end_rate, -10.0, 0.0]))
+        there, rate = np.zeros((2, *rows.shape))
+        there[0], rate[0] = (2.0 + apex - 0.1 * speed**2 / 2.0, end_rate, 0.0), (end_rate, -10.0, 0.0)
+        return there, rate
 
     def on(guards, end_rate):
-        return guards._replace(terminal=jnp.array([apex - 0.1 * speed**2 / 2.0]), terminal_rate=jnp.array([end_rate]))
+        return guards._replace(terminal=np.array([apex - 0.1 * speed**2 / 2.0]), terminal_rate=np.array([end_rate]))
 
     (rows, rate), (end, end_rate) = at(state.point.rows, speed), at(step.step.end, -speed)
     point = state.point._replace(rows=rows, rate=rate, guards=on(state.point.guards, speed))
@@ -163,6 +164,14 @@ def location_cases(phase, case):
         ),
         (phase, "no event yet", start, trial(case, beside), StepOutcome.REFINE, goes_on),
         (phase, "no event yet, error too large", start, trial(case, beside, norm=6.0), StepOutcome.REFINE, goes_on),
+        (
+            phase,
+            "no event yet, solved wrongly",
+            start,
+            trial(case, beside, norm=6.0, implicit=True),
+            StepOutcome.ABANDON,
+            Phase.STEP,
+        ),
         (
             phase,
             "no event yet after twelve tries",
@@ -275,7 +284,7 @@ def test_the_first_step_is_that_of_the_state_and_of_no_tangent():
             return 0.2 * state[0]
 
     case = Task.of(Sized, WITH_TANGENTS.tangents, jnp.asarray(DURATION), WITH_TANGENTS.options)
-    state = initial_state(case)
+    state = initial(case)
     share = case.options.tolerance.first_step(2)
     assert 0.0 < float(share) < 5.0
     np.testing.assert_allclose(float(state.contact_step), 0.2 * float(share), rtol=1e-15)
