@@ -21,7 +21,7 @@ import jaxbuffer.cli.quick
 import jaxbuffer.programs.process
 
 jaxbuffer.cli.quick.prepare()
-jaxbuffer.programs.process.configure()
+jaxbuffer.programs.process.configure(cache=None)
 
 import jax  # noqa: E402
 
@@ -115,7 +115,7 @@ def pytest_configure(config):
     given = getattr(config, "workerinput", {}).get("programs") or config.getoption("--programs")
     config.stash[PROGRAMS] = Path(given or tempfile.mkdtemp(prefix="jaxbuffer-programs-"))
     os.environ["JAXBUFFER_CACHE"] = str(config.stash[PROGRAMS])  # of commands, in this process and others
-    jaxbuffer.programs.process.configure()
+    jaxbuffer.programs.process.configure(cache=config.stash[PROGRAMS])
 
 
 @pytest.hookimpl(tryfirst=True)  # before tests are selected by their markers

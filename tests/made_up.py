@@ -61,13 +61,13 @@ def made_up_capture(scenario=None, peak=250.0, at=0.02, outcome=Outcome.captured
         }.items()},
         energy=energy,
     )  # fmt: skip
-    slots = jnp.zeros(3)
+    first = np.array([1.0, 0.0, 0.0])
     hits = Impacts(
-        time=slots.at[0].set(at - PULSE / 2),
-        contact=jnp.array([1, -1, -1]),
-        approach_speed=slots.at[0].set(0.07),
-        peak_force=slots.at[0].set(peak),
-        release_time=slots.at[0].set(jnp.nan),
+        time=jnp.asarray((at - PULSE / 2) * first),
+        contact=jnp.asarray([1, -1, -1]),
+        approach_speed=jnp.asarray(0.07 * first),
+        peak_force=jnp.asarray(peak * first),
+        release_time=jnp.asarray([np.nan, 0.0, 0.0]),
         count=jnp.asarray(1),
     )
     return Capture(
@@ -88,7 +88,7 @@ def made_up_capture(scenario=None, peak=250.0, at=0.02, outcome=Outcome.captured
         impacts=hits,
         docking=made_up_docking(),
         first_impact=FirstImpact(*(jnp.asarray(x) for x in (0.2, 5e-4, 150.0, 143.0, PULSE))),
-        energy=jax.tree.map(lambda share: share[-1], energy),
+        energy=jax.tree.map(lambda share: jnp.asarray(np.asarray(share)[-1]), energy),
         balance=Balance(*(jnp.asarray(1e-9) for _ in range(4))),
         _located=Log.empty(2, jnp.zeros((1, 30)), 2, 6),
         _observed=(),

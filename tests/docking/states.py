@@ -2,6 +2,7 @@
 
 from typing import NamedTuple
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -31,6 +32,18 @@ CURVES = {
 }
 
 
+capture = eqx.filter_jit(assemble)  # one program in place of its many operations
+
+
+@eqx.filter_jit  # once for all states of a mechanism
+def rates(assembled, state, active):
+    """The state's rate, those of linear and angular momentum, and those of all energies."""
+    rate = assembled.derivative(0.0, state, active)
+    energy_at = lambda state: assembled.energy_at(assembled.evaluate(state), active)  # noqa: E731
+    momentum, energy = (jax.jvp(of, (state,), (rate,))[1] for of in (assembled.momentum, energy_at))
+    return rate, momentum, energy
+
+
 class Instant(NamedTuple):
     """A mechanism in a state with its closed contacts, 1 and 0."""
 
@@ -39,33 +52,28 @@ class Instant(NamedTuple):
     active: jax.Array
 
     @property
-    def at(self):
-        return self.mechanism.evaluate(self.state)
-
-    @property
     def rate(self):
-        return self.mechanism.derivative(0.0, self.state, self.active)
+        return np.asarray(rates(*self)[0])
 
     def momentum_rates(self):
         """Rates of linear and angular momentum less what a thrust puts in, [N] and [N m]."""
-        return jax.jvp(self.mechanism.momentum, (self.state,), (self.rate,))[1]
+        return rates(*self)[1]
 
     def energy_rate(self):
         """Rate of everything stored and lost less what is put in [W], and the largest of these flows."""
-        energy_at = lambda state: self.mechanism.energy_at(self.mechanism.evaluate(state), self.active)  # noqa: E731
-        flows = jax.tree.leaves(jax.jvp(energy_at, (self.state,), (self.rate,))[1])
-        return float(sum(flows)), max(abs(float(flow)) for flow in flows)
+        flows = [float(flow) for flow in jax.tree.leaves(rates(*self)[2])]
+        return sum(flows), max(map(abs, flows))
 
 
 def own(assembled, state, name):
     """The numbers that the element of a name has in a state, or their rates in its rate, by their names."""
     k = [element.name for element in assembled.elements].index(name)
-    return dict(zip(assembled.elements[k].variables, assembled.part(state, f"element {k}"), strict=True))
+    return dict(zip(assembled.elements[k].variables, np.asarray(state)[assembled.places[f"element {k}"]], strict=True))
 
 
 def mechanism(values=None, **scenario):
     """Table 2 with other ``values`` by path."""
-    return assemble(replace(table2(), values or {}), Scenario(**scenario))
+    return capture(replace(table2(), values or {}), Scenario(**scenario))
 
 
 def moving(assembled, stroke=0.004, stroke_rate=-0.06, ahead=0.0005, closed=(), **extras):
@@ -90,14 +98,13 @@ def moving(assembled, stroke=0.004, stroke_rate=-0.06, ahead=0.0005, closed=(), 
     t = tip - turn @ np.array([plane + ahead, 0.0007])
     q = [*s, s_angle, *b, turned, *p, turned, *t, t_angle]
     v = [*s_velocity, s_spin, *b_velocity, spin, *p_velocity, spin, 0.01, 0.02, t_spin]
-    start, _ = assembled.start()
-    rest = np.zeros(len(start) - 26)
+    rest = np.zeros(max(place.stop for place in assembled.places.values()) - 26)
     if assembled.spins:
         rest[0] = 0.7
-    state = jnp.asarray([*q, *v, *rest, 0.1, 0.1])
+    state = np.array([*q, *v, *rest, 0.1, 0.1])
     for k, element in enumerate(assembled.elements):
         for i, name in enumerate(element.variables):
             if name in extras:
-                state = state.at[assembled.layout.places[f"element {k}"].start + i].set(extras[name])
-    active = jnp.asarray([float(name in closed) for name in assembled.contact_names])
-    return Instant(assembled, state, active)
+                state[assembled.places[f"element {k}"].start + i] = extras[name]
+    active = np.array([float(name in closed) for name in assembled.contact_names])
+    return Instant(assembled, jnp.asarray(state), jnp.asarray(active))

@@ -1,12 +1,13 @@
 """What latches and a thrust do at an instant: forces by hand, action and reaction, energy that closing puts in."""
 
+import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 from docking.states import LATCH, REAL_BUFFER, mechanism, moving, own
-from jaxbuffer.mechanisms.probe_cone.bodies import P, T
+from jaxbuffer.mechanisms.probe_cone.bodies import P, S, T
 
 CLOSING, LATCHED, THRUST_OVER = "latch", "latch closed", "thrust over"  # contacts
 TIMES = {"just closing": 0.002, "half closed": 0.01, "nearly closed": 0.019, "closed": 0.3}
@@ -25,28 +26,61 @@ def latched(since, values=None, **scenario):
     )
 
 
+@eqx.filter_jit  # once for all states of a mechanism
+def parts(assembled, state):
+    """The tip's centre, and the frames of the cone, of the probe and of the active vehicle."""
+    at = assembled.evaluate(state)
+    return at.elements[0].centre, *(at.kin.frame(body) for body in (T, P, S))
+
+
+@eqx.filter_jit
+def acting(assembled, state, active):
+    """The latch's share with its rate, its force and moment, and what it observes, stores and loses."""
+    latch, at = assembled.element("latch"), assembled.evaluated(assembled.evaluate(state), "latch")
+    closed = assembled.closed_switches(active, "latch")
+    loads, stored, lost = latch.loads(at, closed), latch.stored(at, closed), latch.losses(at, closed)
+    return {
+        "share": (at.share, at.share_rate),
+        "force": tuple(latch.force(at, closed)),
+        "observed": latch.observables(at, closed)["latch_force"],
+        "moment": loads[2].moment,
+        "stored": stored["latch"],
+        "lost": lost["latch_damper"],
+    }
+
+
+@eqx.filter_jit
+def gaps(assembled, state):
+    return assembled.gaps_at(assembled.evaluate(state))
+
+
+@eqx.filter_jit
+def after_touchdown(assembled, state, which):
+    return assembled.touchdown(state, jnp.zeros(()), which)
+
+
 @each_time
 def test_force_and_moment_by_hand(since):
-    instant = latched(since, {"latch.depth": 0.0004})
-    at = instant.at
-    centre = at.elements[0].centre
-    tip, cone, probe = np.array(centre.place), at.kin.frame(T), at.kin.frame(P)
+    # With LATCH's turn_damping the moments of spring and damper cancel in this state.
+    instant = latched(since, {"latch.depth": 0.0004, "latch.turn_damping": 3.0})
+    centre, cone, probe, _ = parts(instant.mechanism, instant.state)
+    tip = np.array(centre.place)
     turn = np.array([[np.cos(0.05), -np.sin(0.05)], [np.sin(0.05), np.cos(0.05)]])
     origin = np.array(cone.origin)
     r = tip - origin - turn @ np.array([-0.096 - 0.015 * np.sqrt(0.5) + 0.0004, 0.0])
     arm = tip - origin
-    u = np.array(centre.velocity) - np.array(cone.velocity) - cone.spin * np.array([-arm[1], arm[0]])
+    angle, spin = float(probe.angle) - float(cone.angle), float(probe.spin) - float(cone.spin)
+    u = np.array(centre.velocity) - np.array(cone.velocity) - float(cone.spin) * np.array([-arm[1], arm[0]])
     force = -share(since) * (2e4 * r + 3.0 * r / np.sqrt(r @ r + 1e-8) + 100.0 * u)
-    moment = -share(since) * (50.0 * (probe.angle - cone.angle) + 2.0 * (probe.spin - cone.spin))
-    latch, acting = instant.mechanism.element("latch"), instant.mechanism.evaluated(at, "latch")
-    closed = instant.mechanism.closed_switches(instant.active, "latch")
-    assert_allclose(tuple(latch.force(acting, closed)), force, rtol=1e-9)
-    assert_allclose(latch.observables(acting, closed)["latch_force"], np.linalg.norm(force), rtol=1e-9)
-    assert_allclose(latch.loads(acting, closed)[2].moment, moment, rtol=1e-12)
-    energy = 0.5 * 2e4 * r @ r + 3.0 * (np.sqrt(r @ r + 1e-8) - 1e-4) + 0.5 * 50.0 * (probe.angle - cone.angle) ** 2
-    assert_allclose(latch.stored(acting, closed)["latch"], share(since) * energy, rtol=1e-9)
-    loss = share(since) * (100.0 * u @ u + 2.0 * (probe.spin - cone.spin) ** 2)
-    assert_allclose(latch.losses(acting, closed)["latch_damper"], loss, rtol=1e-9)
+    moment = -share(since) * (50.0 * angle + 3.0 * spin)
+    found = acting(*instant)
+    assert_allclose(found["force"], force, rtol=1e-9)
+    assert_allclose(found["observed"], np.linalg.norm(force), rtol=1e-9)
+    assert_allclose(found["moment"], moment, rtol=1e-12)
+    energy = 0.5 * 2e4 * r @ r + 3.0 * (np.sqrt(r @ r + 1e-8) - 1e-4) + 0.5 * 50.0 * angle**2
+    assert_allclose(found["stored"], share(since) * energy, rtol=1e-9)
+    loss = share(since) * (100.0 * u @ u + 3.0 * spin**2)
+    assert_allclose(found["lost"], loss, rtol=1e-9)
 
 
 @each_tip
@@ -81,12 +115,12 @@ def test_its_contacts_close_once():
     assert names == ("lower", "upper", CLOSING, LATCHED, THRUST_OVER)
     assert assembled.one_way == (False, False, True, True, True)
     before = moving(assembled, ahead=-0.002, time=0.4)
-    gap, closing = assembled.gaps_at(before.at)
+    gap, closing = np.asarray(gaps(assembled, before.state))
     assert_allclose(gap[2], 0.002, rtol=1e-9)
     assert_allclose([gap[3], closing[3]], [0.02, 0.0])  # which does not come nearer before the crossing
     assert_allclose([gap[4], closing[4]], [1.1, 1.0])
     after = moving(assembled, closed=(CLOSING,), since_crossing=0.015, time=0.4)
-    gap, closing = assembled.gaps_at(after.at)
+    gap, closing = np.asarray(gaps(assembled, after.state))
     assert_allclose([gap[3], closing[3]], [0.005, 1.0])
 
 
@@ -94,20 +128,18 @@ def test_its_contacts_close_once():
 def test_closed_at_once_it_stores_its_energy_at_once(free_tip):
     assembled = mechanism(LATCH | {"latch.closing_time": 0.0, "probe.free_tip": free_tip})
     instant = moving(assembled, closed=(CLOSING,))
-    acting, closed = assembled.evaluated(instant.at, "latch"), assembled.closed_switches(instant.active, "latch")
-    assert float(acting.share) == 1.0
-    assert float(acting.share_rate) == 0.0
-    which = assembled.contact_names.index(CLOSING)
-    after = assembled.touchdown(instant.state, jnp.zeros(()), jnp.asarray(which))
-    stored = assembled.element("latch").stored(acting, closed)["latch"]
-    assert_allclose(own(assembled, after, "latch")["closing_work"], stored, rtol=1e-12)
+    found = acting(*instant)
+    assert tuple(map(float, found["share"])) == (1.0, 0.0)
+    which = np.asarray(assembled.contact_names.index(CLOSING))
+    after = after_touchdown(assembled, instant.state, which)
+    assert_allclose(own(assembled, after, "latch")["closing_work"], found["stored"], rtol=1e-12)
 
 
 @each_tip
 def test_a_thrusts_impulse_and_work_stand_in_the_ledgers(free_tip):
     assembled = mechanism({"probe.free_tip": free_tip}, thrust=1.3, thrust_time=1.5)
     instant = moving(assembled, ahead=-0.002, time=0.4)
-    frame = instant.at.kin.frame(0)
+    frame = parts(assembled, instant.state)[-1]
     force = 1.3 * np.array([np.cos(-0.02), np.sin(-0.02)])
     found = [float(rate) for rate in own(assembled, instant.rate, "thrust").values()]
     velocity, origin = np.array(frame.velocity), np.array(frame.origin)

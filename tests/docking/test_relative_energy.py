@@ -1,6 +1,7 @@
 """Energy of relative motion: of two bodies by hand, and none of any motion of the whole as one rigid body."""
 
-import jax.numpy as jnp
+import equinox as eqx
+import jax
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -12,20 +13,33 @@ from jaxbuffer.multibody import Body, System
 SPIN, DRIFT = 0.4, np.array([0.3, -0.2])  # rad/s, m/s
 
 
+@jax.jit  # once for all motions of two bodies
+def energies(q, v):
+    """Energy of the motion as one rigid body, and all kinetic energy, of 2 kg and 3 kg."""
+    system = System((Body(2.0, 0.2), Body(3.0, 0.3)))
+    kin = system.kinematics(q, v)
+    return rigid_energy(system, kin), system.kinetic_energy(kin)
+
+
+@eqx.filter_jit  # once for all states of a mechanism
+def energies_of(assembled, state, active):
+    """Energy of relative motion, and what is stored."""
+    at = assembled.evaluate(state)
+    return assembled.relative_energy(at, active), assembled.stored(at, active)
+
+
 def test_two_bodies_by_hand():
     """2 kg at the origin and 3 kg at (1, 0), the latter moving across at 1 m/s: P²/2M = 0.9 J, H = 1.2 N m s about the
     centre of mass, J = 1.2 + 0.5 kg m²."""
-    system = System((Body(2.0, 0.2), Body(3.0, 0.3)))
-    kin = system.kinematics(jnp.array([0.0, 0, 0, 1, 0, 0]), jnp.array([0.0, 0, 0, 0, 1, 0]))
-    assert_allclose(rigid_energy(system, kin), 0.9 + 0.5 * 1.2**2 / 1.7, rtol=1e-14)
-    assert_allclose(system.kinetic_energy(kin) - rigid_energy(system, kin), 0.6 - 0.72 / 1.7, rtol=1e-14)
+    rigid, kinetic = map(float, energies(np.array([0.0, 0, 0, 1, 0, 0]), np.array([0.0, 0, 0, 0, 1, 0])))
+    assert_allclose(rigid, 0.9 + 0.5 * 1.2**2 / 1.7, rtol=1e-14)
+    assert_allclose(kinetic - rigid, 0.6 - 0.72 / 1.7, rtol=1e-14)
 
 
 def test_where_the_origin_is_does_not_matter():
-    system = System((Body(2.0, 0.2), Body(3.0, 0.3)))
-    v = jnp.array([0.1, 0.3, -0.5, 0.7, -0.2, 0.9])
-    near = rigid_energy(system, system.kinematics(jnp.array([0.0, 0, 0, 1, 0, 0]), v))
-    far = rigid_energy(system, system.kinematics(jnp.array([5.0, -7, 0, 6, -7, 0]), v))
+    v = np.array([0.1, 0.3, -0.5, 0.7, -0.2, 0.9])
+    near, _ = energies(np.array([0.0, 0, 0, 1, 0, 0]), v)
+    far, _ = energies(np.array([5.0, -7, 0, 6, -7, 0]), v)
     assert_allclose(near, far, rtol=1e-12)
 
 
@@ -42,19 +56,18 @@ def test_a_rigid_motion_of_the_whole_has_none(free_tip, closed):
     state[12:24] = v.ravel()
     if free_tip:
         state[24] = SPIN
-    at = assembled.evaluate(jnp.asarray(state))
-    stored = assembled.stored(at, instant.active)
+    relative, stored = energies_of(assembled, state, instant.active)
     in_springs = sum(float(energy) for name, energy in stored.items() if name != "kinetic")
     assert in_springs > 1e-3
-    assert_allclose(assembled.relative_energy(at, instant.active), in_springs, rtol=1e-12)
+    assert_allclose(relative, in_springs, rtol=1e-12)
 
 
 def test_a_tip_that_turns_by_itself_has_some():
     assembled = mechanism({"probe.free_tip": True})
     instant = moving(assembled)
-    before = float(assembled.relative_energy(instant.at, instant.active))
-    faster = instant.state.at[24].add(2.0)
-    after = float(assembled.relative_energy(assembled.evaluate(faster), instant.active))
+    faster = np.array(instant.state)
+    faster[24] += 2.0
+    before, after = (float(energies_of(assembled, state, instant.active)[0]) for state in (instant.state, faster))
     inertia = float(assembled.parts.probe.tip_inertia)
     # ½ I_t ω² less its share of the rigid motion, which is of the order of I_t over the inertia of the whole.
     assert_allclose(after - before, 0.5 * inertia * (2.7**2 - 0.7**2), rtol=0.6)

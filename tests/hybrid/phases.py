@@ -1,7 +1,9 @@
 """Smooth phases of the capture mechanism stepped in equal steps, for orders of convergence."""
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 import jaxbuffer as jb
 from jaxbuffer.hybrid import StepTolerance
@@ -16,17 +18,24 @@ def arrays(tree):
     return jax.tree.map(lambda x: jnp.asarray(x, float), tree)
 
 
+@eqx.filter_jit  # one program in place of its many operations
+def started(design, scenario):
+    """The mechanism, its state and closed contacts at the start."""
+    mechanism = assemble(design, scenario)
+    return mechanism, *mechanism.start()
+
+
 def swing():
     """The mechanism after a push, out of contact: mechanism, state, open contacts."""
-    mechanism = arrays(assemble(jb.replace(jb.table2(), SWINGING), jb.Scenario()))
-    state, _ = mechanism.start()
-    return mechanism, state.at[14].set(-0.5).at[17].set(0.8).at[20].set(0.8).at[18].set(-0.1), jnp.zeros(2)
+    mechanism, state, _ = arrays(started(jb.replace(jb.table2(), SWINGING), jb.Scenario()))
+    state = np.array(state)
+    state[[14, 17, 20, 18]] = -0.5, 0.8, 0.8, -0.1
+    return mechanism, jnp.asarray(state), jnp.zeros(2)
 
 
 def impact(speed=0.1):
     """The mechanism at its first touchdown: mechanism, state, closed contacts."""
-    mechanism = arrays(assemble(jb.table2(), jb.Scenario(approach_speed=speed)))
-    return mechanism, *mechanism.start()
+    return arrays(started(jb.table2(), jb.Scenario(approach_speed=speed)))
 
 
 def single(solver, mechanism, active, columns, rate, transform):

@@ -1,6 +1,6 @@
 """Locating a guard's zero: how many steps it takes, by which rule the next is chosen, and what ends it."""
 
-import jax.numpy as jnp
+import jax
 import numpy as np
 import pytest
 
@@ -12,19 +12,27 @@ LENGTH, CLOSE = 1e-2, 1e-9  # s
 GUARD, MAXIMUM = 0, 1
 
 
+around, around_release = jax.jit(Bracket.around), jax.jit(Bracket.around_release)
+
+
+@jax.jit
+def shown(bracket, step, guards, shortfall, linear_time):
+    return refine(bracket, step, guards, 1, CLOSE, shortfall, linear_time)
+
+
 def begun(guard, first, value):
     """The bracket of an event found in a step, from both ends' values of the guard."""
-    before, after = (jnp.array([value(x)] * 2) for x in (0.0, LENGTH))
-    crossing = Crossing(jnp.asarray(guard), jnp.asarray(first), jnp.asarray(LENGTH), after[guard], jnp.asarray(True))
-    return Bracket.around(crossing, before, jnp.asarray(0))
+    before, after = (np.array([value(x)] * 2) for x in (0.0, LENGTH))
+    crossing = Crossing(np.asarray(guard), np.asarray(first), np.asarray(LENGTH), after[guard], np.asarray(True))
+    return around(crossing, before, np.asarray(0))
 
 
 def refined(bracket, value, rate, acceleration=0.0, shortfall=0.0, step=None, linear_time=LENGTH):
     """What a step of the bracket's length shows."""
-    both = lambda number: jnp.array([number] * 2)  # noqa: E731
+    both = lambda number: np.array([number] * 2)  # noqa: E731
     guards = SignedGuards(both(value), both(rate), both(acceleration))
-    step = bracket.step if step is None else jnp.asarray(step)
-    return refine(bracket, step, guards, 1, CLOSE, shortfall, linear_time)
+    step = bracket.step if step is None else np.asarray(step)
+    return shown(bracket, step, guards, np.asarray(shortfall), np.asarray(linear_time))
 
 
 def located(guard, first, value, rate, acceleration=lambda x: 0.0, shortfall=0.0):
@@ -53,14 +61,14 @@ def test_newtons_method_first():
 @pytest.mark.parametrize(("tries", "by"), [(1, "newton"), (2, "secant"), (3, "newton"), (4, "secant"), (5, "secant")])
 def test_the_secant_takes_two_tries_of_three(tries, by):
     """From the third try on; of the bracket with this step as an end."""
-    bracket = begun(GUARD, 0.5 * LENGTH, lambda x: x - 0.3 * LENGTH)._replace(tries=jnp.asarray(tries))
+    bracket = begun(GUARD, 0.5 * LENGTH, lambda x: x - 0.3 * LENGTH)._replace(tries=np.asarray(tries))
     found = refined(bracket, value=1e-3, rate=2.0)
     newton = 0.5 * LENGTH - 1e-3 / 2.0
     secant = 0.5 * LENGTH * 0.3 * LENGTH / (0.3 * LENGTH + 1e-3)
     np.testing.assert_allclose(float(found.bracket.step), {"newton": newton, "secant": secant}[by], rtol=1e-12)
 
 
-@pytest.mark.parametrize(("value", "rate"), [(1e-3, 1e-3), (1e-3, -1.0), (-1e-3, jnp.nan)])
+@pytest.mark.parametrize(("value", "rate"), [(1e-3, 1e-3), (1e-3, -1.0), (-1e-3, np.nan)])
 def test_the_middle_where_newtons_method_leaves_the_bracket(value, rate):
     """By far, the wrong way, or nowhere."""
     found = refined(begun(GUARD, 0.5 * LENGTH, lambda x: x - 0.3 * LENGTH), value, rate)
@@ -123,8 +131,8 @@ def test_a_guard_that_bends_is_met_at_once():
 def test_patience_ends(guard, patience, value):
     """After so many tries, an event counts where the step ends beyond it, not where it ends before."""
     bracket = begun(guard, 0.5 * LENGTH, lambda x: x - 0.3 * LENGTH)
-    one_left = refined(bracket._replace(tries=jnp.asarray(patience - 1)), value, 1.0)
-    none_left = refined(bracket._replace(tries=jnp.asarray(patience)), value, 1.0)
+    one_left = refined(bracket._replace(tries=np.asarray(patience - 1)), value, 1.0)
+    none_left = refined(bracket._replace(tries=np.asarray(patience)), value, 1.0)
     assert not one_left.finished
     assert none_left.finished
     assert not none_left.converged
@@ -135,7 +143,7 @@ def test_patience_ends(guard, patience, value):
 def test_a_bracket_closed_up_is_as_near_as_it_gets():
     """Narrower than the tolerance, though the guard's value still jumps across it."""
     narrow = begun(GUARD, 0.5 * LENGTH, lambda x: x - 0.3 * LENGTH)
-    narrow = narrow._replace(low=jnp.asarray(0.5 * LENGTH - 0.5 * CLOSE))
+    narrow = narrow._replace(low=np.asarray(0.5 * LENGTH - 0.5 * CLOSE))
     found = refined(narrow, value=1e-3, rate=1.0)
     assert found.finished
     assert found.occurred
@@ -152,9 +160,9 @@ def test_an_event_at_the_start_ends_at_once():
 
 def test_a_step_retaken_on_its_event_ends_on_it():
     """With tangents a step ends up to its error beside the same without: further off than was asked, maybe."""
-    bracket = Bracket.around_release(jnp.asarray(GUARD), jnp.asarray(LENGTH), jnp.array([-1e-4]))
+    bracket = around_release(np.asarray(GUARD), np.asarray(LENGTH), np.array([-1e-4]))
     first = refined(bracket, value=1e-2 * CLOSE, rate=1e-3)
-    retaken = refined(bracket._replace(converged=jnp.asarray(True)), value=1e-2 * CLOSE, rate=1e-3)
+    retaken = refined(bracket._replace(converged=np.asarray(True)), value=1e-2 * CLOSE, rate=1e-3)
     assert not first.finished
     assert retaken.finished
     assert retaken.occurred

@@ -1,6 +1,6 @@
 """The search for events within a step, on guards whose motion is a polynomial: the one through both ends is exact."""
 
-import jax.numpy as jnp
+import jax
 import numpy as np
 import pytest
 
@@ -8,23 +8,24 @@ from jaxbuffer.hybrid.events.crossing import first_crossing, unlocated_maximum
 from jaxbuffer.hybrid.events.guards import RISING, Extremes, Guards
 
 STEP, SPEED, FALL = 1e-3, 0.1, 500.0  # s, m/s away from the surface, m/s² back to it
-NONE, OPEN, CLOSED = jnp.zeros(0), jnp.zeros(1), jnp.ones(1)
+NONE, OPEN, CLOSED = np.zeros(0), np.zeros(1), np.ones(1)
+crossing = jax.jit(first_crossing)
 
 
 def seen(contacts=(), ends=(), observed=()):
     """Gaps with rate and acceleration, guards of the end with their rates, observables with theirs."""
 
     def columns(rows, n):
-        return jnp.array(rows, float).reshape(-1, n).T
+        return np.array(rows, float).reshape(-1, n).T
 
     return Guards(
-        *columns(contacts, 3), *columns(ends, 2), *columns(observed, 2), jnp.zeros((0, 1)), jnp.zeros(()), jnp.zeros(())
+        *columns(contacts, 3), *columns(ends, 2), *columns(observed, 2), np.zeros((0, 1)), np.zeros(()), np.zeros(())
     )
 
 
 def searched(before, after, active=NONE, least=NONE, ignored=-1, maxima=True, step=STEP):
-    given = jnp.asarray(step), active, least, jnp.asarray(ignored), jnp.full(before.value.shape, maxima)
-    return first_crossing(before, after, *given)
+    given = np.asarray(step), active, least, np.asarray(ignored), np.full(before.value.shape, maxima)
+    return crossing(before, after, *given)
 
 
 def thrown(gap, time):
@@ -62,8 +63,8 @@ def test_a_contact_that_came_back_and_leaves_again_has_touched():
 @pytest.mark.parametrize("left", [0.0, -1e-15])
 def test_a_contact_missed_by_rounding_acts_at_once(left):
     """On the surface or a little beyond it and going on."""
-    before = thrown(left, 0.0)._replace(gap_rate=jnp.array([-SPEED]))
-    after = thrown(left, STEP)._replace(gap_rate=jnp.array([-SPEED - FALL * STEP]))
+    before = thrown(left, 0.0)._replace(gap_rate=np.array([-SPEED]))
+    after = thrown(left, STEP)._replace(gap_rate=np.array([-SPEED - FALL * STEP]))
     found = searched(before, after, OPEN)
     assert (int(found.guard), float(found.at)) == (0, 0.0)
 
@@ -105,17 +106,17 @@ def test_a_maximum_inside():
     slope = cubic.deriv()
     rows = [[(cubic(x), slope(x) / STEP)] for x in (0.0, 1.0)]
     before, after = (seen(observed=row) for row in rows)
-    found = searched(before, after, least=jnp.array([1.0]))
+    found = searched(before, after, least=np.array([1.0]))
     assert int(found.guard) == 0
     np.testing.assert_allclose(float(found.at), max(slope.roots()) * STEP, rtol=1e-12)
     assert float(found.far) == STEP
     highest = cubic(max(slope.roots()))
-    assert searched(before, after, least=jnp.array([highest])).exists
-    assert not searched(before, after, least=jnp.array([1.01 * highest])).exists
-    assert not searched(before, after, least=jnp.array([1.0]), maxima=False).exists
-    assert not searched(before, after, least=jnp.array([1.0]), ignored=0).exists
-    unknown = after._replace(value_rate=jnp.array([RISING]))
-    assert not searched(before, unknown, least=jnp.array([1.0])).exists
+    assert searched(before, after, least=np.array([highest])).exists
+    assert not searched(before, after, least=np.array([1.01 * highest])).exists
+    assert not searched(before, after, least=np.array([1.0]), maxima=False).exists
+    assert not searched(before, after, least=np.array([1.0]), ignored=0).exists
+    unknown = after._replace(value_rate=np.array([RISING]))
+    assert not searched(before, unknown, least=np.array([1.0])).exists
 
 
 def test_a_maximum_between_two_falling_ends_is_seen():
@@ -126,7 +127,7 @@ def test_a_maximum_between_two_falling_ends_is_seen():
     assert slope(1.0) < 0.0
     assert cubic(1.0) > cubic(0.0)
     before, after = (seen(observed=[(cubic(x), slope(x) / STEP)]) for x in (0.0, 1.0))
-    found = searched(before, after, least=jnp.array([cubic(0.0)]))
+    found = searched(before, after, least=np.array([cubic(0.0)]))
     assert int(found.guard) == 0
     np.testing.assert_allclose(float(found.at), max(slope.roots()) * STEP, rtol=1e-9)
 
@@ -138,14 +139,14 @@ def test_a_maximum_of_what_rises_again_is_seen():
     slope = cubic.deriv()
     assert slope(0.0) > 0.0 and slope(1.0) > 0.0 and cubic(1.0) < cubic(0.0)
     before, after = (seen(observed=[(cubic(x), slope(x) / STEP)]) for x in (0.0, 1.0))
-    crossing = searched(before, after, least=jnp.array([1.0]))
-    assert int(crossing.guard) == 0
+    found = searched(before, after, least=np.array([1.0]))
+    assert int(found.guard) == 0
     steepest = float(slope.deriv().roots()[0])
-    np.testing.assert_allclose(float(crossing.at), min(slope.roots()) * STEP, rtol=1e-12)
-    np.testing.assert_allclose(float(crossing.far), steepest * STEP, rtol=1e-12)
-    np.testing.assert_allclose(float(crossing.far_value), -slope(steepest) / STEP, rtol=1e-12)
-    unknown = [ends._replace(value_rate=jnp.array([RISING])) for ends in (before, after)]
-    assert not searched(*unknown, least=jnp.array([0.0])).exists
+    np.testing.assert_allclose(float(found.at), min(slope.roots()) * STEP, rtol=1e-12)
+    np.testing.assert_allclose(float(found.far), steepest * STEP, rtol=1e-12)
+    np.testing.assert_allclose(float(found.far_value), -slope(steepest) / STEP, rtol=1e-12)
+    unknown = [ends._replace(value_rate=np.array([RISING])) for ends in (before, after)]
+    assert not searched(*unknown, least=np.array([0.0])).exists
 
 
 def test_the_earliest_of_several():
@@ -157,7 +158,7 @@ def test_the_earliest_of_several():
             [(0.7 * STEP - time, -1.0, 0.0)], [(time - 0.5 * STEP, 1.0)], [(1.0 - (time - top) ** 2, 2 * (top - time))]
         )
 
-    least = jnp.zeros(1)
+    least = np.zeros(1)
     first = searched(at(0.0), at(STEP), OPEN, least)
     assert (int(first.guard), bool(first.alone)) == (2, False)
     np.testing.assert_allclose(float(first.at), top, rtol=1e-6)
@@ -171,37 +172,47 @@ def test_the_earliest_of_several():
 def test_of_two_at_once_the_first_guard():
     """Contacts come before the end, and those of lower number first; the other one is then found on arrival."""
     before, after = (seen([(gap, -1.0, 0.0)] * 2, [(-gap, 1.0)]) for gap in (0.5 * STEP, -0.5 * STEP))
-    found = searched(before, after, jnp.zeros(2))
+    found = searched(before, after, np.zeros(2))
     assert (int(found.guard), bool(found.alone)) == (0, False)
     np.testing.assert_allclose(float(found.at), 0.5 * STEP, rtol=1e-12)
-    assert int(searched(before, after, jnp.zeros(2), ignored=0).guard) == 1
+    assert int(searched(before, after, np.zeros(2), ignored=0).guard) == 1
 
 
 def test_a_located_maximum_counts_as_falling():
     """Whatever the rate that the step onto it has left; other observables keep theirs."""
     left = seen(observed=[(1.0, 1e-9), (1.0, 2.0)])
-    np.testing.assert_array_equal(left.falling(jnp.array([True, False])).value_rate, [0.0, 2.0])
+    fallen = jax.jit(Guards.falling)(left, np.array([True, False]))
+    np.testing.assert_array_equal(fallen.value_rate, [0.0, 2.0])
     after = seen(observed=[(0.9, -1.0), (1.2, 3.0)])
-    least = jnp.array([0.5, 0.5])
+    least = np.array([0.5, 0.5])
     assert int(searched(left, after, least=least).guard) == 0
-    assert not searched(left.falling(jnp.array([True, False])), after, least=least).exists
+    assert not searched(fallen, after, least=least).exists
+
+
+@jax.jit
+def tenth_below_largest(values):
+    """Of the extent: before any of the ``values`` of an observable, and after them."""
+    extremes = before = Extremes.none(1)
+    for value in values:
+        extremes = extremes.including(value)
+    return before.below_largest(0.1), extremes.below_largest(0.1)
 
 
 @pytest.mark.parametrize(("datum", "extent"), [(0.0, 4.0), (-7.0, 4.0), (1e6, 4.0), (4.5, 0.5)])
 def test_near_the_largest_value_is_a_matter_of_the_extent(datum, extent):
     """Of values from 1 to 5 that is the range, wherever zero is, unless the largest one is smaller; before any,
     everything is near."""
-    seen = Extremes.none(1).including(jnp.array([5.0 - datum])).including(jnp.array([1.0 - datum]))
-    np.testing.assert_allclose(seen.below_largest(0.1), [5.0 - 0.1 * extent - datum], rtol=1e-15, atol=1e-9)
-    assert float(Extremes.none(1).below_largest(0.1)[0]) == -np.inf
+    before, near = tenth_below_largest(np.array([[5.0 - datum], [1.0 - datum]]))
+    np.testing.assert_allclose(near, [5.0 - 0.1 * extent - datum], rtol=1e-15, atol=1e-9)
+    assert float(before[0]) == -np.inf
 
 
 @pytest.mark.parametrize("datum", [0.0, 9.0, 1e6])
 def test_an_accepted_step_above_the_log_is_a_maximum_where_it_falls(datum):
     """Not where it goes on rising, nor where the log holds as much."""
-    extremes = Extremes(jnp.array([5.0, 5.0, 5.0]) - datum, jnp.array([1.0, 1.0, 1.0]) - datum)
-    start, end = jnp.array([5.0, 5.0, 5.0]) - datum, jnp.array([4.0, 6.0, 4.0]) - datum
-    found = unlocated_maximum(start, end, jnp.array([4.99, 3.0, 5.0]) - datum, extremes)
+    extremes = Extremes(np.array([5.0, 5.0, 5.0]) - datum, np.array([1.0, 1.0, 1.0]) - datum)
+    start, end = np.array([5.0, 5.0, 5.0]) - datum, np.array([4.0, 6.0, 4.0]) - datum
+    found = jax.jit(unlocated_maximum)(start, end, np.array([4.99, 3.0, 5.0]) - datum, extremes)
     np.testing.assert_array_equal(found, [True, False, False])
 
 
@@ -218,7 +229,7 @@ def test_a_maximum_at_the_very_end_is_found_there(peak, below, share, rate):
     derivative may then lie just beyond the end; the other root is at the beginning or before it."""
     start, rise = peak * (1.0 - below), 2.0 * below * peak * share / STEP
     before, after = seen(observed=[(start, rise)]), seen(observed=[(peak, rate * peak / STEP)])
-    found = searched(before, after, least=jnp.zeros(1))
+    found = searched(before, after, least=np.zeros(1))
     assert int(found.guard) == 0
     np.testing.assert_allclose(float(found.at), STEP, rtol=1e-5)
 
@@ -227,6 +238,6 @@ def test_a_maximum_at_the_start_but_for_rounding():
     """Its rate is 4e-23 there: looked for in a step from whose end a change of that rate can be seen."""
     bend = -500.0
     before, after = seen(observed=[(1.0, 4e-23)]), seen(observed=[(1.0 + 0.5 * bend * STEP**2, bend * STEP)])
-    found = searched(before, after, least=jnp.ones(1))
+    found = searched(before, after, least=np.ones(1))
     assert int(found.guard) == 0
     assert 1e-7 * STEP < float(found.at) < 1e-5 * STEP

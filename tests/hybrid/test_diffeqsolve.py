@@ -80,6 +80,7 @@ class Ball(HybridSystem):
         return jnp.sqrt(MASS / self.stiffness) / 15.0
 
 
+@jax.jit
 def expected(height, stiffness):
     """Times of touchdown, largest force, release and end [s], and that force [N]."""
     rate, weight = jnp.sqrt(stiffness / MASS), MASS * GRAVITY / stiffness

@@ -259,6 +259,8 @@ def test_the_state_within_a_step_is_of_fifth_order():
     """A free body that tumbles: positions and velocities from both ends of a step, against ends by SciPy; a cubic of
     all numbers is of fourth order."""
     system = bouncing(speed=(0.0, 0.0, 0.0))
+    rate_of = jax.jit(lambda state: system.derivative(0.0, state, jnp.zeros(1)))
+    fifth = jax.jit(lambda start, end, step: state_within(system, start, end, step, 0.4))
 
     def after(time):
         """The state and its rate."""
@@ -266,13 +268,13 @@ def test_the_state_within_a_step_is_of_fifth_order():
         turn = Rotation.from_matrix(y[6:15].reshape(3, 3))
         quaternion = turn.as_quat(scalar_first=True)
         quaternion = quaternion * np.sign(quaternion[0])
-        state = jnp.asarray([*y[:3], *quaternion, *y[3:6], *turn.apply(y[15:])])
-        return state, system.derivative(0.0, state, jnp.zeros(1))
+        state = np.array([*y[:3], *quaternion, *y[3:6], *turn.apply(y[15:])])
+        return state, np.asarray(rate_of(state))
 
     errors, cubics = [], []
     for step in (0.1, 0.05):
         start, end, middle = after(0.02), after(0.02 + step), after(0.02 + 0.4 * step)[0]
-        errors.append(np.max(np.abs(state_within(system, start, end, step, 0.4) - middle)))
+        errors.append(np.max(np.abs(fifth(start, end, step) - middle)))
         cubics.append(np.max(np.abs(cubic(start[0], end[0], step * start[1], step * end[1], 0.4) - middle)))
     assert 4.7 < np.log2(errors[0] / errors[1]) < 6.5, errors
     assert errors[1] < 0.1 * cubics[1]
@@ -280,12 +282,14 @@ def test_the_state_within_a_step_is_of_fifth_order():
 
 def test_the_position_acceleration_is_the_rate_of_the_position_rate():
     """By central differences along the motion."""
-    system = bouncing()
-    state = system.start()[0]
-    rate, step = system.derivative(0.0, state, jnp.zeros(1)), 1e-5
-    sides = [
-        system.position_rate((state + sign * step * rate)[:7]).of((state + sign * step * rate)[7:])
-        for sign in (1.0, -1.0)
-    ]
-    found = system.position_acceleration(state, rate)
-    np.testing.assert_allclose(found, (sides[0] - sides[1]) / (2 * step), atol=1e-8)
+    step = 1e-5
+
+    @jax.jit
+    def both(system):
+        state = system.start()[0]
+        rate = system.derivative(0.0, state, jnp.zeros(1))
+        sides = [state + sign * step * rate for sign in (1.0, -1.0)]
+        ahead, behind = (system.position_rate(side[:7]).of(side[7:]) for side in sides)
+        return system.position_acceleration(state, rate), (ahead - behind) / (2 * step)
+
+    np.testing.assert_allclose(*both(bouncing()), atol=1e-8)

@@ -1,5 +1,7 @@
 """The log of events: order, and what it still knows of events that found no room; stored steps."""
 
+import functools
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -7,8 +9,13 @@ import pytest
 
 from jaxbuffer.hybrid import Kind, Log, Steps
 
-ROWS = jnp.zeros((2, 3))  # a state of three numbers and one tangent
+ROWS = np.zeros((2, 3))  # a state of three numbers and one tangent
 CONTACTS, OBSERVABLES = 2, 3  # the first two observables are the contacts' forces
+
+
+@functools.partial(jax.jit, static_argnums=0)
+def empty(room):
+    return Log.empty(room, jnp.asarray(ROWS), CONTACTS, OBSERVABLES)
 
 
 @jax.jit
@@ -20,11 +27,11 @@ def appended(log, when, kind, which, time, values, touching):
 
 def filled(entries, room):
     """A log with entries (kind, which, time, values), between which there is contact from a touchdown to a release."""
-    log, touching = Log.empty(room, ROWS, CONTACTS, OBSERVABLES), False
+    log, touching = empty(room), False
     for kind, which, time, values in entries:
-        log = appended(log, True, int(kind), which, time, jnp.asarray(values, float), touching)
+        log = appended(log, True, int(kind), which, time, np.asarray(values, float), touching)
         touching = {Kind.TOUCHDOWN: True, Kind.RELEASE: False}.get(kind, touching)
-    return log
+    return jax.tree.map(np.asarray, log)
 
 
 IMPACT = [
@@ -51,7 +58,7 @@ def test_events_stand_in_order():
 def test_where_nothing_happens_nothing_is_written():
     """Every iteration writes: into the spare slot at the end, if there is no event."""
     before = filled(IMPACT, 6)
-    after = appended(before, False, int(Kind.PEAK), 1, 9.0, jnp.full(OBSERVABLES, 9.0), True)
+    after = jax.tree.map(np.asarray, appended(before, False, int(Kind.PEAK), 1, 9.0, np.full(OBSERVABLES, 9.0), True))
     assert int(after.kind[-1]) == Kind.NONE
     spare = after.kind.shape[0] - 1
     for old, new in zip(jax.tree.leaves(before), jax.tree.leaves(after), strict=True):
@@ -126,13 +133,22 @@ def test_a_maximum_across_the_limit():
     np.testing.assert_array_equal(log.missed, [0, 0])
 
 
+@functools.partial(jax.jit, static_argnums=0)
+def no_steps(room):
+    return Steps.empty(room, jnp.asarray(ROWS), CONTACTS)
+
+
+@jax.jit
+def stored_step(steps, when, time):
+    return steps.append(when, time, jnp.zeros(CONTACTS), ROWS + time)
+
+
 def test_steps_are_stored_while_there_is_room():
     """All are counted; without room nothing is stored."""
-    stored, none = Steps.empty(2, ROWS, CONTACTS), Steps.empty(0, ROWS, CONTACTS)
+    stored, none = no_steps(2), no_steps(0)
     for time, when in ((1.0, True), (2.0, False), (3.0, True), (4.0, True)):
-        entry = jnp.asarray(when), jnp.asarray(time), jnp.zeros(CONTACTS), ROWS + time
-        stored, none = stored.append(*entry), none.append(*entry)
+        stored, none = stored_step(stored, when, time), stored_step(none, when, time)
     assert int(stored.count) == int(none.count) == 3
-    np.testing.assert_array_equal(stored.time[:2], [1.0, 3.0])
-    np.testing.assert_array_equal(stored.rows[1], ROWS + 3.0)
+    np.testing.assert_array_equal(np.asarray(stored.time)[:2], [1.0, 3.0])
+    np.testing.assert_array_equal(np.asarray(stored.rows)[1], ROWS + 3.0)
     assert none.time.shape == (0,)

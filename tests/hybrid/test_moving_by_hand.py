@@ -2,6 +2,7 @@
 
 import dataclasses
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -13,6 +14,7 @@ from jaxbuffer.hybrid.event_times import moving
 STIFFNESS, DEPTH, SPEED = 1e4, 2e-3, 0.3
 
 
+@jax.jit
 def logged():
     """A start in contact, a release that rises at `SPEED`, and the time's end, each in the same state."""
     row = jnp.array([[-DEPTH, SPEED, 0.0]])
@@ -29,17 +31,33 @@ def logged():
     return log
 
 
+@eqx.filter_jit
+def moved(log, ball, rises):
+    """The log and its derivative by the stiffness, a unit of which raises the rows by ``rises``."""
+
+    def of(stiffness):
+        rows = log.rows + (stiffness - STIFFNESS) * rises
+        return moving(dataclasses.replace(log, rows=rows), (stiffness,), ball)
+
+    return jax.jvp(of, (jnp.asarray(STIFFNESS),), (jnp.ones(()),))
+
+
+def rising(log):
+    """By 1 in height."""
+    rises = np.zeros(log.rows.shape)
+    rises[..., 0] = 1.0
+    return rises
+
+
+def jumping_ball(stiffness):
+    return Ball(stiffness, True)
+
+
 def test_starts_and_ends_by_time_stay_and_a_release_moves():
     """By the stiffness, where the height rises by 1 a unit of it at fixed times: a release comes 1/v earlier, and what
     is read there changes by its rate times that; the rate at a start in contact, logged as zero, by nothing."""
     log = logged()
-    rises = jnp.zeros_like(log.rows).at[..., 0].set(1.0)
-
-    def moved(stiffness):
-        rows = log.rows + (stiffness - STIFFNESS) * rises
-        return moving(dataclasses.replace(log, rows=rows), (stiffness,), Ball)
-
-    found, move = jax.jvp(moved, (jnp.asarray(STIFFNESS),), (jnp.ones(()),))
+    found, move = jax.tree.map(np.asarray, moved(log, Ball, rising(log)))
     np.testing.assert_array_equal(found.time, log.time)
     np.testing.assert_allclose(move.time[:3], [0.0, -1.0 / SPEED, 0.0], rtol=1e-14)
     at_rest, pushed = [1.0, 0.0, 0.0], [0.0, DEPTH - STIFFNESS, 0.0]
@@ -55,19 +73,15 @@ def test_starts_and_ends_by_time_stay_and_a_release_moves():
 def test_where_forces_jump_the_rate_is_that_before_the_event():
     """Of a release: with the contact still closed."""
     log = logged()
-    rises = jnp.zeros_like(log.rows).at[..., 0].set(1.0)
-
-    def moved(stiffness):
-        rows = log.rows + (stiffness - STIFFNESS) * rises
-        return moving(dataclasses.replace(log, rows=rows), (stiffness,), lambda k: Ball(k, True)).rates
-
-    move = jax.jvp(moved, (jnp.asarray(STIFFNESS),), (jnp.ones(()),))[1]
-    np.testing.assert_allclose(move[1, 0], [10.0 / SPEED, DEPTH, 0.0], rtol=1e-9)
+    move = moved(log, jumping_ball, rising(log))[1].rates
+    np.testing.assert_allclose(np.asarray(move)[1, 0], [10.0 / SPEED, DEPTH, 0.0], rtol=1e-9)
 
 
 def test_a_maximum_moves_by_its_slope_over_the_guards_rate():
     """The force's slope is -k v: minus that rises by v a unit of stiffness, so that the maximum comes v/v earlier."""
     log = logged()
-    log = dataclasses.replace(log, kind=log.kind.at[0].set(int(Kind.PEAK)), time=log.time.at[0].set(0.1))
-    move = jax.jvp(lambda k: moving(log, (k,), Ball).time, (jnp.asarray(STIFFNESS),), (jnp.ones(()),))[1]
-    np.testing.assert_allclose(move[0], -1.0, rtol=1e-12)
+    kind, time = np.array(log.kind), np.array(log.time)
+    kind[0], time[0] = Kind.PEAK, 0.1
+    log = dataclasses.replace(log, kind=jnp.asarray(kind), time=jnp.asarray(time))
+    move = moved(log, Ball, np.zeros(log.rows.shape))[1].time
+    np.testing.assert_allclose(np.asarray(move)[0], -1.0, rtol=1e-12)

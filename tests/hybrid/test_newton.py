@@ -1,11 +1,17 @@
 """The matrix of an implicit stage, of low rank, against the whole one solved by NumPy."""
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
 from jaxbuffer.hybrid import Linearisation
 from jaxbuffer.hybrid.rungekutta.newton import NewtonMatrix
+
+
+@jax.jit
+def solution(linearisation, shift, right):
+    return NewtonMatrix.of(linearisation, shift).solve(right)
 
 
 @pytest.mark.parametrize(("velocities", "rank"), [(3, 2), (4, 2), (4, 7)])
@@ -23,7 +29,6 @@ def test_solution_is_that_of_the_whole_matrix(velocities, rank):
     jacobian[w, q] = -response @ stiffness @ directions[:coordinates].T
     jacobian[w, w] = -response @ damping @ directions.T
     right = draw.normal(size=(len(jacobian), 2))
-    parts = (jnp.asarray(part) for part in (directions, response, stiffness, damping))
-    matrix = NewtonMatrix.of(Linearisation(*parts, coordinates), jnp.asarray(shift))
+    stiff = Linearisation(*map(jnp.asarray, (directions, response, stiffness, damping)), coordinates)
     expected = np.linalg.solve(np.eye(len(jacobian)) - shift * jacobian, right)
-    np.testing.assert_allclose(matrix.solve(jnp.asarray(right)), expected, rtol=1e-9)
+    np.testing.assert_allclose(solution(stiff, shift, right), expected, rtol=1e-9)

@@ -1,17 +1,19 @@
 """Steps that pass over the reversal of a force, by hand."""
 
-import jax.numpy as jnp
+import jax
 import numpy as np
 import pytest
 
 from jaxbuffer.hybrid.events.guards import Guards
 from jaxbuffer.hybrid.events.reversal import reversal_in_step
 
+end_of_step = jax.jit(reversal_in_step)
+
 
 def guards(*reversals):
-    none = jnp.zeros(0)
-    rows = jnp.array(reversals, float) if reversals else jnp.zeros((0, 1))
-    return Guards(*[none] * 7, rows, jnp.zeros(()), jnp.zeros(()))
+    none = np.zeros(0)
+    rows = np.array(reversals, float) if reversals else np.zeros((0, 1))
+    return Guards(*[none] * 7, rows, np.zeros(()), np.zeros(()))
 
 
 @pytest.mark.parametrize(
@@ -26,18 +28,18 @@ def guards(*reversals):
     ],
 )
 def test_one_that_goes_far_past_on_both_sides_ends_on_it(start, end, fraction):
-    np.testing.assert_allclose(reversal_in_step(guards([start]), guards([end])), fraction, rtol=1e-15)
+    np.testing.assert_allclose(end_of_step(guards([start]), guards([end])), fraction, rtol=1e-15)
 
 
 def test_the_first_of_several_counts():
-    np.testing.assert_allclose(reversal_in_step(guards([-30.0], [20.0], [5.0]), guards([90.0], [-80.0], [6.0])), 0.2)
+    np.testing.assert_allclose(end_of_step(guards([-30.0], [20.0], [5.0]), guards([90.0], [-80.0], [6.0])), 0.2)
 
 
 @pytest.mark.parametrize(("beside", "fraction"), [(4.0, 0.25), (20.0, 1.0)])
 def test_in_space_one_that_passes_close_by(beside, fraction):
     start, end = guards([-30.0, beside, 0.0]), guards([90.0, beside, 0.0])
-    np.testing.assert_allclose(reversal_in_step(start, end), fraction, rtol=1e-15)
+    np.testing.assert_allclose(end_of_step(start, end), fraction, rtol=1e-15)
 
 
 def test_where_nothing_reverses_steps_stand():
-    assert reversal_in_step(guards(), guards()) == 1.0
+    assert end_of_step(guards(), guards()) == 1.0

@@ -13,6 +13,7 @@ from jaxbuffer.multibody import assemble as put_on_constraints
 PLACES = ("lower flank", "upper flank", "lower throat rim", "upper mouth rim")
 TIPS = {"welded": False, "free": True}
 assembled = eqx.filter_jit(put_on_constraints)
+capture = eqx.filter_jit(assemble)  # one program in place of its many operations
 RANDOM = {"buffer.c_A": 40.0, "buffer.c_T": 6.0, "contact.restitution": 0.6, "contact.friction": 0.4}
 
 
@@ -21,7 +22,7 @@ def mechanism(free_tip=False, stabilisation=20.0, **choices):
     """Table 2 with more damping and loss, so that every term counts; ``choices``: paths with _ for the dot."""
     extra = {path.replace("_", ".", 1): value for path, value in choices.items()}
     design = replace(table2(), RANDOM | {"probe.free_tip": free_tip} | extra)
-    return assemble(design, Scenario(), stabilisation)
+    return capture(design, Scenario(), stabilisation)
 
 
 def pressed(mechanism, place, seed, consistent=True):

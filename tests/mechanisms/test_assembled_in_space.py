@@ -1,5 +1,6 @@
 """Runs of mechanisms of space against closed forms: a top that nothing holds, and a body on a spring."""
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -132,6 +133,13 @@ def test_the_largest_stretch_has_the_slopes_of_the_closed_form():
     np.testing.assert_allclose(jax.jacfwd(of)(numbers), jax.grad(lambda n: largest_swing(*n))(numbers), rtol=1e-7)
 
 
+@eqx.filter_jit
+def energies(system, q, v, spins=()):
+    """As a rigid body, and the kinetic energy [J]."""
+    kin, spins = system.kinematics(q, v), [(inertia, SPACE.turn(*spin)) for inertia, spin in spins]
+    return rigid_energy(system, kin, spins), system.kinetic_energy(kin)
+
+
 @pytest.mark.quick
 def test_the_energy_of_the_whole_as_a_rigid_body_is_that_of_one_body():
     """Three bodies that move as one: their kinetic energy; and of any motion ½ P²/M + ½ H·J⁻¹H by NumPy."""
@@ -139,11 +147,11 @@ def test_the_energy_of_the_whole_as_a_rigid_body_is_that_of_one_body():
     masses, moments = [1.0, 2.5, 0.7], [(0.2, 0.3, 0.4), (0.1, 0.5, 0.45), (0.3, 0.3, 0.2)]
     system = System(tuple(Body(m, i) for m, i in zip(masses, moments, strict=True)), basis=SPACE)
     places, turns = rng.normal(size=(3, 3)), Rotation.random(3, rng=rng)
-    q = jnp.asarray(np.concatenate([np.append(p, t.as_quat(scalar_first=True)) for p, t in zip(places, turns)]))  # noqa: B905
+    q = np.concatenate([np.append(p, t.as_quat(scalar_first=True)) for p, t in zip(places, turns)])  # noqa: B905
     velocity, spin = rng.normal(size=(2, 3))
     together = np.concatenate([np.append(velocity + np.cross(spin, place), spin) for place in places])
-    kin = system.kinematics(q, jnp.asarray(together))
-    assert float(rigid_energy(system, kin)) == pytest.approx(float(system.kinetic_energy(kin)), rel=1e-12)
+    rigid, kinetic = energies(system, q, together)
+    assert float(rigid) == pytest.approx(float(kinetic), rel=1e-12)
 
     v, ball = rng.normal(size=(3, 6)), (0.3, rng.normal(size=3))
     centre = np.average(places, axis=0, weights=masses)
@@ -154,6 +162,5 @@ def test_the_energy_of_the_whole_as_a_rigid_body_is_that_of_one_body():
         momentum = momentum + own @ [x, y, z] + m * np.cross(arm, u)
     linear = np.array(masses) @ v[:, :3]
     expected = 0.5 * linear @ linear / sum(masses) + 0.5 * momentum @ np.linalg.solve(inertia, momentum)
-    kin = system.kinematics(q, jnp.asarray(v.ravel()))
-    spins = [(ball[0], SPACE.turn(*ball[1]))]
-    assert float(rigid_energy(system, kin, spins)) == pytest.approx(expected, rel=1e-12)
+    rigid, _ = energies(system, q, v.ravel(), (ball,))
+    assert float(rigid) == pytest.approx(expected, rel=1e-12)

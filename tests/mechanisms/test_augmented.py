@@ -1,5 +1,6 @@
 """The mechanism assembled from parts against the paper's equations written out: the 16 × 16 augmented system."""
 
+import equinox as eqx
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -22,6 +23,15 @@ def both(tip, place, seed):
     return assembled, state, active, exact, (q, v, memory)
 
 
+@eqx.filter_jit  # once for all states and places of a mechanism
+def motion(assembled, state, active):
+    """Multipliers, rate of the state and forces of the contacts."""
+    at = assembled.evaluate(state)
+    rate = assembled.derivative(0.0, state, active)
+    multipliers = assembled.forces(at, active).motion.multipliers
+    return multipliers, rate, assembled.contact_forces(at, active)[0]
+
+
 def close(actual, expected, relative):
     assert_allclose(actual, expected, rtol=relative, atol=relative * np.max(np.abs(expected)))
 
@@ -35,9 +45,8 @@ def test_accelerations_and_multipliers(place, tip, seed):
     assembled, state, active, exact, at = both(tip, place, seed)
     acceleration, multipliers, touches = exact.motion(*at)
     assert max(touch.normal_force for touch in touches) > 10.0
-    motion = assembled.forces(assembled.evaluate(state), active).motion
-    close(motion.multipliers, multipliers, 5e-11)
-    rate = assembled.derivative(0.0, state, active)
+    ours, rate, _ = motion(assembled, state, active)
+    close(ours, multipliers, 5e-11)
     close(rate[12 : 24 + assembled.spins], acceleration, 5e-11)
     assert_allclose(rate[:12], at[1][:12], atol=0.0)
 
@@ -57,7 +66,7 @@ def test_constraints(place, tip):
 @each_seed
 def test_contact_forces(place, tip, seed):
     assembled, state, active, exact, at = both(tip, place, seed)
-    forces = assembled.contact_forces(assembled.evaluate(state), active)[0]
+    _, _, forces = motion(assembled, state, active)
     touches = exact.touches(*at)
     close(forces.normal, [touch.normal_force for touch in touches], 5e-11)
     close(forces.friction, [touch.friction_force for touch in touches], 5e-11)
@@ -79,7 +88,7 @@ def test_rates_of_the_losses(place, tip, seed):
         "hysteresis": (touch.normal_force - exact.stiffness * touch.depth**1.5) * touch.rate,
         "friction": -touch.friction_force * touch.slip,
     }
-    losses = assembled.part(assembled.derivative(0.0, state, active), "lost")
+    losses = assembled.part(np.asarray(motion(assembled, state, active)[1]), "lost")
     assert_allclose(losses, [expected[name] for name in assembled.loss_names], rtol=1e-9)
     assert min(expected.values()) > 0.0
 

@@ -31,7 +31,7 @@ def momentum_rates(assembled, state, active):
     """Rates of linear momentum [N] and of angular momentum about the origin [N m], and the largest force [N]."""
     rate = np.asarray(rate_of(assembled, state, active))
     force = np.asarray(assembled.system.masses()) * rate[12:24]
-    x, y = np.asarray(state[:12:3]), np.asarray(state[1:12:3])
+    x, y = np.asarray(state)[:12].reshape(4, 3)[:, :2].T
     angular = np.sum(x * force[1::3] - y * force[0::3] + force[2::3])
     if assembled.spins:
         angular += assembled.parts.probe.tip_inertia * rate[24]

@@ -2,6 +2,7 @@
 
 import itertools
 
+import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -25,35 +26,36 @@ PARTS = (
 ORDERS = list(itertools.permutations(range(5)))[::17]
 
 
+@eqx.filter_jit
 def mechanism(order):
     system = System((Body(2.0, 0.3), Body(3.0, 0.5)))
     elements = tuple(PARTS[k] for k in order)
     return Assembled(system, jnp.zeros(6), jnp.zeros(6), elements, momentum_size=1.0, rest_threshold=1e-3)
 
 
+@eqx.filter_jit
+def placed(made, own, lost):
+    """The state with its elements' numbers; for each element those, the state with others, and the others."""
+    layout = made.layout
+    state = layout.state(q=jnp.full(6, 200.0), v=jnp.full(6, 300.0), lost=lost, first_energy=400.0, own=own, time=500.0)
+    others = [layout.with_own(state, k, mine + 1000.0) for k, mine in enumerate(own)]
+    return state, [(layout.own(state, k), other, layout.own(other, k)) for k, other in enumerate(others)]
+
+
 @pytest.mark.quick
 @pytest.mark.parametrize("order", ORDERS, ids=str)
 def test_each_number_has_a_place_of_its_own(order):
     made = mechanism(order)
-    layout = made.layout
     own = [np.arange(len(element.variables)) + 10.0 * k for k, element in enumerate(made.elements)]
     lost = [100.0] * len(made.loss_names)
-    state = layout.state(
-        q=jnp.full(6, 200.0),
-        v=jnp.full(6, 300.0),
-        lost=lost,
-        first_energy=400.0,
-        own=list(map(jnp.asarray, own)),
-        time=500.0,
-    )
+    state, elements = placed(made, list(map(jnp.asarray, own)), lost)
     assert sorted(np.asarray(state)) == sorted(
         [200.0] * 6 + [300.0] * 6 + lost + [400.0, 500.0] + [*np.concatenate(own)]
     )
-    for k, mine in enumerate(own):
-        assert_array_equal(layout.own(state, k), mine)
-        other = layout.with_own(state, k, jnp.asarray(mine + 1000.0))
-        assert_array_equal(layout.own(other, k), mine + 1000.0)
-        assert int(np.sum(np.asarray(other != state))) == len(mine), "no other number has changed"
+    for mine, (found, other, moved) in zip(own, elements, strict=True):
+        assert_array_equal(found, mine)
+        assert_array_equal(moved, mine + 1000.0)
+        assert np.sum(np.asarray(other) != np.asarray(state)) == len(mine), "no other number has changed"
 
 
 @pytest.mark.quick
@@ -62,7 +64,7 @@ def test_contacts_with_impacts_come_first_and_each_element_finds_its_own(order):
     made = mechanism(order)
     balls = [PARTS[k].name for k in order if k < 2]
     assert made.contact_names[:2] == tuple(balls) == made.observed[:2] and made.impact_contacts == 2
-    closed = jnp.arange(5.0)
+    closed = jnp.asarray(np.arange(5.0))
     for name in made.contact_names:
         owner = next(it for it in made.elements if name in [switch.name for switch in it.switches])
         place = [switch.name for switch in owner.switches].index(name)

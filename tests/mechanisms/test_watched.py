@@ -1,5 +1,6 @@
 """What is watched of a state for events, looked at together, against each quantity by itself and its derivatives."""
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -41,13 +42,20 @@ def test_together_as_one_by_one(tip, place):
     assert np.all(np.asarray(moves.invariant) == 0.0), "nothing needs to know how it changes"
 
 
+@eqx.filter_jit
+def nearing_the_throat(assembled, state):
+    """The rate that the mechanism gives for it [m/s], and the derivative of the distance along the motion."""
+
+    def throat(y):
+        return assembled.evaluated(assembled.evaluate(y), "throat")
+
+    return throat(state).receding, jax.jvp(lambda y: throat(y).before, (state,), (along(state),))[1]
+
+
 @pytest.mark.quick
 @each_place
 @each_tip
 def test_how_fast_the_tip_nears_the_throat(tip, place):
     assembled = mechanism(TIPS[tip])
     state, _ = pressed(assembled, place, 4)
-    throat = lambda y: assembled.evaluated(assembled.evaluate(y), "throat")  # noqa: E731
-    distance = lambda y: throat(y).before  # noqa: E731
-    _, receding = jax.jvp(distance, (state,), (along(state),))
-    assert_allclose(throat(state).receding, receding, rtol=1e-13)
+    assert_allclose(*nearing_the_throat(assembled, state), rtol=1e-13)

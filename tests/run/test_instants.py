@@ -2,6 +2,7 @@
 
 from types import SimpleNamespace
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -16,6 +17,19 @@ from jaxbuffer.run.instants import BLOCK, _blocks, _instants, _straight, at_time
 from made_up import END, made_up_capture
 
 START, LENGTH = 0.7, 0.3  # s
+
+
+@eqx.filter_jit
+def bar_at_start(parameters):
+    """The first state, which contacts are closed, and how many coordinates there are."""
+    system = BAR_DROP.system(*parameters)
+    at, closed = system.first_evaluation()
+    return at.state, closed, system.coordinates
+
+
+@eqx.filter_jit
+def rate_of_bar(parameters, state, closed):
+    return BAR_DROP.system(*parameters).derivative(0.0, state, closed)
 
 
 @pytest.mark.parametrize("share", [0.0, 0.15, 0.5, 0.8, 1.0])
@@ -95,12 +109,10 @@ def test_between_the_steps_of_a_swinging_bar():
 def test_between_steps_that_are_as_short_as_a_rounding_of_time(length):
     """A bar swings about a pin; a step that ends at a maximum may be that short, and positions are rounded."""
     parameters = (jb.BarDrop(), jb.BarDropScenario(height=0.194), jnp.asarray(20.0))
-    system = BAR_DROP.system(*parameters)
-    at, closed = system.first_evaluation()
-    n, x = system.coordinates, np.array([0.0, 0.3, 0.7, 1.0])
-    state = np.asarray(at.state).copy()
+    start, closed, n = bar_at_start(parameters)
+    state, x = np.array(start), np.array([0.0, 0.3, 0.7, 1.0])
     state[n : 2 * n] = 1.0  # m/s, rad/s
-    rate = np.asarray(system.derivative(0.0, jnp.asarray(state), closed))
+    rate = np.asarray(rate_of_bar(parameters, state, closed))
     end = state + length * rate
     each = [np.broadcast_to(it, (x.size, *np.shape(it))) for it in (closed, state, end)]
     found = _instants(BAR_DROP, parameters, 0.0 * x, 0.0 * x + length, length * x, *each)

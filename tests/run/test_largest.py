@@ -76,17 +76,17 @@ class Toy(eqx.Module):
 
 
 append = jax.jit(Log.append)
+empty = jax.jit(Log.empty, static_argnums=(0, 2, 3))
 
 
 def logged(entries, room=6):
     """Of entries (kind, which, time, forces and height)."""
-    log = Log.empty(room, jnp.zeros((1, 4)), 2, 4)
+    log = empty(room, np.zeros((1, 4)), 2, 4)
     for kind, which, time, state in entries:
-        row = jnp.array([[*state, 0.0]])
-        values = jnp.array([*state, 1.0])
-        event = (jnp.asarray(x) for x in (True, int(kind), which, time))
-        active, rate = jnp.array([1.0, 0.0]), jnp.ones((1, 4))
-        log = append(log, *event, values, jnp.asarray(RATE), active, row, rate, jnp.asarray(True))
+        row = np.array([[*state, 0.0]])
+        values = np.array([*state, 1.0])
+        active, rate = np.array([1.0, 0.0]), np.ones((1, 4))
+        log = append(log, True, int(kind), which, time, values, RATE, active, row, rate, True)
     return log
 
 
@@ -99,21 +99,53 @@ ENTRIES = [
 
 
 def start(state=(0.0, 0.0, 1.0)):
-    return Start(jnp.array([[[*state, 0.0]]]), jnp.zeros(2))
+    return Start(np.array([[[*state, 0.0]]]), np.zeros(2))
 
 
 def read(toy, log, begin, by_guard=False):
     return readings(toy, None, begin, log, places_of(toy, log).slots, jnp.asarray(by_guard))
 
 
+@eqx.filter_jit  # once for all logs and starts of a toy
 def largest(toy, log, begin):
     return maxima(toy, log, places_of(toy, log), read(toy, log, begin))
+
+
+@eqx.filter_jit
+def conserved(toy, log, begin, drift):
+    return balance(toy, read(toy, log, begin), log, drift)
+
+
+@eqx.filter_jit
+def by_weight(of, *given):
+    """A function of the weight p and of what is ``given``, and its derivative by p, at p = 1."""
+    return jax.jvp(lambda p: of(p, *given), (1.0,), (1.0,))
 
 
 def later(log, p):
     """The log whose touchdowns and releases come dp/4 later."""
     switches = (log.kind == Kind.TOUCHDOWN) | (log.kind == Kind.RELEASE)
     return dataclasses.replace(log, time=log.time + jnp.where(switches, 0.25, 0.0) * (p - 1.0))
+
+
+def largest_force(p, log, begin):
+    """The largest force, and its contact."""
+    return largest(Toy(p), log, begin)[:3:2]
+
+
+def peak_time(p, log, places):
+    return _peak_time(Toy(p), log, places)
+
+
+def peak_time_with_jumps(p, log, places):
+    return _peak_time(Toy(p, jumps=True), later(log, p), places)
+
+
+def end(p, log, begin, by_guard):
+    """Times and states of the log whose end moves, and the energy lost until there."""
+    at = read(Toy(p), log, begin, by_guard)
+    moved = moving_end(log, at.end_time, at.end.state)
+    return moved.time, moved.rows[:, 0], at.end.energy.friction
 
 
 def test_the_largest_of_all_entries():
@@ -155,7 +187,7 @@ def test_the_entry_of_a_start_in_contact_is_no_value():
 @pytest.mark.parametrize(("entries", "force", "contact"), [(ENTRIES[:2], 6.0, 0), (ENTRIES, 9.0, 1)])
 def test_forces_differentiate_at_fixed_time(entries, force, contact):
     """The envelope theorem: d(p F)/dp = F, d(p² F)/dp = 2 F; the log itself does not move."""
-    top, move = jax.jvp(lambda p: largest(Toy(p), logged(entries), start())[:3:2], (1.0,), (1.0,))
+    top, move = by_weight(largest_force, logged(entries), start())
     assert (float(top[0]), int(top[1])) == (force, contact)
     assert float(move[0]) == force * (1 + contact)
 
@@ -165,9 +197,8 @@ def test_the_time_of_a_peak_moves_with_its_slope(slot, contact, expected):
     """-(∂slope/∂p)/ġ: the guard is minus the slope -3 p of the first force, and rises at 2; the slope of the second is
     zero. At another observable's maximum, or the end, time stands."""
     log = logged(ENTRIES)
-    log = dataclasses.replace(log, rates=jnp.broadcast_to(Toy().derivative(0.0, None, None), log.rates.shape))
-    places = Places(jnp.array([slot]), jnp.array([contact]))
-    time, move = jax.jvp(lambda p: _peak_time(Toy(p), log, places), (1.0,), (1.0,))
+    log = dataclasses.replace(log, rates=jnp.asarray(np.full(log.rates.shape, [-SPEED, 0.0, 1.0, -RATE])))
+    time, move = by_weight(peak_time, log, Places(np.array([slot]), np.array([contact])))
     assert float(time) == ENTRIES[slot][2]
     np.testing.assert_allclose(move, -expected, rtol=1e-15)
 
@@ -176,8 +207,7 @@ def test_the_time_of_a_peak_moves_with_its_slope(slot, contact, expected):
 def test_where_a_force_jumps_it_may_be_largest_at_the_touchdown_itself(contact):
     """Its time moves with that touchdown, and no further."""
     log = logged([(Kind.TOUCHDOWN, 0, 1.0, (6.0, 0.0, 0.0)), *ENTRIES[-1:]])
-    places = Places(jnp.array([0]), jnp.array([contact]))
-    time, move = jax.jvp(lambda p: _peak_time(Toy(p, jumps=True), later(log, p), places), (1.0,), (1.0,))
+    time, move = by_weight(peak_time_with_jumps, log, Places(np.array([0]), np.array([contact])))
     assert (float(time), float(move)) == (1.0, 0.25)
 
 
@@ -186,13 +216,8 @@ def test_the_end_moves_with_its_guard_and_takes_the_state_along(by_guard, earlie
     """The second guard, 3 (p - 1) at the end, rises at 2: the end comes 1.5 dp earlier, and the state with its rate of
     1 there; what is read at the end has that state."""
     log = logged([*ENTRIES[:-1], (Kind.END, 1, *ENTRIES[-1][2:])])
-
-    def moved(p):
-        at = read(Toy(p), log, start(), by_guard)
-        found = moving_end(log, at.end_time, at.end.state)
-        return found.time, found.rows[:, 0], at.end.energy.friction
-
-    (time, rows, friction), (time_moves, rows_move, friction_moves) = jax.jvp(moved, (1.0,), (1.0,))
+    found, moves = by_weight(end, log, start(), np.asarray(by_guard))
+    (time, rows, friction), (time_moves, rows_move, friction_moves) = found, moves
     np.testing.assert_array_equal(time, log.time)
     np.testing.assert_array_equal(rows, log.rows[:, 0])
     expected = np.zeros(log.kind.shape[0])
@@ -205,7 +230,8 @@ def test_the_end_moves_with_its_guard_and_takes_the_state_along(by_guard, earlie
 def test_where_a_force_jumps_its_state_goes_with_the_touchdown():
     """The state's rate (-3, 0, 1, -2) times dt = dp/4 at the first contact; a maximum's state stands."""
     jumping = [(Kind.TOUCHDOWN, 0, 1.0, (6.0, 0.0, 0.0)), (Kind.PEAK, 2, 2.0, (1.0, 1.0, 8.0))]
-    top, move = jax.jvp(lambda p: largest(Toy(p, jumps=True), later(logged(jumping), p), start()), (1.0,), (1.0,))
+    moving = lambda p, log, begin: largest(Toy(p, jumps=True), later(log, p), begin)  # noqa: E731
+    top, move = by_weight(moving, logged(jumping), start())
     assert (float(top.peak_force), float(top.others["height"])) == (6.0, 8.0)
     np.testing.assert_allclose(move.peak_force, 6.0 - SPEED * 0.25, rtol=1e-15)
     np.testing.assert_allclose(move.others["height"], 8.0, rtol=1e-15)
@@ -216,8 +242,11 @@ def test_what_is_largest_at_a_release_goes_with_it():
     release, not the one in the step that ended there. A maximum stands."""
     entries = [(Kind.RELEASE, 0, 1.0, (0.0, 0.0, 7.0)), (Kind.PEAK, 0, 2.0, (6.0, 0.0, 2.0))]
     log = logged(entries)
-    log = dataclasses.replace(log, rates=log.rates.at[0, 0, 2].set(0.5), values=log.values.at[0, 3].set(9.0))
-    top, move = jax.jvp(lambda p: largest(Toy(p, of_rate=True), later(log, p), start()), (1.0,), (1.0,))
+    rates, values = np.array(log.rates), np.array(log.values)
+    rates[0, 0, 2], values[0, 3] = 0.5, 9.0
+    log = dataclasses.replace(log, rates=jnp.asarray(rates), values=jnp.asarray(values))
+    moving = lambda p, log, begin: largest(Toy(p, of_rate=True), later(log, p), begin)  # noqa: E731
+    top, move = by_weight(moving, log, start())
     assert (float(top.others["height"]), float(top.others["rate"])) == (7.0, 1.0)
     np.testing.assert_allclose(move.others["height"], 7.0 + 0.5 * 0.25, rtol=1e-15)
     assert float(move.peak_force) == 6.0
@@ -236,9 +265,10 @@ def test_what_a_motion_conserves(first, scale):
     """Energy over the larger of its first value and the system's scale; momentum over the system's; the last entry
     is the end. A tangent in the log takes no part."""
     before, log = (first, 0.5, 2.0), logged(ENTRIES)
-    log = dataclasses.replace(log, rows=jnp.concatenate([log.rows, 100.0 + log.rows], axis=1))
-    drift = jnp.where(jnp.arange(log.kind.shape[0]) < 4, jnp.array([1e-9, 3e-9, 2e-9, 0.0] + [0.0] * 8), 7.0)
-    end, found = balance(Toy(), read(Toy(), log, start(before)), log, drift)
+    rows = np.asarray(log.rows)
+    log = dataclasses.replace(log, rows=jnp.asarray(np.concatenate([rows, 100.0 + rows], axis=1)))
+    drift = np.array([1e-9, 3e-9, 2e-9, 0.0] + [7.0] * 8)
+    end, found = conserved(Toy(), log, start(before), drift)
     total = before[0] + before[2]
     assert (float(end.kinetic), float(end.contact), float(end.friction)) == (1.0, 1.0, -1.0)
     np.testing.assert_allclose(found.energy, (1.0 - total) / scale, rtol=1e-14)
@@ -248,13 +278,11 @@ def test_what_a_motion_conserves(first, scale):
 
 
 def test_where_the_ground_takes_part_momentum_says_nothing():
-    toy, log = Toy(momentum_scale=None), logged(ENTRIES)
-    _, found = balance(toy, read(toy, log, start()), log, jnp.zeros(12))
+    _, found = conserved(Toy(momentum_scale=None), logged(ENTRIES), start(), np.zeros(12))
     assert np.isnan(found.linear_momentum)
     assert np.isnan(found.angular_momentum)
 
 
 def test_of_a_run_without_an_event_the_start_is_the_end():
-    log = logged([])
-    _, found = balance(Toy(), read(Toy(), log, start((0.0, 0.0, 0.0))), log, jnp.ones(12))
+    _, found = conserved(Toy(), logged([]), start((0.0, 0.0, 0.0)), np.ones(12))
     assert float(found.energy) == float(found.linear_momentum) == float(found.drift) == 0.0

@@ -3,6 +3,7 @@
 import dataclasses
 import math
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -46,10 +47,15 @@ def wedge(half_angle, velocity, mass=2.0, inertia=0.3, spin=4.0):
     return Assembled(System((Body(mass, inertia),)), q, v, contacts)
 
 
-def energy_of(mechanism, closed=None):
+@eqx.filter_jit  # once for whatever is closed in a mechanism
+def energy_at_start(mechanism, closed):
     state, _ = mechanism.start()
-    closed = jnp.ones(mechanism.contact_count, bool) if closed is None else closed
-    return float(effective_energy(mechanism, state, closed))
+    return effective_energy(mechanism, state, closed)
+
+
+def energy_of(mechanism, closed=None):
+    closed = np.ones(mechanism.contact_count, bool) if closed is None else closed
+    return float(energy_at_start(mechanism, closed))
 
 
 @pytest.mark.slow
@@ -90,7 +96,7 @@ def test_two_contacts_of_a_wedge():
     assert_allclose(energy_of(mechanism), 0.5 * 2.0 * velocity @ velocity, rtol=1e-13)
     for k, side in enumerate((-1.0, 1.0)):
         closing = -velocity @ np.array([side * math.cos(angle), math.sin(angle)])
-        alone = energy_of(mechanism, jnp.arange(2) == k)
+        alone = energy_of(mechanism, np.arange(2) == k)
         assert_allclose(alone, 0.5 * 2.0 * closing**2, rtol=1e-13)
 
 

@@ -1,5 +1,6 @@
 """Derivatives at maxima, where an instant is never known closely enough."""
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -40,6 +41,27 @@ DELAYED = {
 }
 
 
+@eqx.filter_jit  # once for all kinds of events
+def of_a_delay(kind, guard_rate):
+    """A bar's first state, its rate, and which position lies higher; the state at an event that is reached 3 s later a
+    unit of the parameter, that position 0.5 m higher beside that, and its derivative."""
+    system = request(BAR_DROP, jb.BarDrop(), jb.BarDropScenario(), 0.1).system
+    row = system.first_evaluation()[0].state[None]
+    contacts, observables = system.contact_count, len(system.observed)
+    higher = system.places["q"].start
+    rate = system.derivative(jnp.zeros(()), row[0], jnp.zeros(contacts))[None]
+
+    def state(p):
+        moved = row - 3.0 * p * rate
+        log = Log.empty(2, row, contacts, observables)
+        event = (jnp.asarray(x) for x in (True, kind, 0, 0.1))
+        now = jnp.zeros(observables), guard_rate, jnp.zeros(contacts)
+        log = log.append(*event, *now, moved.at[0, higher].add(0.5 * p), rate, jnp.asarray(False))
+        return moving_maxima(system, log).rows[0, 0]
+
+    return row[0], rate[0], higher, *jax.jvp(state, (0.0,), (1.0,))
+
+
 @pytest.mark.parametrize(
     ("kind", "guard_rate", "left"),
     [(Kind.PEAK, 1.0, 0.0), (Kind.PEAK, UNMOVED, 1.0), (Kind.TOUCHDOWN, 1.0, 1.0), (Kind.RELEASE, 1.0, 1.0)],
@@ -48,25 +70,13 @@ DELAYED = {
 def test_of_a_mere_delay_nothing_is_left(kind, guard_rate, left):
     """All states are reached 3 s later a unit of the parameter, and one position lies 0.5 m higher beside that, which
     the motion does not change."""
-    system = request(BAR_DROP, jb.BarDrop(), jb.BarDropScenario(), 0.1).system
-    row = system.first_evaluation()[0].state[None]
-    contacts, observables = system.contact_count, len(system.observed)
-    higher = system.places["q"].start
-    rate = system.derivative(jnp.zeros(()), row[0], jnp.zeros(contacts))[None]
-    assert rate[0, higher] == 0.0 and jnp.max(jnp.abs(rate)) > 1.0
-
-    @jax.jit
-    def state(p):
-        moved = row - 3.0 * p * rate
-        log = Log.empty(2, row, contacts, observables)
-        event = (jnp.asarray(x) for x in (True, int(kind), 0, 0.1))
-        now = jnp.zeros(observables), jnp.asarray(guard_rate), jnp.zeros(contacts)
-        log = log.append(*event, *now, moved.at[0, higher].add(0.5 * p), rate, jnp.asarray(False))
-        return moving_maxima(system, log).rows[0, 0]
-
-    value, change = jax.jvp(state, (0.0,), (1.0,))
-    assert np.array_equal(value, row[0])
-    assert np.allclose(change, (-3.0 * left * rate[0]).at[higher].add(0.5), rtol=0.0, atol=1e-13)
+    start, rate, higher, value, change = of_a_delay(np.asarray(int(kind)), np.asarray(guard_rate))
+    rate = np.asarray(rate)
+    assert rate[higher] == 0.0 and np.max(np.abs(rate)) > 1.0
+    expected = -3.0 * left * rate
+    expected[higher] += 0.5
+    assert np.array_equal(value, start)
+    assert np.allclose(change, expected, rtol=0.0, atol=1e-13)
 
 
 @pytest.mark.slow

@@ -108,7 +108,7 @@ def spectrum_of_motion(
     # Between the middles of the samples, so that each change of velocity belongs to the sample in its midst.
     edges = jnp.asarray(instants[0] + step * (np.arange(count + 1) - 0.5))
     acceleration = jnp.diff(jnp.interp(edges, instants, velocity)) / step
-    return shock_spectrum(acceleration, step, jnp.asarray(known), damping)
+    return shock_spectrum(acceleration, step, frequencies, damping)
 
 
 def _filter(frequencies: Array, step: float, damping: Scalar) -> tuple[Array, ...]:
