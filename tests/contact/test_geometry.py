@@ -42,16 +42,22 @@ LOWER_CASES = {
 }
 
 
-def frame(x, y, angle=0.0, u=0.0, v=0.0, spin=0.0):
+def frame(x, y, angle, u, v, spin):
     return Frame(Vector(x, y), angle, jnp.cos(angle), jnp.sin(angle), Vector(u, v), spin)
 
 
-def still(centre):
-    return frame(jnp.asarray(centre[0]), jnp.asarray(centre[1]))
+def motion(x=0.0, y=0.0, angle=0.0, u=0.0, v=0.0, spin=0.0):
+    """Of a ball or of its carrier."""
+    return np.array([x, y, angle, u, v, spin])
 
 
-def at_rest(x=0.0, y=0.0, angle=0.0):
-    return frame(x, y, angle)
+@jax.jit
+def on_both_flanks(ball, carrier):
+    return CONE.approach(frame(*ball), frame(*carrier))
+
+
+def approach(ball, carrier):
+    return jax.tree.map(np.asarray, on_both_flanks(ball, carrier))
 
 
 @pytest.mark.parametrize("case", LOWER_CASES)
@@ -60,7 +66,7 @@ def test_worked_cases_on_both_flanks(case, flank):
     """The upper flank sees the mirror image of the lower flank's case."""
     centre, foot, normal, distance = LOWER_CASES[case]
     mirror = np.array([1.0, SIDE[flank]])
-    a = CONE.approach(still(centre * mirror), at_rest())
+    a = approach(motion(*(centre * mirror)), motion())
     assert_allclose([a.foot.x[flank], a.foot.y[flank]], foot * mirror, atol=1e-15)
     assert_allclose([a.normal.x[flank], a.normal.y[flank]], normal * mirror, atol=1e-14)
     assert_allclose(a.distance[flank], distance, atol=1e-15)
@@ -68,7 +74,7 @@ def test_worked_cases_on_both_flanks(case, flank):
 
 
 def test_tangents_point_along_the_flanks_towards_the_throat():
-    a = CONE.approach(still((-0.36, 0.0)), at_rest())
+    a = approach(motion(-0.36, 0.0), motion())
     assert_allclose(a.tangent, [[COS, COS], [SIN, -SIN]], atol=1e-14)
 
 
@@ -76,7 +82,7 @@ def test_gap_and_normal_are_continuous_across_the_rims():
     """A hundredth of a micrometre to either side of the rims' normals, before the flank and behind it."""
     for rim, front in itertools.product((THROAT, MOUTH), (1.0, -1.0)):
         for step in (-1e-8, 1e-8):
-            a = CONE.approach(still(rim + front * 0.03 * INWARD + step * ALONG), at_rest())
+            a = approach(motion(*(rim + front * 0.03 * INWARD + step * ALONG)), motion())
             assert_allclose(a.gap[0], 0.01, atol=1e-14)
             assert_allclose([a.normal.x[0], a.normal.y[0]], front * INWARD, atol=4e-7)
             assert_allclose([a.foot.x[0], a.foot.y[0]], rim, atol=1.1e-8)
@@ -86,8 +92,8 @@ def test_geometry_turns_and_shifts_with_its_body():
     """The carrier at (2, -1) turned by 0.7 rad: gaps and speeds are as before, directions turn."""
     angle, origin, centre = 0.7, np.array([2.0, -1.0]), np.array([-0.35, -0.03])
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-    plain = CONE.approach(still(centre), at_rest())
-    turned = CONE.approach(still(origin + turn @ centre), at_rest(*origin, angle))
+    plain = approach(motion(*centre), motion())
+    turned = approach(motion(*(origin + turn @ centre)), motion(*origin, angle))
     assert_allclose(turned.gap, plain.gap, atol=1e-15)
     for name in ("normal", "tangent", "foot"):
         assert_allclose(np.stack(getattr(turned, name)), turn @ np.stack(getattr(plain, name)), atol=1e-14)
@@ -98,16 +104,16 @@ def random_motion(seed):
     rng = np.random.default_rng(seed)
     angle = rng.uniform(-0.5, 0.5)
     centre = np.array([rng.uniform(-0.45, -0.25), rng.uniform(-0.15, 0.15)])
-    ball = frame(*centre, 0.0, *rng.normal(size=3))
-    return ball, frame(*(0.01 * rng.normal(size=2)), angle, *rng.normal(size=3)), angle
+    ball = motion(*centre, 0.0, *rng.normal(size=3))
+    return ball, motion(*(0.01 * rng.normal(size=2)), angle, *rng.normal(size=3))
 
 
 @pytest.mark.parametrize("seed", range(8))
 def test_mirror_image_swaps_the_flanks(seed):
-    ball, cone, _ = random_motion(seed)
-    a = CONE.approach(ball, cone)
-    mirrored = lambda it: frame(it.origin.x, -it.origin.y, -it.angle, it.velocity.x, -it.velocity.y, -it.spin)  # noqa: E731
-    b = CONE.approach(mirrored(ball), mirrored(cone))
+    ball, cone = random_motion(seed)
+    a = approach(ball, cone)
+    mirror = np.array([1.0, -1.0, -1.0, 1.0, -1.0, -1.0])
+    b = approach(mirror * ball, mirror * cone)
     for name in ("gap", "approach_speed", "slip", "distance"):
         assert_allclose(getattr(b, name), getattr(a, name)[::-1], atol=1e-14, err_msg=name)
     for name in ("normal", "tangent", "foot"):
@@ -115,27 +121,26 @@ def test_mirror_image_swaps_the_flanks(seed):
         assert_allclose(getattr(b, name), [x[::-1], -y[::-1]], atol=1e-14, err_msg=name)
 
 
+@jax.jit
+def gap_rate(ball, cone):
+    """By poses that move with the velocities."""
+    gap = lambda *poses: CONE.approach(*(frame(*pose, 0.0, 0.0, 0.0) for pose in poses)).gap  # noqa: E731
+    return jax.jvp(gap, (ball[:3], cone[:3]), (ball[3:], cone[3:]))[1]
+
+
 @pytest.mark.parametrize("seed", range(8))
 def test_the_gap_closes_at_the_approach_speed(seed):
     """d gap/dt by automatic differentiation of the positions alone, spins included through the poses."""
-    ball, cone, angle = random_motion(seed)
-
-    def gap(x, y, cone_x, cone_y, cone_angle):
-        return CONE.approach(still((x, y)), at_rest(cone_x, cone_y, cone_angle)).gap
-
-    pose = (*ball.origin, *cone.origin, angle)
-    rates = (*ball.velocity, *cone.velocity, cone.spin)
-    _, rate = jax.jvp(gap, pose, rates)
-    assert_allclose(CONE.approach(ball, cone).approach_speed, -rate, rtol=1e-13, atol=1e-14)
+    ball, cone = random_motion(seed)
+    assert_allclose(approach(ball, cone).approach_speed, -np.asarray(gap_rate(ball, cone)), rtol=1e-13, atol=1e-14)
 
 
 def test_random_motions_reach_flanks_and_rims():
     """The two tests above see all three kinds of foot."""
     slants = []
     for seed in range(8):
-        ball, cone, _ = random_motion(seed)
-        a = CONE.approach(ball, cone)
-        off_x, off_y = cone.unturn(a.foot)
+        ball, cone = random_motion(seed)
+        off_x, off_y = frame(*cone).unturn(approach(ball, cone).foot)
         slants.append(np.hypot(off_x - EDGE[0], off_y + SIDE * EDGE[1]))
     ends = np.isclose(slants, 0.0, atol=1e-12), np.isclose(slants, LENGTH, rtol=1e-12)
     assert np.any(ends[0])
@@ -147,7 +152,7 @@ def test_a_rolling_ball_does_not_slip():
     """On the lower flank towards the throat at v the ball turns clockwise by v/R; the other way it slips by 2 v."""
     centre, speed = THROAT + 0.05 * ALONG + RADIUS * INWARD, 0.3
     for spin, slip in ((-speed / RADIUS, 0.0), (0.0, speed), (speed / RADIUS, 2 * speed)):
-        a = CONE.approach(frame(*centre, 0.0, speed * COS, speed * SIN, spin), at_rest())
+        a = approach(motion(*centre, 0.0, speed * COS, speed * SIN, spin), motion())
         assert_allclose(a.slip[0], slip, atol=1e-15)
         assert_allclose(a.approach_speed[0], 0.0, atol=1e-15)
 
@@ -155,7 +160,7 @@ def test_a_rolling_ball_does_not_slip():
 def test_speeds_are_those_of_the_material_points_at_the_foot():
     """A carrier spinning under a still ball: its point at the foot (x, y) moves at ω (-y, x)."""
     centre, spin = THROAT + 0.05 * ALONG + RADIUS * INWARD, 0.4
-    a = CONE.approach(still(centre), at_rest()._replace(spin=spin))
+    a = approach(motion(*centre), motion(spin=spin))
     velocity = spin * np.array([0.07, -0.34])  # the foot is at (-0.34, -0.07)
     assert_allclose(a.approach_speed[0], velocity @ INWARD, rtol=1e-13)
     assert_allclose(a.slip[0], velocity @ ALONG, rtol=1e-13)

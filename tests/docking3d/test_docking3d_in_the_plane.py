@@ -1,5 +1,6 @@
 """A docking in space whose vehicles move in a plane that holds the hinge's first axis is the planar mechanism's."""
 
+import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -35,18 +36,26 @@ def in_space(q, v):
     return np.stack(places, axis=1).ravel(), np.stack([u, w, zero, zero, zero, spin], axis=1).ravel()
 
 
+@eqx.filter_jit
+def started(design, scenario):
+    """The mechanism of a design and its start."""
+    mechanism = mechanism_of(design).system(design, scenario, 20.0)
+    return mechanism, mechanism.start()[0]
+
+
+@eqx.filter_jit
+def rates_of(mechanism, state):
+    """The rate of a state in which all contacts and switches are closed."""
+    return mechanism.derivative(0.0, state, jnp.ones(mechanism.contact_count))
+
+
 @pytest.mark.quick
 def test_all_bodies_accelerate_as_in_the_plane():
     """The tip pressed into the lower flank and spinning, the hinge bent, the buffer at its stop, the latches closed."""
     changes = LATCHED | {"probe.free_tip": True}
-    flat, space = (
-        mechanism_of(design).system(design, scenario, 20.0)
-        for design, scenario in (
-            (jb.replace(jb.table2(), changes), FLAT),
-            (jb.replace(jb.docking3d(), changes), about(0.0)),
-        )
-    )
-    states = [np.array(mechanism.start()[0]) for mechanism in (flat, space)]
+    flat, planar_start = started(jb.replace(jb.table2(), changes), FLAT)
+    space, spatial_start = started(jb.replace(jb.docking3d(), changes), about(0.0))
+    states = [np.array(planar_start), np.array(spatial_start)]
     rng, at = np.random.default_rng(3), flat.places
     moved = states[0]
     # Along the probe towards the cylinder by more than the stroke, and the cone onto the tip by a few micrometres.
@@ -61,10 +70,7 @@ def test_all_bodies_accelerate_as_in_the_plane():
     for state, mechanism in zip(states, (flat, space), strict=True):
         latch = [element.name for element in mechanism.elements].index("latch")
         state[mechanism.places[f"element {latch}"]] = [0.2, 0.0]  # 0.2 s since the latches began to close
-    rates = [
-        np.asarray(mechanism.derivative(0.0, jnp.asarray(state), jnp.ones_like(mechanism.start()[1])))
-        for mechanism, state in zip((flat, space), states, strict=True)
-    ]
+    rates = [np.asarray(rates_of(*each)) for each in zip((flat, space), states, strict=True)]
     _, expected = in_space(rates[0][at["q"]], rates[0][at["v"]])
     assert np.abs(expected).max() > 100.0  # m/s² or rad/s²
     np.testing.assert_allclose(rates[1][space.places["v"]], expected, rtol=1e-10, atol=1e-10 * np.abs(expected).max())

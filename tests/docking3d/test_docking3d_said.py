@@ -3,6 +3,7 @@
 import re
 from types import SimpleNamespace
 
+import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -48,15 +49,21 @@ def test_an_approach_that_misses_the_cone_is_said(offsets, miss):
     assert miss in lines[0] and "scenario.offset_y is" in lines[0] and "scenario.offset_z is" in lines[0]
 
 
-def test_a_flight_begins_as_the_mechanism_does():
-    """The tip's place and speed in the axes of the passive vehicle, all rates given, against the bodies' own motion."""
-    design, scenario = CASES["free start, all rates"].design, CASES["free start, all rates"].scenario
+@eqx.filter_jit
+def tip_in_the_cone(design, scenario):
+    """Its place and speed at the start in axes of the cone, which turn with it."""
     masses = probe_masses(design)
     kin = assemble_system(design, masses, 20.0).kinematics(*start_motion(design, scenario, masses))
     tip, cone = kin.point(P, masses.tip_centre), kin.frame(T)
-    # In axes that turn with the cone a point moves with its velocity less that of the cone's material under it.
-    moves = np.array(cone.unturn(tip.velocity - cone.velocity_at(tip.place - cone.origin)), float)
-    place = np.array(cone.unturn(tip.place - cone.origin), float)
+    # In such axes a point moves with its velocity less that of the cone's material under it.
+    moves = cone.unturn(tip.velocity - cone.velocity_at(tip.place - cone.origin))
+    return cone.unturn(tip.place - cone.origin), moves
+
+
+def test_a_flight_begins_as_the_mechanism_does():
+    """The tip's place and speed in the axes of the passive vehicle, all rates given, against the bodies' own motion."""
+    design, scenario = CASES["free start, all rates"].design, CASES["free start, all rates"].scenario
+    place, moves = (np.array(vector, float) for vector in tip_in_the_cone(design, scenario))
     x, aside = scenario.approach.flight(design, scenario, float(before_mouth(design, scenario.standoff)))
     step = 4.0 * abs(x[0]) / scenario.approach_speed / (len(x) - 1)
     assert (x[0], aside[0]) == pytest.approx((place[0], np.hypot(*place[1:])))

@@ -1,5 +1,6 @@
 """Every element in a mechanism that is not the docking probe: two free bodies and a third that nothing holds."""
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -95,16 +96,35 @@ def conserved(assembled, state, active):
     return [*momenta[0], momenta[1], jax.jvp(energy, (state,), (rate,))[1]]
 
 
-@pytest.mark.parametrize("name", ELEMENTS)
-def test_it_acts_on_two_bodies_and_its_energies_are_its_powers(name):
+@eqx.filter_jit
+def conserved_with_latches_half_closed(name):
+    """What is conserved by elements at the start but for their latches, and the largest rate of a velocity there."""
     assembled = mechanism(ELEMENTS[name])
     state, _ = assembled.start()
-    for element in assembled.elements:
-        if isinstance(element, Latch):  # half closed
-            state = state.at[assembled.layout.places[f"element {assembled.elements.index(element)}"].start].set(0.4)
     active = jnp.asarray([float(name != "thrust over") for name in assembled.contact_names])
-    found = jax.jit(lambda y: conserved(assembled, y, active))(state)
-    force = jnp.max(jnp.abs(assembled.derivative(0.0, state, active)[9:18]))
+    for k, element in enumerate(assembled.elements):
+        if isinstance(element, Latch):
+            state = state.at[assembled.layout.places[f"element {k}"].start].set(0.4)
+    largest = jnp.max(jnp.abs(assembled.derivative(0.0, state, active)[9:18]))
+    return conserved(assembled, state, active), largest
+
+
+@eqx.filter_jit
+def first_instant(assembled):
+    """What is evaluated at the start, which contacts are closed there, rates and observables."""
+    at, closed = assembled.first_evaluation()
+    rate = assembled.derivative(0.0, at.state, closed)
+    return at, closed, rate, assembled.observables_at(at, rate, closed)
+
+
+@eqx.filter_jit
+def energies(assembled, state, closed):
+    return assembled.energy_at(assembled.evaluate(state), closed)
+
+
+@pytest.mark.parametrize("name", ELEMENTS)
+def test_it_acts_on_two_bodies_and_its_energies_are_its_powers(name):
+    found, force = conserved_with_latches_half_closed(name)
     assert float(force) > 0.1
     assert_allclose(found, 0.0, atol=1e-11 * float(force) + 1e-12)
 
@@ -187,10 +207,10 @@ def test_two_parts_of_one_name_are_refused():
 def test_a_switch_is_closed_at_the_start_where_the_start_is_beyond_its_place():
     """Only the first stop: the stroke there is more than its 50 mm, and far from the way out."""
     assembled = mechanism((*STOPS, Thrust(1, 7.0, 2.0)))
-    closed = dict(zip(assembled.contact_names, np.asarray(assembled.start()[1]), strict=True))
+    closed = dict(zip(assembled.contact_names, np.asarray(first_instant(assembled)[1]), strict=True))
     assert closed == {"stop": 1.0, "rebound": 0.0, "thrust over": 0.0}
     opened = Assembled(assembled.system, Q, V, elements=assembled.elements, closed=(0.0, 0.0, 0.0))
-    assert_allclose(opened.start()[1], 0.0, err_msg="what is said counts")
+    assert_allclose(first_instant(opened)[1], 0.0, err_msg="what is said counts")
 
 
 def test_what_would_mislead_is_refused():
@@ -205,35 +225,37 @@ def test_what_would_mislead_is_refused():
 
 def test_oscillators_are_known_to_steps_also_where_nothing_else_is_stiff():
     assembled = mechanism((Oscillators((0, 2), (3.0, 8.0), ("first", "second")),))
-    state, active = assembled.start()
-    assert float(assembled.linearisation(0.0, state, active).fastest()) == pytest.approx(4.0 * 2.0 * np.pi * 8.0)
+    fastest = eqx.filter_jit(lambda of: of.linearisation(0.0, *of.start()).fastest())(assembled)
+    assert float(fastest) == pytest.approx(4.0 * 2.0 * np.pi * 8.0)
 
 
 def test_a_drives_torque_is_that_on_the_body_it_turns():
     """I θ̈ = M on a body that only the drive acts on, and the power is M ω; both drives share one name of energy."""
     assembled = mechanism((DRIVE, Drive(DrivenAngle(-1, 1, lambda time: -0.05 - 0.2 * time), watched=(), name="other")))
-    state, closed = assembled.start()
-    rate = assembled.derivative(0.0, state, closed)
-    torque = dict(zip(assembled.observed, assembled.observables(state, rate, closed), strict=True))
+    at, closed, rate, observables = jax.tree.map(np.asarray, first_instant(assembled))
+    torque = dict(zip(assembled.observed, observables, strict=True))
     assert_allclose(torque["drive_torque"], 0.1 * rate[17], rtol=1e-12)
     assert_allclose(torque["braking_torque"], -torque["drive_torque"])
     assert_allclose(rate[17] - rate[11], 6.0, rtol=1e-12, err_msg="of the angle that is prescribed")
-    put_in = state.at[assembled.layout.places["element 0"]].set(2.0).at[assembled.layout.places["element 1"]].set(0.5)
-    assert float(assembled.energy_at(assembled.evaluate(put_in), closed).drives) == -2.5
+    put_in = np.array(at.state)
+    put_in[assembled.layout.places["element 0"]], put_in[assembled.layout.places["element 1"]] = 2.0, 0.5
+    assert float(energies(assembled, put_in, closed).drives) == -2.5
     assert_allclose(assembled.part(rate, "element 0"), torque["drive_torque"] * 0.1, rtol=1e-12)
 
 
 def test_a_motor_has_its_torque_at_rest_and_none_at_its_no_load_speed():
     """The third body is carried by the first, against which the second turns by -0.5 rad/s."""
     assembled = mechanism((MOTOR,))
-    at, closed = assembled.first_evaluation()
-    torque = dict(zip(assembled.observed, assembled.observables_at(at, at.state, closed), strict=True))
+    at, closed, rate, observables = first_instant(assembled)
+    torque = dict(zip(assembled.observed, np.asarray(observables), strict=True))
     assert_allclose(torque["drive_torque"], 7.0 * (1.0 + 0.5 / 4.0), rtol=1e-14)
-    assert_allclose(assembled.energy_at(at, closed).drives, -7.0 * (-0.05 - 0.1 + 0.1), rtol=1e-12)
-    lost = assembled.part(assembled.derivative(0.0, at.state, closed), "lost")[-1]
+    assert_allclose(energies(assembled, at.state, closed).drives, -7.0 * (-0.05 - 0.1 + 0.1), rtol=1e-12)
+    lost = assembled.part(np.asarray(rate), "lost")[-1]
     assert_allclose(lost, 7.0 / 4.0 * 0.25, rtol=1e-12)
-    idle = assembled.evaluate(at.state.at[14].set(4.3))
-    assert_allclose(assembled.observables_at(idle, at.state, closed), [0.0, 0.0], atol=1e-14)
+    idle = np.array(at.state)
+    idle[14] = 4.3
+    observables = eqx.filter_jit(lambda state: assembled.observables_at(assembled.evaluate(state), rate, closed))(idle)
+    assert_allclose(observables, [0.0, 0.0], atol=1e-14)
 
 
 def speed_of(kin, body):
@@ -254,16 +276,16 @@ def test_sensors_see_motion_accelerations_and_depths_and_integrals_add_up():
         Integral(speed_of, 2, scale=1e-3, name="way"),
     )
     assembled = mechanism((touching, Buffer(AXIAL), *sensors))
-    at, closed = assembled.first_evaluation()
-    rate = assembled.derivative(0.0, at.state, closed)
+    at, closed, rate, observables = first_instant(assembled)
+    rate = np.asarray(rate)
     assert assembled.observed == ("contact", "buffer_force", "stroke", "extension", "speed", "jolt", "depth", "way")
     assert assembled.rate_observables() == (False, False, False, False, False, True, False, False)
     assert assembled.lower_bounds == {"extension": 0.0, "depth": 0.0}
-    seen = dict(zip(assembled.observed, assembled.observables_at(at, rate, closed), strict=True))
+    seen = dict(zip(assembled.observed, np.asarray(observables), strict=True))
     assert_allclose([seen["speed"], seen["way"]], [-0.1, 0.0])
-    assert_allclose([seen["jolt"], seen["depth"]], [rate[13], -assembled.gaps_at(at)[0][0]])
+    gap, others = eqx.filter_jit(lambda at: (assembled.gaps_at(at)[0], assembled.snapshot_at(at, closed).others))(at)
+    assert_allclose([seen["jolt"], seen["depth"]], [rate[13], -np.asarray(gap)[0]])
     assert_allclose(assembled.part(rate, "element 6"), 0.05, err_msg="the integrand")
-    others = assembled.snapshot_at(at, closed).others
     assert_allclose([others["shown"], others["speed"], others["jolt"]], [0.2, -0.1, rate[13]])
     assert_allclose(assembled.roundoff()[4:6], [-np.inf, 1e-12])
     assert_allclose(assembled.scales()[assembled.layout.places["element 6"]], 1e-3)

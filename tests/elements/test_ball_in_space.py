@@ -57,7 +57,6 @@ def mechanism(element, seed=0, **where):
     return Assembled(system, q, v, (element,), energy_size=1.0, momentum_size=1.0)
 
 
-@eqx.filter_jit  # once for all states of a mechanism
 def conserved(assembled, state, active):
     """Rates of both momenta and of all energies together [N, N m, W]."""
     rate = assembled.derivative(0.0, state, active)
@@ -66,6 +65,13 @@ def conserved(assembled, state, active):
     return [*momenta[0], *momenta[1], jax.jvp(energy, (state,), (rate,))[1]]
 
 
+@eqx.filter_jit
+def approaches(element, q, v):
+    """Gap, normal and speeds of the contact at positions and velocities in space."""
+    return element.evaluate(Kinematics(q, v, basis=SPACE)).approach
+
+
+@eqx.filter_jit
 def turning(assembled, seed=5):
     """The start, a free ball spinning about all axes."""
     state, _ = assembled.start()
@@ -73,16 +79,22 @@ def turning(assembled, seed=5):
     return state.at[assembled.layout.places["spins"]].set(spins)
 
 
+@eqx.filter_jit  # once for all states of a mechanism
+def pressed(assembled):
+    """Gap, normal and speeds, the forces of the contact while it is closed, and what is conserved, at the start."""
+    state, active = turning(assembled), jnp.ones(1)
+    at = assembled.evaluate(state)
+    forces = assembled.contact_forces(at, active)[0]
+    return at.elements[0].approach, forces, conserved(assembled, state, active)
+
+
 @pytest.mark.parametrize("spin_inertia", [None, 0.07], ids=["fixed", "free"])
 @pytest.mark.parametrize("seed", quick(range(3), 0))
 def test_forces_conserve_momenta_and_energy(seed, spin_inertia):
-    assembled = mechanism(contact(spin_inertia), seed)
-    state = turning(assembled)
-    at = assembled.evaluate(state)
-    assert float(at.elements[0].approach.gap[0]) == pytest.approx(-0.01, rel=1e-9)
-    forces = assembled.contact_forces(at, jnp.ones(1))[0]
+    approach, forces, rates = pressed(mechanism(contact(spin_inertia), seed))
+    assert float(approach.gap[0]) == pytest.approx(-0.01, rel=1e-9)
     assert float(forces.normal[0]) > 3.0 and abs(float(forces.friction[0])) > 1.0
-    assert_allclose(conserved(assembled, state, jnp.ones(1)), 0.0, atol=1e-10)
+    assert_allclose(rates, 0.0, atol=1e-10)
 
 
 def by_search(q, centre):
@@ -107,26 +119,33 @@ def test_the_foot_is_the_nearest_point_and_speeds_are_those_of_the_material_ther
     """On the cone and beyond its ends."""
     q, v, centre = moving(2, slant, depth)
     foot = by_search(q, centre)
-    at = contact().evaluate(Kinematics(q, v, basis=SPACE))
+    q, v = np.asarray(q), np.asarray(v)
+    approach = jax.tree.map(np.asarray, approaches(contact(), q, v))
     distance = np.linalg.norm(centre - foot)
     normal = (centre - foot) / distance
-    assert_allclose(at.approach.gap, distance - RADIUS, atol=1e-9)
-    assert_allclose([part[0] for part in at.approach.normal], normal, atol=1e-6)
+    assert_allclose(approach.gap, distance - RADIUS, atol=1e-9)
+    assert_allclose([part[0] for part in approach.normal], normal, atol=1e-6)
     # Each body's material at the foot, by v + ω × arm.
     first, second = (v[k : k + 3] + np.cross(v[k + 3 : k + 6], foot - q[i : i + 3]) for k, i in ((0, 0), (6, 7)))
-    relative = np.asarray(first - second)
+    relative = first - second
     across = relative - relative @ normal * normal
-    assert_allclose(at.approach.approach_speed, -relative @ normal, atol=1e-5)
-    assert_allclose(at.approach.slip, np.linalg.norm(across), atol=1e-5)
-    assert_allclose([part[0] for part in at.approach.tangent], across / np.linalg.norm(across), atol=1e-5)
+    assert_allclose(approach.approach_speed, -relative @ normal, atol=1e-5)
+    assert_allclose(approach.slip, np.linalg.norm(across), atol=1e-5)
+    assert_allclose([part[0] for part in approach.tangent], across / np.linalg.norm(across), atol=1e-5)
+
+
+@eqx.filter_jit
+def closing(assembled):
+    """The rate of the gap and the speed of approach at the start."""
+    state, _ = assembled.start()
+    rate = jax.jvp(assembled.gaps, (state,), (assembled.moving(state),))[1]
+    return rate, assembled.gaps_at(assembled.evaluate(state))[1]
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_the_gap_closes_at_the_approach_speed(seed):
-    assembled = mechanism(contact(), seed)
-    state, _ = assembled.start()
-    rate = jax.jvp(assembled.gaps, (state,), (assembled.moving(state),))[1]
-    assert_allclose(-rate, assembled.gaps_at(assembled.evaluate(state))[1], rtol=1e-12)
+    rate, speed = closing(mechanism(contact(), seed))
+    assert_allclose(-np.asarray(rate), speed, rtol=1e-12)
 
 
 def test_in_one_plane_it_is_the_ball_on_a_flank():
@@ -140,13 +159,18 @@ def test_in_one_plane_it_is_the_ball_on_a_flank():
     q3 = np.concatenate([[*p, 0.0, *turn] for p, turn in zip(places, turned, strict=True)])
     v3 = np.concatenate([[*v[k : k + 2], 0.0, 0.0, 0.0, v[k + 2]] for k in (0, 3)])
     q2 = np.concatenate([[*p, a] for p, a in zip(places, angles, strict=True)])
-    kin2, kin3 = Kinematics(jnp.asarray(q2), jnp.asarray(v)), Kinematics(jnp.asarray(q3), jnp.asarray(v3), basis=SPACE)
-    at2, at3 = flat.evaluate(kin2), round_.evaluate(kin3)
+
+    @jax.jit
+    def pressed(q2, v2, q3, v3):
+        at2, at3 = flat.evaluate(Kinematics(q2, v2)), round_.evaluate(Kinematics(q3, v3, basis=SPACE))
+        return at2, at3, flat.loads(at2, jnp.ones(1)), round_.loads(at3, jnp.ones(1))
+
+    at2, at3, loads2, loads3 = jax.tree.map(np.asarray, pressed(q2, v, q3, v3))
     for name in ("gap", "approach_speed", "distance"):
         assert_allclose(getattr(at3.approach, name), getattr(at2.approach, name), rtol=1e-13)
     assert_allclose(at3.approach.slip, abs(at2.approach.slip), rtol=1e-13)
     assert float(at2.approach.gap[0]) < -0.01
-    for one, other in zip(flat.loads(at2, jnp.ones(1)), round_.loads(at3, jnp.ones(1)), strict=True):
+    for one, other in zip(loads2, loads3, strict=True):
         assert_allclose([*other.force], [*one.force, 0.0], rtol=1e-12, atol=1e-13)
         assert_allclose([*other.moment], [0.0, 0.0, one.moment], rtol=1e-12, atol=1e-12)
 
@@ -162,14 +186,14 @@ def test_on_the_axis_all_is_finite():
         loads = element.loads(at, jnp.ones(1))
         return at.approach.gap[0], jnp.stack([*loads[0].force, *loads[0].moment, *loads[1].moment])
 
-    place = jnp.array([-0.1, 0.0, 0.0])
-    foot = meridian.foot(-0.1, 0.0, -1.0, RADIUS)
-    assert float(gap(place)[0]) == pytest.approx(float(foot.distance) - RADIUS, rel=1e-14)
-    gap = jax.jit(gap)
-    for leaf in jax.tree.leaves((gap(place), jax.jacfwd(gap)(place), jax.jacrev(gap)(place))):
+    place = np.array([-0.1, 0.0, 0.0])
+    distance = jax.jit(lambda: meridian.foot(-0.1, 0.0, -1.0, RADIUS).distance)()
+    at, *slopes = jax.jit(lambda x: (gap(x), jax.jacfwd(gap)(x), jax.jacrev(gap)(x)))(place)
+    assert float(at[0]) == pytest.approx(float(distance) - RADIUS, rel=1e-14)
+    for leaf in jax.tree.leaves((at, slopes)):
         assert np.all(np.isfinite(leaf))
-    beside = gap(place + jnp.array([0.0, 1e-9, 1e-9]))[0]
-    assert float(beside) == pytest.approx(float(gap(place)[0]), abs=2e-9)
+    beside = jax.jit(gap)(place + np.array([0.0, 1e-9, 1e-9]))[0]
+    assert float(beside) == pytest.approx(float(at[0]), abs=2e-9)
 
 
 @pytest.mark.slow
@@ -202,14 +226,15 @@ def test_friction_has_its_slope_where_nothing_slips():
     place = np.array([x, r, 0.0]) - (RADIUS - 0.01) * np.array([np.sin(SLOPE), np.cos(SLOPE), 0.0])
     q = jnp.asarray([*place, 1.0, 0.0, 0.0, 0.0])
 
+    @jax.jit
     def force(v):
         at = element.evaluate(Kinematics(q, jnp.concatenate([v, jnp.zeros(3)]), basis=SPACE))
         return jnp.stack(element.loads(at, jnp.ones(1))[0].force)
 
-    normal = float(jnp.linalg.norm(force(jnp.zeros(3))))
+    slope_along = jax.jit(lambda across: jax.jvp(force, (jnp.zeros(3),), (across,))[1])
+    normal = np.linalg.norm(force(np.zeros(3)))
     for across in ([0.0, 0.0, 1.0], [-np.cos(SLOPE), np.sin(SLOPE), 0.0]):
-        slope = jax.jvp(force, (jnp.zeros(3),), (jnp.asarray(across),))[1]
-        assert_allclose(slope, -0.3 * normal / 0.1 * np.array(across), rtol=1e-6, atol=1e-6)
+        assert_allclose(slope_along(np.array(across)), -0.3 * normal / 0.1 * np.array(across), rtol=1e-6, atol=1e-6)
 
 
 def test_a_shape_of_the_plane_is_refused_in_space():

@@ -38,21 +38,19 @@ def _integrate(system, q, v, times, tolerance):
 def energies(system, q, v):
     """Kinetic and stored energy along a motion [J]."""
 
-    def energy(q, v):
-        kin = system.kinematics(q, v)
-        return system.kinetic_energy(kin) + system.stored_energy(kin)
-
-    return np.asarray(jax.vmap(energy)(q, v))
+    return np.asarray(_along(lambda kin: system.kinetic_energy(kin) + system.stored_energy(kin), system, q, v))
 
 
 def momenta(system, q, v):
     """Linear and angular momentum along a motion."""
 
-    def both(q, v):
-        kin = system.kinematics(q, v)
-        return system.linear_momentum(kin), system.angular_momentum(kin)
+    both = _along(lambda kin: (system.linear_momentum(kin), system.angular_momentum(kin)), system, q, v)
+    return tuple(map(np.asarray, both))
 
-    return tuple(np.asarray(x) for x in jax.vmap(both)(q, v))
+
+def _along(of, system, q, v):
+    """What is `of` a system's kinematics, along a motion."""
+    return jax.jit(jax.vmap(lambda q, v: of(system.kinematics(q, v))))(q, v)
 
 
 def rotations(q, body):

@@ -36,17 +36,21 @@ def test_the_mass_matrix_is_the_kinetic_energys(seed, evidence):
     evidence(TOPIC, "mass matrix, relative", off(found, expected), 1e-14, PARTICLES)
 
 
+@eqx.filter_jit
+def energy_and_momenta(system, particles, q, v):
+    """Kinetic energy, linear and angular momentum: the system's, and the sums over its particles."""
+    kin = system.kinematics(q, v)
+    found = system.kinetic_energy(kin), system.linear_momentum(kin), system.angular_momentum(kin)
+    return found, (particles.kinetic_energy(q, v), *particles.momenta(q, v))
+
+
 @pytest.mark.quick
 @each_seed
 def test_kinetic_energy_and_momenta(seed, evidence):
     particles, (q, v) = random_particles(seed), random_motion(seed)
     system = System((random_body(seed, geometric=False),))
-    kin = system.kinematics(q, v)
-    linear, angular = particles.momenta(q, v)
-    claim = "kinetic energy and momenta, relative"
-    evidence(TOPIC, claim, off(system.kinetic_energy(kin), particles.kinetic_energy(q, v)), 1e-13, PARTICLES)
-    evidence(TOPIC, claim, off(system.linear_momentum(kin), linear), 1e-13, PARTICLES)
-    evidence(TOPIC, claim, off(system.angular_momentum(kin), angular), 1e-13, PARTICLES)
+    for found, expected in zip(*energy_and_momenta(system, particles, q, v), strict=True):
+        evidence(TOPIC, "kinetic energy and momenta, relative", off(found, expected), 1e-13, PARTICLES)
 
 
 def lagrange(energy, modes, q, v):

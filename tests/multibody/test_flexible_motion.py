@@ -77,15 +77,20 @@ def test_a_tied_pair_conserves_too(evidence):
     evidence(TOPIC, "tied pair, angular momentum", abs(float(angular[1] - angular[0])), 1e-9, "conservation", "kg m²/s")
 
 
+@eqx.filter_jit
+def acceleration_of_a_falling_bar():
+    body = FlexibleBody(cantilever_bar(SOFT, 2, 1, tip_mass=0.1).modes)
+    weight = AppliedForce(0, (0.0, -9.81 * body.mass), body.centre_of_mass)
+    system = System((body,), (), (weight,))
+    rest = jnp.zeros(system.coordinates).at[2].set(0.5)
+    return system.motion(system.kinematics(rest, jnp.zeros_like(rest))).acceleration
+
+
 @pytest.mark.quick
 def test_a_falling_bar_falls_as_a_stone(evidence):
     """The weight at the centre of mass of a body clamped to its frame: it falls by g t²/2, and does not swing."""
-    body = FlexibleBody(cantilever_bar(SOFT, 2, 1, tip_mass=0.1).modes)
-    weight = AppliedForce(0, (0.0, -9.81 * float(body.mass)), body.centre_of_mass)
-    system = System((body,), (), (weight,))
-    rest = jnp.zeros(system.coordinates).at[2].set(0.5)
-    found = system.motion(system.kinematics(rest, jnp.zeros_like(rest))).acceleration
-    expected = np.zeros(system.coordinates)
+    found = np.asarray(acceleration_of_a_falling_bar())
+    expected = np.zeros_like(found)
     expected[1] = -9.81
     evidence(TOPIC, "weight of a flexible body", np.max(np.abs(found - expected)), 1e-10, "free fall", "m/s²")
 

@@ -63,58 +63,87 @@ def test_the_rotation_vector_is_that_of_scipy(angle):
     np.testing.assert_allclose(Quaternion(*q).rotation_vector(), scipy_rotation(q).as_rotvec(), rtol=1e-14)
 
 
+@jax.jit
+def through_a_quaternion(turn):
+    """Derivatives of a rotation vector by the one whose quaternion it is of, forwards and in reverse."""
+    through = lambda turn: jnp.stack(Quaternion.of_rotation_vector(Vector(*turn)).rotation_vector())  # noqa: E731
+    return jax.jacfwd(through)(turn), jax.jacrev(through)(turn)
+
+
 @pytest.mark.parametrize("angle", [0.0, 1e-6, 0.0632, 0.0633, 1.0, 3.0])
 def test_the_rotation_vector_has_derivatives_everywhere(angle):
     """∂(rotation vector)/∂(rotation vector) through a quaternion is the identity, at zero as well."""
-    turn = angle * jnp.array([0.36, 0.48, -0.8])
-    through = lambda turn: jnp.stack(Quaternion.of_rotation_vector(Vector(*turn)).rotation_vector())  # noqa: E731
-    np.testing.assert_allclose(jax.jacfwd(through)(turn), np.eye(3), atol=1e-14)
-    np.testing.assert_allclose(jax.jacrev(through)(turn), np.eye(3), atol=1e-14)
+    forwards, reverse = through_a_quaternion(angle * np.array([0.36, 0.48, -0.8]))
+    np.testing.assert_allclose(forwards, np.eye(3), atol=1e-14)
+    np.testing.assert_allclose(reverse, np.eye(3), atol=1e-14)
 
 
 def random_state(seed, bodies=2):
     """Positions with quaternions of sizes of their own, velocities."""
     rng = np.random.default_rng(seed)
     q = np.concatenate([np.concatenate([rng.normal(size=3), random_quaternion(rng, 1.3)]) for _ in range(bodies)])
-    return jnp.asarray(q), jnp.asarray(rng.normal(size=6 * bodies))
+    return q, rng.normal(size=6 * bodies)
+
+
+@jax.jit
+def frames(q, v):
+    """Of two bodies."""
+    return SPACE.frames(q, v, 2)
+
+
+@jax.jit
+def position_rate(q, v):
+    return SPACE.position_rate(q, 2).of(v)
+
+
+@jax.jit
+def velocity(q, rate):
+    return SPACE.position_rate(q, 2).velocity(rate)
+
+
+relative_rotation = jax.jit(SPACE.relative_rotation)
+
+
+@jax.jit
+def pose_rates(q, v):
+    """Origins and axes of two bodies' frames, and their rates along q̇ = N(q) v."""
+
+    def poses(q):
+        return [jnp.stack([jnp.stack(part) for part in (f.origin, *f.axes)]) for f in SPACE.frames(q, v, 2)]
+
+    return jax.jvp(poses, (q,), (SPACE.position_rate(q, 2).of(v),))
 
 
 @each_seed
 def test_the_position_rate_turns_the_frames_with_their_spins(seed):
     """Along q̇ = N(q) v the origins move with the velocities, and each axis with ω × axis."""
     q, v = random_state(seed)
-    rate = SPACE.position_rate(q, 2).of(v)
-
-    def poses(q):
-        return [(jnp.stack(f.origin), *(jnp.stack(axis) for axis in f.axes)) for f in SPACE.frames(q, v, 2)]
-
-    for body, moved in enumerate(jax.jvp(poses, (q,), (rate,))[1]):
-        mine, axes = v[6 * body : 6 * body + 6], poses(q)[body][1:]
+    for body, (pose, moved) in enumerate(zip(*pose_rates(q, v), strict=True)):
+        mine, axes = v[6 * body : 6 * body + 6], np.asarray(pose)[1:]
         expected = [mine[:3], *(np.cross(mine[3:], axis) for axis in axes)]
         np.testing.assert_allclose(moved, expected, atol=1e-14)
-    # its size stays
-    size = lambda q: jnp.sum(q[3:7] ** 2)  # noqa: E731
-    assert abs(jax.jvp(size, (q,), (rate,))[1]) < 1e-14
+    # the quaternion's size stays
+    assert abs(2.0 * q[3:7] @ np.asarray(position_rate(q, v))[3:7]) < 1e-14
 
 
 @each_seed
 def test_the_velocity_of_a_position_rate(seed):
     """``velocity`` is the inverse of ``of``, column by column, and does not see what changes a size."""
     q, v = random_state(seed)
-    rest = jnp.asarray(np.random.default_rng(seed).normal(size=(14, 3)))
-    columns = jnp.concatenate([jnp.stack([v, 2.0 * v, -v], axis=1), rest])
-    position_rate = SPACE.position_rate(q, 2)
-    rate = position_rate.of(columns)
-    np.testing.assert_allclose(rate[:14, 1], 2.0 * position_rate.of(v), rtol=1e-15)
-    np.testing.assert_allclose(position_rate.velocity(rate), columns, rtol=1e-13, atol=1e-14)
-    grown = jnp.zeros(14).at[3:7].set(q[3:7])
-    np.testing.assert_allclose(position_rate.velocity(grown), 0.0, atol=1e-15)
+    rest = np.random.default_rng(seed).normal(size=(14, 3))
+    columns = np.concatenate([np.stack([v, 2.0 * v, -v], axis=1), rest])
+    rate = np.asarray(position_rate(q, columns))
+    np.testing.assert_allclose(rate[:14, 1], 2.0 * np.asarray(position_rate(q, v)), rtol=1e-15)
+    np.testing.assert_allclose(velocity(q, rate), columns, rtol=1e-13, atol=1e-14)
+    grown = np.zeros(14)
+    grown[3:7] = q[3:7]
+    np.testing.assert_allclose(velocity(q, grown), 0.0, atol=1e-15)
 
 
 @each_seed
 def test_frames_turn_and_unturn(seed):
     q, v = random_state(seed)
-    frame = SPACE.frames(q, v, 2)[1]
+    frame = jax.tree.map(np.asarray, frames(q, v)[1])
     rotation, arm = scipy_rotation(q[10:14]), Vector(0.3, -0.7, 0.2)
     np.testing.assert_allclose(frame.turn(arm), rotation.apply(list(arm)), atol=1e-15)
     np.testing.assert_allclose(frame.unturn(arm), rotation.inv().apply(list(arm)), atol=1e-15)
@@ -126,36 +155,51 @@ def test_frames_turn_and_unturn(seed):
 @each_seed
 def test_the_relative_rotation_takes_one_frame_to_the_other(seed):
     q, v = random_state(seed)
-    first, second = SPACE.frames(q, v, 2)
-    turn = Rotation.from_rotvec(SPACE.relative_rotation(first, second))
+    first, second = frames(q, v)
+    turn = Rotation.from_rotvec(relative_rotation(first, second))
     np.testing.assert_allclose(turn.as_matrix() @ matrix(first.axes), matrix(second.axes), atol=1e-14)
-    np.testing.assert_allclose(SPACE.relative_rotation(SPACE.ground(), first), scipy_rotation(q[3:7]).as_rotvec())
+    np.testing.assert_allclose(relative_rotation(SPACE.ground(), first), scipy_rotation(q[3:7]).as_rotvec())
+
+
+@jax.jit
+def turn_and_half_square_rate(q, v):
+    """The rotation between two bodies, and the rate of half its square."""
+
+    def squared(q):
+        turn = SPACE.relative_rotation(*SPACE.frames(q, v, 2))
+        return 0.5 * turn.dot(turn), turn
+
+    rate = SPACE.position_rate(q, 2).of(v)
+    _, gained, turn = jax.jvp(squared, (q,), (rate,), has_aux=True)
+    return turn, gained
 
 
 @each_seed
 def test_moments_of_the_rotation_vector_are_those_of_its_potential(seed):
     """k φ does the work that ½ k |φ|² loses, at any relative rotation: φ is along its own axis."""
     q, v = random_state(seed)
-
-    def squared(q):
-        turn = SPACE.relative_rotation(*SPACE.frames(q, v, 2))
-        return 0.5 * turn.dot(turn)
-
-    turn = np.asarray(SPACE.relative_rotation(*SPACE.frames(q, v, 2)))
-    power = turn @ np.asarray(v[9:12] - v[3:6])
-    gained = jax.jvp(squared, (q,), (SPACE.position_rate(q, 2).of(v),))[1]
+    turn, gained = turn_and_half_square_rate(q, v)
+    power = np.asarray(turn) @ (v[9:12] - v[3:6])
     np.testing.assert_allclose(gained, power, rtol=1e-12)
+
+
+@jax.jit
+def inertial(q, v, moments):
+    """Inertia, spin momentum and gyroscopic moment of one body."""
+    (frame,) = SPACE.frames(q, v, 1)
+    functions = SPACE.inertia_block, SPACE.spin_momentum, SPACE.gyroscopic_moment
+    return [function(frame, moments) for function in functions]
 
 
 @each_seed
 def test_inertia_and_gyroscopic_moment(seed):
     """R I Rᵀ, R I Rᵀ ω and -ω × R I Rᵀ ω."""
     q, v = random_state(seed, 1)
-    (frame,), moments = SPACE.frames(q, v, 1), (0.7, 1.9, 2.3)
-    turn, spin = scipy_rotation(q[3:7]).as_matrix(), np.asarray(v[3:6])
+    moments = (0.7, 1.9, 2.3)
+    block, momentum, gyroscopic = inertial(q, v, moments)
+    turn, spin = scipy_rotation(q[3:7]).as_matrix(), v[3:6]
     inertia = turn @ np.diag(moments) @ turn.T
-    block = SPACE.inertia_block(frame, moments)
     for i, row in enumerate(block):
         np.testing.assert_allclose(row, inertia[i, : i + 1], atol=1e-14)
-    np.testing.assert_allclose(SPACE.spin_momentum(frame, moments), inertia @ spin, atol=1e-14)
-    np.testing.assert_allclose(SPACE.gyroscopic_moment(frame, moments), -np.cross(spin, inertia @ spin), atol=1e-13)
+    np.testing.assert_allclose(momentum, inertia @ spin, atol=1e-14)
+    np.testing.assert_allclose(gyroscopic, -np.cross(spin, inertia @ spin), atol=1e-13)

@@ -57,11 +57,11 @@ class Followed(NamedTuple):
 
 def follow(bars: FiniteElementSystem, velocity, step: float, steps: int) -> Followed:
     """``velocity``: (nodes,) of all half a step before the start [m/s]."""
-    start = bars.start(jnp.zeros_like(bars.positions).at[:, 1].set(velocity))
+    speeds = np.stack([np.zeros_like(velocity), velocity], axis=1)
 
     def one(state, _):
         after, seen = advance(bars, state, step, bars.search(state.displacement))
         forces = jnp.concatenate([found.normal for found in seen.contacts]) if seen.contacts else jnp.zeros(0)
         return after, (seen.displacement[:, 1], seen.velocity[:, 1], forces, jnp.stack(seen.energies))
 
-    return Followed(*map(np.asarray, jax.jit(lambda s: jax.lax.scan(one, s, length=steps)[1])(start)))
+    return Followed(*map(np.asarray, jax.jit(lambda v: jax.lax.scan(one, bars.start(v), length=steps)[1])(speeds)))

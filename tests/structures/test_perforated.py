@@ -38,13 +38,14 @@ def duct(holes, mass):
     everywhere, nowhere = jnp.ones(len(positions)), jnp.zeros((0, 2))
     liquid = Liquid(incidence, stiffness, mass_of_liquid, everywhere, DENSITY, nothing, nothing, nowhere)
     added = through.added_mass()[:, 0]
-    inverse = jnp.stack([jnp.where(np.isinf(mass), 0.0, 1.0 / (0.5 * mass + added)), jnp.zeros(2)], axis=1)
+    inverse = jnp.stack([jnp.where(jnp.isinf(mass), 0.0, 1.0 / (0.5 * mass + added)), jnp.zeros(2)], axis=1)
     system = FiniteElementSystem(at, inverse, liquid=liquid._replace(plate=through))
     return system, np.arange(len(positions)) < len(left)
 
 
-def let_go(holes, mass, pressure):
-    """At each step: time [s], volume that passes [m/s], energy, energy lost [J/m²], the plate's velocity [m/s]."""
+@jax.jit  # once for all holes, masses and pressures
+def course(holes, mass, pressure):
+    """At each step: volume that passes [m/s], energy, energy lost [J/m²], the plate's velocity [m/s]."""
     system, on_the_left = duct(holes, mass)
     start = system.start()._replace(pressure=jnp.where(on_the_left, pressure, 0.0))
 
@@ -53,19 +54,23 @@ def let_go(holes, mass, pressure):
         passed = (1.0 - holes.carried) * after.velocity[0, 0] + after.through[0]
         return after, (passed, sum(known.energies), known.energies.holes, after.velocity[0, 0])
 
-    course = jax.jit(lambda state: jax.lax.scan(one, state, length=STEPS)[1])(start)
-    return STEP * (np.arange(STEPS) + 0.5), *map(np.asarray, course)
+    return jax.lax.scan(one, start, length=STEPS)[1]
+
+
+def let_go(holes, mass, pressure):
+    """The time of each step [s], and what `course` sees there."""
+    return STEP * (np.arange(STEPS) + 0.5), *map(np.asarray, course(holes, mass, pressure))
 
 
 def test_numbers_of_holes():
     """At a third, 20 mm and 6 mm, by hand; fully open there is only the liquid in the plate's place."""
     share = 1.0 / 3.0
     beyond = 0.85 * 0.02 * (1.0 - 1.47 * share**0.5 + 0.47 * share**1.5)
-    holes = Holes.of(0.006, 0.02, share)
+    holes = jax.jit(Holes.of)(0.006, 0.02, share)
     contracted = 0.63 + 0.37 / 27.0
     assert float(holes.inertia) == pytest.approx(3.0 * (0.006 + beyond), rel=1e-12)
     assert float(holes.loss) == pytest.approx((3.0 / contracted - 1.0) ** 2, rel=1e-12)
-    np.testing.assert_allclose(Holes.of(0.006, 0.02, 1.0), [0.006, 1.0, 0.0, 0.0], atol=1e-15)
+    np.testing.assert_allclose(jax.jit(Holes.of)(0.006, 0.02, 1.0), [0.006, 1.0, 0.0, 0.0], atol=1e-15)
 
 
 @pytest.mark.parametrize("pressure", [1.0, 1e7, 3e8])
@@ -89,7 +94,7 @@ def test_the_flow_through_a_plate_that_is_held(pressure, evidence):
 def test_a_plate_that_is_free_goes_along(aperture, mass, evidence):
     """Weak, so that nothing is lost: of what passes the plate and the liquid in its holes are in the way together, like
     two masses side by side; a plate all holes is not moved."""
-    holes = Holes.of(0.5, 1.0, aperture)
+    holes = jax.tree.map(np.asarray, Holes.of(0.5, 1.0, aperture))
     time, passed, energy, _, speed = let_go(holes, mass, 1.0)
     softness = 1.0 / (DENSITY * holes.inertia) + (1.0 - holes.carried) ** 2 / (mass + DENSITY * holes.added)
     rate = 2.0 * DENSITY * SOUND * softness

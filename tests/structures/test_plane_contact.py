@@ -2,6 +2,7 @@
 
 import functools
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -16,6 +17,7 @@ from jaxbuffer.structures.contact import NodeContact, RigidPlane, Segments, cand
 SOFT = Elastic(1000.0, 1e7, 0.3)
 
 
+@eqx.filter_jit
 def two_blocks(method, slaves=None, published=False, friction=0.0, speed=(0.4, -1.0)):
     """A small block falls, slanting, on a larger one of other elements."""
     low, low_corners = grid(7, 3, 0.7, 0.3)
@@ -42,7 +44,7 @@ def two_blocks(method, slaves=None, published=False, friction=0.0, speed=(0.4, -
 
 
 def followed(system, start, steps, share=0.5):
-    step = share * float(system.stable_step())
+    step = share * float(eqx.filter_jit(FiniteElementSystem.stable_step)(system))
 
     def one(state, _):
         after, seen = advance(system, state, step, system.search(state.displacement))

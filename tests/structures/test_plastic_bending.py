@@ -1,5 +1,7 @@
 """A wall of one element that is bent until it yields, against fibres without stress across the wall."""
 
+import functools
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -25,6 +27,13 @@ def first_yield(poisson):
 
 def bent(poisson, hardening, across):
     """By our element: moment over curvature [N m/m], energy it stores and loses [J/m], stress on the faces [Pa]."""
+    curvature = CURVATURES * first_yield(poisson)[0]
+    return tuple(map(np.asarray, bent_by(curvature, poisson, hardening, across)))
+
+
+@functools.partial(jax.jit, static_argnames="across")
+def bent_by(curvatures, poisson, hardening, across):
+    """The same of the wall that is bent by each of the curvatures [1/m] in turn."""
     x, y = 0.5 * LENGTH, 0.5 * THICKNESS
     positions = jnp.array([[-x, -y], [x, -y], [x, y], [-x, y]])
     material = Plastic(1.0, YOUNG, poisson, YIELD, hardening, 1e9)
@@ -37,8 +46,7 @@ def bent(poisson, hardening, across):
         stress = jnp.max(jnp.abs(at_faces(found.stress)[..., 0]))
         return found.history, (moment, found.stored, found.plastic, stress)
 
-    curvature = CURVATURES * first_yield(poisson)[0]
-    return jax.lax.scan(one, wall.start(), jnp.asarray(curvature))[1]
+    return jax.lax.scan(one, wall.start(), curvatures)[1]
 
 
 def fibres(poisson, hardening, heights, widths):

@@ -96,8 +96,8 @@ def _outcome(task: Task, state: LoopState, trial: Trial, crossing: Crossing, ref
     holds_event = (from_step | on_arrival) & finite & crossing.exists
     only_maximum = holds_event & ~locating & accurate & crossing.alone & (crossing.guard >= task.rated)
     succeeds = accurate & finite & (~locating | refinement.finished) & (~holds_event | only_maximum)
-    # Of some lengths Newton's method solves a long implicit step wrongly. Its end says nothing of where the event is, and
-    # would spoil the bracket; shorter steps come near enough for one that is solved.
+    # Of some lengths Newton's method solves a long implicit step wrongly. Its end says nothing of where the event is,
+    # and would spoil the bracket; shorter steps come near enough for one that is solved.
     tells = finite & (~implicit | (trial.state_norm <= OVERSHOT))
     lacks_tangents = ~trial.with_tangents & bool(task.tangents.count)
     return _first(
