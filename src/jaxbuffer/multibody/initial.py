@@ -1,6 +1,7 @@
 """Consistent initialisation: positions onto Φ = 0, velocities onto Φ_q q̇ + Φ_t = 0, with the least mass moved."""
 
 import jax.numpy as jnp
+from jax import lax
 from jaxtyping import Array, Float
 
 from .system import System
@@ -25,10 +26,13 @@ def assemble(
         return q, v
     # Without a force, `solve` gives the x with the least xᵀ M x among those with the Φ_q x wanted.
     none = jnp.zeros_like(v)
-    # A fixed number of steps, through which derivatives pass in both modes.
-    for _ in range(iterations):
+
+    def newton(_: Array, q: Float[Array, " coordinates"]) -> Float[Array, " coordinates"]:
         kin = system.kinematics(q, v)
-        q = q + system.position_rate(q).of(system.solve(kin, none, -system.errors(kin)))
+        return q + system.position_rate(q).of(system.solve(kin, none, -system.errors(kin)))
+
+    # A fixed number of steps, through which derivatives pass in both modes.
+    q = lax.fori_loop(0, iterations, newton, q)
     # Velocities last, since the rows that they are projected onto depend on the positions.
     kin = system.kinematics(q, v)
     constraints = system.constraints(kin)
