@@ -25,6 +25,7 @@ def test_first_contact_in_space_is_the_planar_flank_s_turned_about_the_axis():
     assert_allclose(in_space, first_contact(jb.table2(), jb.Scenario()), rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_defaults_of_the_other_laws_are_as_stiff_and_as_lossy_as_table_2s():
     found = {law.name: law.impact for law in compare_laws(jb.table2()).laws}
     for name in ("kelvin-voigt", "adams"):

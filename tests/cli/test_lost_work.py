@@ -129,7 +129,10 @@ def test_a_file_that_appears_meanwhile_is_left_and_the_result_put_beside_it(comp
     assert '"outcome": "captured"' in (tmp_path / "out" / "capture-1.json").read_text()
 
 
-@pytest.mark.parametrize(("command", "file"), [("tune", "log.jsonl"), ("tune", "state.npz"), ("sweep", "sweep.zarr")])
+@pytest.mark.parametrize(
+    ("command", "file"),
+    [("tune", "log.jsonl"), pytest.param("tune", "state.npz", marks=pytest.mark.slow), ("sweep", "sweep.zarr")],
+)
 def test_an_earlier_run_is_resumed_or_overwritten_on_purpose(computed, no_figures, capsys, tmp_path, command, file):
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / file).write_text("theirs")

@@ -166,6 +166,7 @@ def test_a_history_begins_at_the_start_and_ends_at_the_end():
     np.testing.assert_allclose(result.steps.rows[int(result.steps.count) - 1, 0, 0], END, rtol=1e-7)
 
 
+@pytest.mark.slow
 def test_how_runs_end():
     few = Options(solver=Diffrax(diffrax.Tsit5(), max_steps=3), tolerance=StepTolerance(1e-10, 1e-10), max_events=8)
     assert int(run(options=few).status) == Status.TOO_MANY_STEPS

@@ -26,6 +26,7 @@ EACH = [
 ]
 
 
+@pytest.mark.slow
 def test_no_library_calls_of_a_bar():
     check(jb.BarDrop(), jb.BarDropScenario(), Automatic())
 

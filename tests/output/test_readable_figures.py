@@ -8,6 +8,7 @@ import pytest
 
 import jaxbuffer as jb
 from computed import stand_in
+from in_short import quick
 from jaxbuffer.fields import with_values
 from jaxbuffer.mechanisms.probe_cone.bodies import probe_masses
 from jaxbuffer.mechanisms.probe_cone.drawing import drawing, mouth
@@ -188,7 +189,7 @@ PROBLEMS = {
 }
 
 
-@pytest.mark.parametrize("name", PROBLEMS)
+@pytest.mark.parametrize("name", quick(PROBLEMS, "a sample of 24", "in space", "long names"))
 def test_figure_of_a_tuning(name):
     tuned = made_up_tuning(PROBLEMS[name]())
     worst = [made_up_capture(peak=400.0), made_up_capture(peak=320.0)]
@@ -226,7 +227,7 @@ def swept(asked, outcomes=None):
     return dataclasses.replace(found, design=design, scenarios=scenario, grid=over)
 
 
-@pytest.mark.parametrize("name", SWEEPS)
+@pytest.mark.parametrize("name", quick(SWEEPS, "speeds by laws"))
 def test_figure_of_a_sweep(name):
     failed = {1: jb.Outcome.escaped, 2: jb.Outcome.timeout, 3: jb.Outcome.failed_not_finite, 4: jb.Outcome.bottomed}
     figure = sweep_figure(swept(SWEEPS[name], failed))

@@ -62,7 +62,6 @@ def test_sundials_slider_crank_and_its_two_gradients():
     assert_allclose(found[0], 3.3366068, rtol=0, atol=5.1e-8)
 
 
-@pytest.mark.quick
 def test_andrews_squeezer_to_the_test_sets_digits():
     """IVP test set: seven angles after 0.03 s and two and a half turns of the motor."""
     found = squeezer_angles(ride(assembled(squeezer), SQUEEZER_TIME).q)
@@ -108,7 +107,6 @@ def lagrangian_slider_crank():
     return run.t_events[0][0], run.y_events[0][0]
 
 
-@pytest.mark.quick
 def test_slider_crank_with_clearance_up_to_its_first_contact():
     """Flores, Leine & Glocker 2010: crank and rod at (109.558, -49.331) rad/s when the slider first touches.
 
