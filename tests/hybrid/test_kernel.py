@@ -26,7 +26,6 @@ EACH = [
 ]
 
 
-@pytest.mark.slow
 def test_no_library_calls_of_a_bar():
     check(jb.BarDrop(), jb.BarDropScenario(), Automatic())
 
