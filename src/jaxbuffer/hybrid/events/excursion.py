@@ -75,7 +75,8 @@ def excursion_in_step(
         value, change = jax.linearize(guards_of, state)
         # the cubic lacks what the quintic knows of second derivatives: as much may be wrong with the quintic
         cruder = cubic(start[0], end[0], step * start[1], step * end[1], fraction)
-        return Look(value, change(motion), jnp.abs(change(cruder - state)))
+        rate, doubt = jax.vmap(change)(jnp.stack([motion, cruder - state]))
+        return Look(value, rate, jnp.abs(doubt))
 
     first = Look(z0.value, z0.rate * step, jnp.zeros_like(z0.value))
     return first_excursion(guards_along, first, possible)
