@@ -92,6 +92,7 @@ def test_a_library_that_is_missing_leaves_no_half_of_cvode(monkeypatch):
 SPACE = {case.name: case for case in references()}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", SPACE)
 def test_the_peer_in_space_reaches_the_reference_captures(name):
     result = space_capture(SPACE[name].parameters, 1e-9, 1e-12)

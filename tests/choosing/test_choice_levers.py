@@ -61,7 +61,7 @@ def test_levers_that_cannot_be_found_are_a_remark(monkeypatch):
     assert choice.levers == {} and why in " ".join(repr(choice).split()) and choice.feasible
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_levers_of_a_choice_are_those_of_differences():
     """Of a limit and the objective, each by the central difference of runs at a tight tolerance."""
     parts = {

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
+from in_short import often
 from jaxbuffer import InputError
 from jaxbuffer.cluster.connect import connected
 from jaxbuffer.hybrid.rungekutta.solvers import Automatic
@@ -117,7 +118,7 @@ def test_what_a_worker_refuses_is_said_as_here(executor, solved, monkeypatch):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("where", ["local", "processes"])
+@pytest.mark.parametrize("where", often(["local", "processes"], "processes"))
 def test_the_real_one_has_the_same_bits(where):
     asked = jb.BarDrop(), jb.BarDropScenario(height=0.1), ["impact.stiffness", "scenario.height"], 0.16
     here = jb.sensitivity(*asked, certify="thorough")

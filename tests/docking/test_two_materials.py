@@ -68,7 +68,7 @@ def test_a_design_file_keeps_both(tmp_path):
     assert [get(read, path) for path in STEEL_ON_TITANIUM] == list(STEEL_ON_TITANIUM.values())
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_slopes_by_both_moduli_are_those_of_differences(evidence):
     """Of the peak force, against central differences of tight solves."""
     design, wrt = jb.replace(jb.table2(), STEEL_ON_TITANIUM), tuple(STEEL_ON_TITANIUM)

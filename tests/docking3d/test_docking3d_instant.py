@@ -84,7 +84,8 @@ def test_momenta_and_energy_are_kept(parts):
     assert abs(sum(each)) < 1e-10 * max(map(abs, each))
 
 
-@pytest.mark.parametrize("parts", often(PARTS, "all parts"))
+@pytest.mark.long
+@pytest.mark.parametrize("parts", PARTS)
 def test_the_linearised_motion_is_read_number_by_number(parts):
     """On random columns, against the same linear map taken one by one."""
     mechanism, state, closed = moving(PARTS[parts])

@@ -189,7 +189,7 @@ def test_a_liquid_feels_a_plate_by_its_aperture(contents, fill):
         assert float(each.energy.lost["holes"]) > 0.0
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("contents", [pytest.param("liquid", marks=pytest.mark.long), "full"])
 def test_derivatives_by_holes_are_those_of_differences(contents):
     """Aperture and diameter, over 4 ms: of the force, the stress and the energy lost in the holes."""

@@ -119,7 +119,7 @@ def test_elements_vibrate_as_bars():
     np.testing.assert_allclose(np.sqrt(squared[1:5]), np.sort([*plate, *bar]), rtol=5e-3)  # the first turns the bar
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_elements_give_nearly_the_first_peak_of_modes():
     """92.935 N: eight modes of bar and plate without damping and a linear spring, by `mechanisms.bar_drop_peer`; the
     mesh has more modes. No energy is made or lost."""

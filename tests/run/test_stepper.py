@@ -62,7 +62,7 @@ def test_steps_without_loads_end_as_the_whole_run(evidence):
     reproduces(plant, whole, (1, 7, 200), evidence, "a capture in 1, 7 and 200 steps")
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_in_space_too(evidence):
     whole = jb.simulate(jb.docking3d(), jb.Scenario3D(**SPEEDS), rtol=TIGHT)
     plant = jb.stepper(jb.docking3d(), jb.Scenario3D(**SPEEDS), rtol=TIGHT)

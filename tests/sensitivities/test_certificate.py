@@ -185,7 +185,7 @@ def test_a_change_with_the_tolerance_is_taken_as_an_elasticity(monkeypatch, rtol
     np.testing.assert_allclose(sensitivity.certificate.by_tolerance * size, apart, rtol=1e-10)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_parameter_at_its_bound_is_differenced_from_one_side():
     """Without an axial damper only more of it is possible."""
     design = jb.replace(jb.table2(), {"buffer.c_A": 0.0})

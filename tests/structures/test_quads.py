@@ -28,7 +28,7 @@ def forces_of(group, displacement):
     return group.resist(jnp.asarray(displacement), group.start())
 
 
-def plane(positions, corners, material):
+def elements(positions, corners, material):
     """Of elements and a material, in one program: a tenth of the time that its operations take one by one."""
     return eqx.filter_jit(lambda: Plane(Quads.of(jnp.asarray(positions), corners), material))()
 
@@ -47,7 +47,7 @@ def test_a_distorted_patch_keeps_a_constant_strain(plane):
     positions[4] += [0.23, -0.31]
     positions[1] += [0.2, 0.0]
     material = Elastic(1.0, 100.0, 0.3, plane)
-    group = plane(positions, SQUARE, material)
+    group = elements(positions, SQUARE, material)
     gradient = 1e-7 * np.array([[1.0, 0.4], [-0.2, 0.7]])
     found = forces_of(group, positions @ gradient.T)
     stress = np.asarray(group.quads.in_own_axes(found.stress[..., :3]))
@@ -63,7 +63,7 @@ def test_one_element_across_bends_as_the_closed_form_says(poisson, evidence):
     """A strip under a pure moment: E t³/12/(1 - ν²) under plane strain, with any Poisson's ratio and no locking."""
     young, length, height = 1e6, 1.0, 0.1
     positions, corners = grid(5, 1, length, height)
-    group = plane(positions, corners, Elastic(1.0, young, poisson))
+    group = elements(positions, corners, Elastic(1.0, young, poisson))
     n = len(positions)
     matrix = stiffness_of(group, n)
     load = np.zeros((n, 2))
@@ -83,7 +83,7 @@ def test_one_element_across_bends_as_the_closed_form_says(poisson, evidence):
 @pytest.mark.slow
 def test_elements_turn_rigidly_without_stress_and_resist_every_hourglass():
     positions, corners = grid(1, 1, 0.3, 0.2)
-    group = plane(positions, corners, Elastic(1.0, 1e6, 0.3))
+    group = elements(positions, corners, Elastic(1.0, 1e6, 0.3))
     c, s = np.cos(1.1), np.sin(1.1)
     turned = positions @ np.array([[c, s], [-s, c]]) - positions + [0.7, -0.2]
     found = forces_of(group, turned)
@@ -96,7 +96,7 @@ def test_a_cantilevers_frequencies(evidence):
     """Plane stress, 1 × 0.06 m aluminium: Euler-Bernoulli with Timoshenko's correction for the slender first modes."""
     young, density, length, height = 70e9, 2700.0, 1.0, 0.03
     positions, corners = grid(60, 2, length, height)
-    group = plane(positions, corners, Elastic(density, young, 0.3, "stress"))
+    group = elements(positions, corners, Elastic(density, young, 0.3, "stress"))
     n = len(positions)
     free = np.flatnonzero(positions.repeat(2, axis=0)[:, 0] > 0.0)
     matrix = stiffness_of(group, n)[np.ix_(free, free)]
@@ -113,7 +113,7 @@ def test_forces_are_the_slope_of_the_energy():
     """Of an elastic element far from its rest, by differences."""
     rng = np.random.default_rng(1)
     positions, corners = grid(2, 1, 1.0, 0.4)
-    group = plane(positions, corners, Elastic(1.0, 10.0, 0.35))
+    group = elements(positions, corners, Elastic(1.0, 10.0, 0.35))
     here, way = (0.1 * rng.standard_normal(positions.shape) for _ in range(2))
     energy = lambda h: float(forces_of(group, here + h * way).stored)  # noqa: E731
     slope = (energy(1e-5) - energy(-1e-5)) / 2e-5
@@ -141,7 +141,7 @@ def test_orthotropic_moduli_come_out_as_they_went_in():
 def test_the_element_bounds_the_frequency_of_the_assembly():
     positions, corners = grid(6, 3, 1.0, 0.5)
     positions = positions + 0.02 * np.sin(7.0 * positions[:, ::-1])
-    group = plane(positions, corners, Elastic(3.0, 50.0, 0.3))
+    group = elements(positions, corners, Elastic(3.0, 50.0, 0.3))
     mass = np.repeat(np.asarray(group.mass()), 2)
     highest = np.sqrt(eigh(stiffness_of(group, len(positions)), np.diag(mass), eigvals_only=True)[-1])
     assert highest <= float(group.fastest().max()) * (1.0 + 1e-12)
@@ -158,6 +158,6 @@ def test_clockwise_corners_are_refused():
 def test_eigenvalues_of_elements_are_sizes_one_by_one():
     """Many at once share XLA's threads, for which programs that run side by side, as in a sweep, wait forever."""
     positions, corners = grid(20, 4, 1.0, 0.1)
-    wall = plane(positions, corners, Elastic(1.0, 100.0, 0.3, "strain"))
+    wall = elements(positions, corners, Elastic(1.0, 100.0, 0.3, "strain"))
     sizes = re.findall(r"f64\[([\d,]+)\] \w+:f64\[[\d,]+\] = eigh", str(jax.make_jaxpr(wall.fastest)()))
     assert sizes == ["8,8"]

@@ -101,7 +101,7 @@ def test_the_floor_without_loss_is_the_closed_form():
     assert found.at == {"probe.tip_mass": pytest.approx(0.02)}
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_free_start_has_the_first_impacts_elasticities_too():
     """Without friction and loss, flown to where a contact start begins, the first impact is that of the closed form:
     its elasticities by masses and inertias, which do not move the touch, are the closed form's."""
