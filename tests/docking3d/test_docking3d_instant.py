@@ -1,5 +1,8 @@
 """The docking in space at an instant: what it conserves, and its misses and their rates."""
 
+import functools
+
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -29,13 +32,18 @@ PARTS = {
 TIP_SPIN = (0.3, -0.2, 0.4)  # rad/s
 
 
-def moving(values):
+@functools.cache
+def moving(parts):
     """The mechanism in a state on its joints in which everything turns and the tip touches the cone, all closed."""
-    design = replace(docking3d(), values)
+    return started(replace(docking3d(), PARTS[parts]))
+
+
+@eqx.filter_jit  # one program in place of its many operations
+def started(design):
     mechanism = assemble(design, Scenario3D(azimuth=0.7, passive_pitch=0.03, passive_yaw=-0.02))
     rng, system = np.random.default_rng(3), mechanism.system
     q = mechanism.q + 2e-3 * rng.normal(size=mechanism.q.shape)
-    q, v = jax.jit(lambda q, v: projected(system, q, v))(q, jnp.asarray(0.05 * rng.normal(size=mechanism.v.shape)))
+    q, v = projected(system, q, jnp.asarray(0.05 * rng.normal(size=mechanism.v.shape)))
     state, closed = mechanism.start()
     state = state.at[mechanism.places["q"]].set(q).at[mechanism.places["v"]].set(v)
     if mechanism.spins:
@@ -66,7 +74,7 @@ def momenta(mechanism, state):
 
 @pytest.mark.parametrize("parts", often(PARTS, "all parts"))
 def test_momenta_and_energy_are_kept(parts):
-    mechanism, state, closed = moving(PARTS[parts])
+    mechanism, state, closed = moving(parts)
 
     def flows(state):
         rate = mechanism.rate_at(mechanism.evaluate(state), closed)
@@ -88,8 +96,8 @@ def test_momenta_and_energy_are_kept(parts):
 @pytest.mark.parametrize("parts", PARTS)
 def test_the_linearised_motion_is_read_number_by_number(parts):
     """On random columns, against the same linear map taken one by one."""
-    mechanism, state, closed = moving(PARTS[parts])
-    vectors = jax.random.normal(jax.random.key(0), (state.size, 2))
+    mechanism, state, closed = moving(parts)
+    vectors = np.random.default_rng(0).normal(size=(state.size, 2))
 
     @jax.jit
     def both(state):
@@ -102,7 +110,7 @@ def test_the_linearised_motion_is_read_number_by_number(parts):
 
 
 def test_misses_have_the_rates_of_the_motion():
-    mechanism, state, _ = moving({})
+    mechanism, state, _ = moving("table 2")
     places = mechanism.places
 
     @jax.jit
@@ -121,13 +129,20 @@ def test_misses_have_the_rates_of_the_motion():
 
 
 def test_misses_by_hand():
-    mechanism, state, _ = moving({})
-    kin = mechanism.kinematics(state)
-    matrix = [np.array([[float(x) for x in axis] for axis in kin.frame(body).axes]).T for body in (P, T)]
+    mechanism, state, _ = moving("table 2")
+
+    @jax.jit
+    def seen(state):
+        """The probe's and the target's axes, the target's origin, the tip's place, and the misses."""
+        kin = mechanism.kinematics(state)
+        axes = [[[*axis] for axis in kin.frame(body).axes] for body in (P, T)]
+        tip = kin.point(P, mechanism.parts.probe.tip_centre).place
+        return axes, [*kin.frame(T).origin], [*tip], misses(mechanism, mechanism.evaluate(state))
+
+    axes, origin, tip, values = seen(state)
+    matrix = [np.array(of_body, float).T for of_body in axes]
     relative = matrix[1].T @ matrix[0]
-    values = misses(mechanism, mechanism.evaluate(state))
     assert float(values["swing_miss"]) == pytest.approx(np.arccos(relative[0, 0]), rel=1e-6)
     assert float(values["attitude_miss"]) == pytest.approx(np.arccos(0.5 * (np.trace(relative) - 1.0)), rel=1e-6)
-    tip = np.array(kin.point(P, mechanism.parts.probe.tip_centre).place, float)
-    _, y, z = matrix[1].T @ (tip - np.array(kin.frame(T).origin, float))
+    _, y, z = matrix[1].T @ (np.array(tip, float) - np.array(origin, float))
     assert float(values["lateral_miss"]) == pytest.approx(np.hypot(y, z), rel=1e-12)

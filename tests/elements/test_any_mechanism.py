@@ -149,37 +149,48 @@ def test_arrays_of_one_entry_are_numbers_in_a_system_too():
     assert [np.shape(leaf) for leaf in jax.tree.leaves(one)] == [np.shape(leaf) for leaf in jax.tree.leaves(other)]
 
 
+@eqx.filter_jit
+def pressing_balls(spins):
+    """Gaps and speeds of approach of two balls at the start, their slips, the speeds that the stiff part resists, and
+    what is conserved."""
+    assembled = mechanism((ball(0, 1, spins[0], "first"), ball(2, 1, spins[1], "second")))
+    state, active = assembled.start()[0], jnp.ones(2)
+    turning = jnp.asarray([1.5, -0.7][: assembled.spins])
+    state = state.at[assembled.layout.places["spins"]].set(turning)
+    at = assembled.evaluate(state)
+    slips = [it.approach.slip[0] for it in at.elements]
+    velocities = state[9 : 18 + assembled.spins]
+    resisted = assembled.linearisation(0.0, state, active).directions.T @ velocities
+    return assembled.gaps_at(at), slips, resisted, conserved(assembled, state, active)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("spins", [(None, None), (0.2, None), (None, 0.3), (0.2, 0.3)], ids=str)
 def test_balls_that_spin_freely_or_not_in_any_order(spins):
-    assembled = mechanism((ball(0, 1, spins[0], "first"), ball(2, 1, spins[1], "second")))
-    state, _ = assembled.start()
-    turning = jnp.asarray([1.5, -0.7][: assembled.spins])
-    state = state.at[assembled.layout.places["spins"]].set(turning)
-    active = jnp.ones(2)
-    at = assembled.evaluate(state)
-    assert np.all(np.asarray(assembled.gaps_at(at)[0]) < 0.0), "both press"
-    assert_allclose(conserved(assembled, state, active), 0.0, atol=1e-9)
+    (gaps, approach_speeds), slips, resisted, rates = jax.tree.map(np.asarray, pressing_balls(spins))
+    assert np.all(gaps < 0.0), "both press"
+    assert_allclose(rates, 0.0, atol=1e-9)
     # The stiff part's columns are what closes the gaps and what slips, spins included.
-    stiff = assembled.linearisation(0.0, state, active)
-    velocities = state[9 : 18 + assembled.spins]
-    speeds = stiff.directions.T @ velocities
-    assert_allclose(speeds[:2], assembled.gaps_at(at)[1], rtol=1e-12)
-    assert_allclose(speeds[2:], [it.approach.slip[0] for it in at.elements], rtol=1e-12)
+    assert_allclose(resisted[:2], approach_speeds, rtol=1e-12)
+    assert_allclose(resisted[2:], slips, rtol=1e-12)
 
 
 @pytest.mark.slow
 def test_the_stiff_part_is_that_of_the_equations():
     """Springs, stops, latch and pin against the Jacobian by velocities, in which nothing geometric counts."""
-    assembled = mechanism((Buffer(AXIAL), *STOPS, LATCH))
-    state, _ = assembled.start()
-    state = state.at[assembled.layout.places["element 3"].start].set(0.4)
-    active = jnp.ones(assembled.contact_count)
-    stiff = assembled.linearisation(0.0, state, active)
-    exact = jax.jacfwd(lambda y: assembled.derivative(0.0, y, active))(state)[9:18, 9:18]
-    assert_allclose(
-        -stiff.response @ stiff.damping @ stiff.directions.T, exact, atol=1e-9 * float(jnp.abs(exact).max())
-    )
+
+    @jax.jit
+    def both():
+        assembled = mechanism((Buffer(AXIAL), *STOPS, LATCH))
+        state, _ = assembled.start()
+        state = state.at[assembled.layout.places["element 3"].start].set(0.4)
+        active = jnp.ones(assembled.contact_count)
+        stiff = assembled.linearisation(0.0, state, active)
+        exact = jax.jacfwd(lambda y: assembled.derivative(0.0, y, active))(state)[9:18, 9:18]
+        return -stiff.response @ stiff.damping @ stiff.directions.T, exact
+
+    found, exact = map(np.asarray, both())
+    assert_allclose(found, exact, atol=1e-9 * np.abs(exact).max())
 
 
 def test_switches_whose_force_is_watched_come_first():

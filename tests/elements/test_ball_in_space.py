@@ -53,6 +53,12 @@ def moving(seed, slant=0.5, depth=0.01, inside=True):
 
 def mechanism(element, seed=0, **where):
     q, v, _ = moving(seed, **where)
+    return between_two_bodies(element, q, v)
+
+
+@eqx.filter_jit
+def between_two_bodies(element, q, v):
+    """The mechanism of a contact."""
     system = System(tuple(Body(m, i) for m, i in zip(MASSES, MOMENTS, strict=True)), basis=SPACE)
     return Assembled(system, q, v, (element,), energy_size=1.0, momentum_size=1.0)
 
@@ -209,12 +215,17 @@ def test_the_stiff_part_is_that_of_the_equations(spin_inertia):
         of = lambda w: assembled.derivative(0.0, state.at[own].set(w), jnp.full(1, active))[own]  # noqa: E731
         return jax.jacfwd(of)(state[own])
 
-    stiff = assembled.linearisation(0.0, state, jnp.ones(1))
-    found = -np.asarray(stiff.response) @ np.asarray(stiff.damping) @ np.asarray(stiff.directions).T
-    expected = np.asarray(slopes(1.0) - slopes(0.0))
+    @jax.jit
+    def stiff_part(state):
+        """Response, damping and directions, the speeds that it resists, and how the contact is approached."""
+        stiff = assembled.linearisation(0.0, state, jnp.ones(1))
+        approach = assembled.evaluate(state).elements[0].approach
+        return stiff.response, stiff.damping, stiff.directions, stiff.directions.T @ state[own], approach
+
+    response, damping, directions, speeds, at = jax.tree.map(np.asarray, stiff_part(state))
+    found = -response @ damping @ directions.T
+    expected = np.asarray(slopes(1.0)) - np.asarray(slopes(0.0))
     assert_allclose(found, expected, atol=1e-9 * np.max(np.abs(expected)))
-    at = assembled.evaluate(state).elements[0].approach
-    speeds = stiff.directions.T @ state[own]
     # Springs, here friction across, come first; across the slip nothing slips.
     assert_allclose(speeds, [0.0, at.approach_speed[0], at.slip[0]], atol=1e-8)
 

@@ -51,11 +51,17 @@ def test_every_operation():
 @pytest.mark.parametrize("free_tip", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_the_linearised_right_hand_side(free_tip):
     design = jax.tree.map(lambda x: jnp.asarray(x, float), jb.replace(jb.table2(), {"probe.free_tip": free_tip}))
-    mechanism = assemble(design, jax.tree.map(lambda x: jnp.asarray(x, float), jb.Scenario()))
-    state, active = mechanism.start()
-    state = state.at[9].add(-5e-6).at[10].add(5e-6).at[9 + 12].set(0.1)
-    _, push = jax.linearize(lambda y: mechanism.derivative(jnp.zeros(()), y, active), state)
-    check(push, state)
+    scenario = jax.tree.map(lambda x: jnp.asarray(x, float), jb.Scenario())
+
+    @jax.jit  # the linear map that it returns holds the numbers of the state
+    def linearised(design, scenario):
+        mechanism = assemble(design, scenario)
+        state, active = mechanism.start()
+        state = state.at[9].add(-5e-6).at[10].add(5e-6).at[9 + 12].set(0.1)
+        _, push = jax.linearize(lambda y: mechanism.derivative(jnp.zeros(()), y, active), state)
+        return push, state
+
+    check(*linearised(design, scenario))
 
 
 def test_what_a_mask_switches_off_may_be_infinite():

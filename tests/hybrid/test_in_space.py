@@ -157,9 +157,10 @@ def by_scipy(duration, stiffness=STIFFNESS, tip=TIP, speed=SPEED):
 
 
 DURATION = 0.6
-NUMBERS = jnp.array([STIFFNESS, *TIP, *SPEED])
+NUMBERS = np.array([STIFFNESS, *TIP, *SPEED])
 
 
+@eqx.filter_jit
 def log_of(numbers):
     """The events of a run with other numbers."""
     return run(bouncing(numbers[0], tuple(numbers[1:4]), tuple(numbers[4:])), DURATION, ExplicitRungeKutta()).log
@@ -175,14 +176,14 @@ def read(numbers):
 def test_impacts_are_those_of_scipy():
     """Every touchdown, peak and release, and the end, with three or more bounces."""
     events, end = by_scipy(DURATION)
-    log = log_of(NUMBERS)
+    log = jax.tree.map(np.asarray, log_of(NUMBERS))
     count = int(log.count)
     assert [int(kind) for kind in log.kind[: count - 1]] == [int(kind) for kind, _, _ in events]
     assert sum(kind == Kind.TOUCHDOWN for kind, _, _ in events) >= 3
     np.testing.assert_allclose(log.time[: count - 1], [time for _, time, _ in events], atol=1e-8)
     peaks = [k for k, (kind, _, _) in enumerate(events) if kind == Kind.PEAK]
     np.testing.assert_allclose(log.values[np.array(peaks), 0], [events[k][2] for k in peaks], rtol=1e-7)
-    last = np.asarray(log.rows[count - 1, 0])
+    last = log.rows[count - 1, 0]
     np.testing.assert_allclose(last[:3], end[:3], atol=1e-7)
     np.testing.assert_allclose(
         Rotation.from_quat(np.array(last[3:7]), scalar_first=True).as_matrix(), end[6:15].reshape(3, 3), atol=1e-6
@@ -198,11 +199,11 @@ def test_derivatives_are_those_of_differences():
         events, _ = by_scipy(0.25, numbers[0], numbers[1:4], numbers[4:])
         return np.array([*(time for _, time, _ in events[:3]), events[1][2]])
 
-    value, found = by_differences(np.asarray(NUMBERS)), jax.jacfwd(read)(NUMBERS)
+    value, found = by_differences(NUMBERS), np.asarray(jax.jit(jax.jacfwd(read))(NUMBERS))
     np.testing.assert_allclose(read(NUMBERS), value, rtol=1e-8)
-    for k, number in enumerate(np.asarray(NUMBERS)):
+    for k, number in enumerate(NUMBERS):
         size = max(abs(number), 0.1)
-        sides = [by_differences(np.asarray(NUMBERS) + sign * 1e-5 * size * np.eye(7)[k]) for sign in (1.0, -1.0)]
+        sides = [by_differences(NUMBERS + sign * 1e-5 * size * np.eye(7)[k]) for sign in (1.0, -1.0)]
         # relative to the number and to the value: some slopes are zero, as of a touchdown's time by the stiffness
         slope, elasticity = (sides[0] - sides[1]) / 2e-5 / value, size * found[:, k] / value
         np.testing.assert_allclose(elasticity, slope, rtol=1e-5, atol=1e-7)
@@ -239,19 +240,24 @@ def test_the_loop_stays_one_kernel():
 @pytest.mark.slow
 def test_newtons_matrix_solves_with_the_stiff_part():
     """(I - shift J) u = r with J by its definition, of positions that are more than velocities; two columns."""
-    system = stiffly_held()
-    state = system.start()[0]
-    stiff, shift = system.linearisation(0.0, state, jnp.zeros(1)), jnp.asarray(1e-4)
-    n_of = np.stack([system.position_rate(state[:7]).of(unit) for unit in jnp.eye(6)], axis=1)
-    back = np.stack([system.position_rate(state[:7]).velocity(unit) for unit in jnp.eye(7)], axis=1)
-    force = np.asarray(stiff.stiffness) @ np.asarray(stiff.directions).T @ back
-    damped = np.asarray(stiff.damping) @ np.asarray(stiff.directions).T
-    response = np.asarray(stiff.response)
+    right, shift = np.random.default_rng(0).normal(size=(13, 2)), 1e-4
+
+    @jax.jit
+    def solved(right, shift):
+        """The stiff part's factors, the matrices from velocities to rates of positions and back, and u."""
+        system = stiffly_held()
+        state = system.start()[0]
+        stiff, rate = system.linearisation(0.0, state, jnp.zeros(1)), system.position_rate(state[:7])
+        n_of = jnp.stack([rate.of(unit) for unit in jnp.eye(6)], axis=1)
+        back = jnp.stack([rate.velocity(unit) for unit in jnp.eye(7)], axis=1)
+        factors = stiff.directions, stiff.response, stiff.stiffness, stiff.damping
+        return factors, n_of, back, NewtonMatrix.of(stiff, shift).solve(right)
+
+    (directions, response, stiffness, damping), n_of, back, found = jax.tree.map(np.asarray, solved(right, shift))
+    force, damped = stiffness @ directions.T @ back, damping @ directions.T
     jacobian = np.block([[np.zeros((7, 7)), n_of], [-response @ force, -response @ damped]])
-    right = np.random.default_rng(0).normal(size=(13, 2))
     # what changes a quaternion's size alone is in no force, and stays
-    expected = np.linalg.solve(np.eye(13) - float(shift) * jacobian, right)
-    found = NewtonMatrix.of(stiff, shift).solve(jnp.asarray(right))
+    expected = np.linalg.solve(np.eye(13) - shift * jacobian, right)
     np.testing.assert_allclose(found, expected, rtol=1e-10, atol=1e-12)
 
 

@@ -32,6 +32,24 @@ def motion(assembled, state, active):
     return multipliers, rate, assembled.contact_forces(at, active)[0]
 
 
+@eqx.filter_jit
+def constraints(assembled, state):
+    """Φ, Φ_q and γ of eq. 7."""
+    return assembled.system.constraints(assembled.kinematics(state))[:3]
+
+
+@eqx.filter_jit
+def observables(assembled, state, active):
+    return assembled.observables(state, assembled.derivative(0.0, state, active), active)
+
+
+@eqx.filter_jit
+def started(assembled):
+    """The state at the start, and the speeds of approach that the contacts remember there."""
+    state, _ = assembled.start()
+    return state, assembled.memory(state)
+
+
 def close(actual, expected, relative):
     assert_allclose(actual, expected, rtol=relative, atol=relative * np.max(np.abs(expected)))
 
@@ -55,8 +73,7 @@ def test_accelerations_and_multipliers(place, tip, seed):
 @each_tip
 def test_constraints(place, tip):
     assembled, state, _, exact, (q, v, _) = both(tip, place, 5)
-    constraints = assembled.system.constraints(assembled.kinematics(state))
-    for ours, written in zip(constraints[:3], exact.constraints(q, v), strict=True):
+    for ours, written in zip(constraints(assembled, state), exact.constraints(q, v), strict=True):
         assert_allclose(ours, written, atol=1e-15)
 
 
@@ -97,7 +114,7 @@ def test_rates_of_the_losses(place, tip, seed):
 @each_tip
 def test_observables(place, tip):
     assembled, state, active, exact, (q, v, memory) = both(tip, place, 7)
-    seen = assembled.observables(state, assembled.derivative(0.0, state, active), active)
+    seen = np.asarray(observables(assembled, state, active))
     names = ("lower", "upper", "hinge_force", "buffer_force", "stroke", "hinge_angle", "extension")
     expected = exact.quantities(np.concatenate([q, v]), memory)
     assert_allclose([seen[assembled.observed.index(name)] for name in names], expected, rtol=1e-9)
@@ -106,7 +123,7 @@ def test_observables(place, tip):
 @each_tip
 def test_start(tip):
     assembled = mechanism(TIPS[tip])
-    state, _ = assembled.start()
+    state, memory = map(np.asarray, started(assembled))
     q, v, speed = ExactModel(assembled.parts.design, assembled.parts.scenario).start()
     assert_allclose(state[: 24 + assembled.spins], np.concatenate([q, v]), atol=1e-16)
-    assert_allclose(assembled.memory(state)[0], speed, rtol=1e-14)
+    assert_allclose(memory[0], speed, rtol=1e-14)

@@ -65,18 +65,21 @@ def test_the_whole_section_does_what_its_half_says(changes, duration, evidence):
     assert abs(float(whole.slide)) < 1e-9  # m
 
 
+meshed = eqx.filter_jit(section)  # one program in place of its many operations
+
+
 @pytest.mark.parametrize("changes", [{}, FULL, PLATES, RIBS | EMPTY])
 def test_the_whole_section_has_the_whole_mass_and_is_enclosed(changes):
     design = tank(changes, WHOLE)
     fill = 1.0 if design.contents.kind == "full" else 0.5
-    seen = section(design, fill)
+    seen = meshed(design, fill)
     areas = [_areas(np.asarray(at)[corners]) for at, corners in ((seen.positions, seen.sets.corners),)]
     assert min(area.min() for area in areas) > 0.0
     share = np.ones(len(seen.sets.corners) // 2)
     if len(seen.numbers.ribs):
         share[-(len(seen.numbers.ribs) - 1) :] = 0.1
     mass = 0.7 * 950.0 * np.sum(areas[0] * np.tile(share, 2))
-    assert float(wall_mass(design)) == pytest.approx(mass, rel=1e-2), "chords of arcs"
+    assert float(eqx.filter_jit(wall_mass)(design)) == pytest.approx(mass, rel=1e-2), "chords of arcs"
     if design.contents.kind != "none":
         liquid = _areas(np.asarray(seen.liquid)[seen.sets.liquid_corners])
         edge = np.asarray(seen.positions)[seen.sets.wetted]
@@ -147,7 +150,7 @@ def test_the_tank_takes_the_tangent_of_the_angle_sideways(both_ways, evidence):
 
 def _nodal_masses(design):
     """A quarter of each element's mass at each of its corners [kg/m]."""
-    seen = section(design, 0.6)
+    seen = meshed(design, 0.6)
     areas = _areas(np.asarray(seen.positions)[seen.sets.corners])
     mass = np.zeros(len(seen.positions))
     np.add.at(mass, seen.sets.corners, 0.25 * 950.0 * areas[:, None])
@@ -156,7 +159,7 @@ def _nodal_masses(design):
 
 def test_the_opposite_angle_is_the_mirror_image(both_ways):
     right, left = both_ways
-    other = np.asarray(section(right.design, 0.6).positions)
+    other = np.asarray(meshed(right.design, 0.6).positions)
     image = np.argmin(np.linalg.norm(other[:, None] * [-1.0, 1.0] - other[None], axis=-1), axis=1)
     moved, back = (np.asarray(run.history.others["displacement"])[:, :-2] for run in both_ways)
     np.testing.assert_allclose(moved[:, image] * [-1.0, 1.0], back, atol=1e-12)
@@ -170,13 +173,13 @@ def test_it_is_drawn_at_its_angle_on_the_whole_section(both_ways):
         assert np.all(frames[:, 0, 2] == angle)
         wall = frames[0, 1:, :2]
         assert wall[0] == pytest.approx(wall[-1]) and wall[0, 1] < 0.01 and _areas(wall[None])[0] > 0.16
-        assert [len(mesh.cells) for mesh in meshes(run)] == [len(section(run.design, 0.6).sets.corners)] * 2
+        assert [len(mesh.cells) for mesh in meshes(run)] == [len(meshed(run.design, 0.6).sets.corners)] * 2
 
 
 def test_the_drawn_liquid_goes_with_a_wall_that_moves_to_one_side():
     """Sheared and turned, its nodes stay on the wall's, its cells fill what the wall encloses."""
     design = tank(WHOLE, FULL)
-    seen = section(design, 1.0)
+    seen = meshed(design, 1.0)
     x, y = np.asarray(seen.positions).T
     moved = np.zeros((1, len(x) + 2, 2))
     moved[0, :-2] = np.stack([0.02 + 0.3 * y**2, 0.05 * x - 0.2 * x * y], axis=1)

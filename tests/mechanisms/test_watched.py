@@ -22,21 +22,25 @@ def along(state):
     return jnp.zeros_like(state).at[:N].set(state[N : 2 * N])
 
 
+@eqx.filter_jit  # once for all places of a mechanism
+def watched_with_rates(assembled, state, active, push):
+    """What is watched of a state and how it changes along the motion: together, and one by one."""
+    rate = assembled.derivative(0.0, state, active)
+    looks = (
+        lambda y, r: assembled.watched(y, r, active),
+        lambda y, r: HybridSystem.watched(assembled, y, r, active),
+    )
+    return [jax.jvp(look, (state, rate), (rate, push)) for look in looks]
+
+
 @each_place
 @each_tip
 def test_together_as_one_by_one(tip, place):
     """Each from its own look at the state, with the gaps' rates by differentiation."""
     assembled = mechanism(TIPS[tip])
     state, active = pressed(assembled, place, 3)
-    rate = assembled.derivative(0.0, state, active)
-    push = jnp.asarray(np.random.default_rng(3).normal(size=state.shape))
-    look = {
-        "together": lambda y, r: assembled.watched(y, r, active),
-        "one by one": lambda y, r: HybridSystem.watched(assembled, y, r, active),
-    }
-    (seen, moves), (seen_alone, moves_alone) = (
-        jax.jit(lambda y, f=f: jax.jvp(f, (y, rate), (rate, push)))(state) for f in look.values()
-    )
+    push = np.random.default_rng(3).normal(size=state.shape)
+    (seen, moves), (seen_alone, moves_alone) = watched_with_rates(assembled, state, active, push)
     for ours, other in zip(jax.tree.leaves((seen, moves)), jax.tree.leaves((seen_alone, moves_alone)), strict=True):
         assert_allclose(ours, other, rtol=1e-9, atol=1e-12 * max(1.0, float(np.max(np.abs(other)))))
     assert np.all(np.asarray(moves.invariant) == 0.0), "nothing needs to know how it changes"

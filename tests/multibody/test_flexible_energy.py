@@ -1,5 +1,7 @@
 """A flexible body's mass, momentum and velocity terms against sums over its particles and Lagrange's equations."""
 
+from typing import NamedTuple
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -9,7 +11,7 @@ import pytest
 from in_short import often
 from jaxbuffer.multibody import FlexibleBody, System
 from jaxbuffer.multibody.flexible import Bar, cantilever_bar, free_bar, pinned_bar
-from multibody.particles import Particles, dense_mass, positive, random_body, random_particles
+from multibody.particles import Particles, positive, random_body, random_particles
 
 TOPIC = "Equations of flexible bodies"
 PARTICLES = "sums over particles"
@@ -20,7 +22,7 @@ TIP = (0.3, 4e-4)  # kg, kg m²
 
 def random_motion(seed, size=3):
     rng = np.random.default_rng(300 + seed)
-    return jnp.asarray(rng.normal(size=3 + size)), jnp.asarray(rng.normal(size=3 + size))
+    return rng.normal(size=3 + size), rng.normal(size=3 + size)
 
 
 def off(found, expected):
@@ -28,13 +30,65 @@ def off(found, expected):
     return float(np.max(np.abs(np.asarray(found) - np.asarray(expected))) / np.max(np.abs(np.asarray(expected))))
 
 
+class Terms(NamedTuple):
+    """Terms of the equations of one body's motion; ``force``: M q̈ without loads."""
+
+    energy: jax.Array
+    mass: jax.Array
+    force: jax.Array
+    linear: jax.Array
+    angular: jax.Array
+
+
+@eqx.filter_jit
+def by_system(body, q, v):
+    """The terms by the system that this body makes."""
+    system = System((body,))
+    kin = system.kinematics(q, v)
+    return Terms(
+        energy=system.kinetic_energy(kin),
+        mass=mass_matrix(system, kin),
+        force=system.generalised_force(kin),
+        linear=system.linear_momentum(kin),
+        angular=system.angular_momentum(kin),
+    )
+
+
+def mass_matrix(system, kin):
+    """M as one matrix, inside a compiled function."""
+    matrix = jnp.diag(system.masses())
+    for columns, rows in system.mass_matrix(kin).blocks():
+        lower = np.tril_indices(len(columns))
+        entries = jnp.stack([jnp.asarray(rows[i][j], float) for i, j in zip(*lower, strict=True)])
+        at, beside = (np.array(columns)[side] for side in lower)
+        matrix = matrix.at[at, beside].set(entries).at[beside, at].set(entries)
+    return matrix
+
+
+@eqx.filter_jit
+def by_lagrange(energy, modes, q, v):
+    """Kinetic energy, mass matrix and force by this energy, of q and v, alone."""
+    return energy(q, v), jax.hessian(energy, 1)(q, v), lagrange(energy, modes, q, v)
+
+
+def lagrange(energy, modes, q, v):
+    """∂T/∂q - (∂²T/∂q̇∂q) q̇ - K q - C q̇: what M q̈ is without loads."""
+    momentum = lambda q: jax.grad(energy, 1)(q, v)  # noqa: E731
+    force = jax.grad(energy)(q, v) - jax.jvp(momentum, (q,), (v,))[1]
+    return force.at[3:].add(-modes.stiffness @ q[3:] - modes.damping @ v[3:])
+
+
+def stiffened_energy(particles, geometric, q, v):
+    """The particles' kinetic energy, less ½ ω² qᵀ G q where there is geometric stiffness."""
+    stiffening = 0.0 if geometric is None else q[3:] @ geometric @ q[3:]
+    return particles.kinetic_energy(q, v) - 0.5 * v[2] ** 2 * stiffening
+
+
 @each_seed
 def test_the_mass_matrix_is_the_kinetic_energys(seed, evidence):
-    particles, (q, v) = random_particles(seed), random_motion(seed)
-    system = System((random_body(seed, geometric=False),))
-    expected = jax.hessian(particles.kinetic_energy, 1)(q, v)
-    found = dense_mass(system, system.kinematics(q, v))
-    evidence(TOPIC, "mass matrix, relative", off(found, expected), 1e-14, PARTICLES)
+    (q, v), body = random_motion(seed), random_body(seed, geometric=False)
+    _, expected, _ = by_lagrange(eqx.Partial(stiffened_energy, random_particles(seed), None), body.modes, q, v)
+    evidence(TOPIC, "mass matrix, relative", off(by_system(body, q, v).mass, expected), 1e-14, PARTICLES)
 
 
 @eqx.filter_jit
@@ -54,34 +108,23 @@ def test_kinetic_energy_and_momenta(seed, evidence):
         evidence(TOPIC, "kinetic energy and momenta, relative", off(found, expected), 1e-13, PARTICLES)
 
 
-def lagrange(energy, modes, q, v):
-    """∂T/∂q - (∂²T/∂q̇∂q) q̇ - K q - C q̇: what M q̈ is without loads."""
-    momentum = lambda q: jax.grad(energy, 1)(q, v)  # noqa: E731
-    force = jax.grad(energy)(q, v) - jax.jvp(momentum, (q,), (v,))[1]
-    return force.at[3:].add(-modes.stiffness @ q[3:] - modes.damping @ v[3:])
-
-
 @each_seed
 @pytest.mark.parametrize("stiffened", [False, True])
 def test_velocity_forces_are_lagranges(seed, stiffened, evidence):
     """With every coupling there can be; geometric stiffness is -½ ω² qᵀ G q in the kinetic energy."""
-    particles, body, (q, v) = random_particles(seed), random_body(seed, geometric=stiffened), random_motion(seed)
-    modes = body.modes
-
-    def energy(q, v):
-        stiffening = q[3:] @ modes.geometric @ q[3:] if stiffened else 0.0
-        return particles.kinetic_energy(q, v) - 0.5 * v[2] ** 2 * stiffening
-
-    system = System((body,))
-    kin = system.kinematics(q, v)
-    found = system.generalised_force(kin)
+    body, (q, v) = random_body(seed, geometric=stiffened), random_motion(seed)
+    energy = eqx.Partial(stiffened_energy, random_particles(seed), body.modes.geometric)
+    found, (energy, mass, force) = by_system(body, q, v), by_lagrange(energy, body.modes, q, v)
     claim = "velocity, elastic and damping forces, relative"
-    evidence(TOPIC, claim, off(found, lagrange(energy, modes, q, v)), 1e-13, "Lagrange's equations, differentiated")
-    evidence(
-        TOPIC, "kinetic energy and momenta, relative", off(system.kinetic_energy(kin), energy(q, v)), 1e-13, PARTICLES
-    )
-    expected = jax.hessian(energy, 1)(q, v)
-    evidence(TOPIC, "mass matrix, relative", off(dense_mass(system, kin), expected), 1e-14, PARTICLES)
+    evidence(TOPIC, claim, off(found.force, force), 1e-13, "Lagrange's equations, differentiated")
+    evidence(TOPIC, "kinetic energy and momenta, relative", off(found.energy, energy), 1e-13, PARTICLES)
+    evidence(TOPIC, "mass matrix, relative", off(found.mass, mass), 1e-14, PARTICLES)
+
+
+@eqx.filter_jit
+def acceleration(body, q, v):
+    system = System((body,))
+    return system.motion(system.kinematics(q, v)).acceleration
 
 
 @each_seed
@@ -91,12 +134,8 @@ def test_each_term_may_be_left_out(seed, left_out):
     body, (q, v) = random_body(seed), random_motion(seed)
     where = lambda body: getattr(body.modes, left_out)  # noqa: E731
     none = eqx.tree_at(where, body, None)
-    zero = eqx.tree_at(where, body, jnp.zeros_like(where(body)))
-    found, expected = (
-        [system.generalised_force(kin), dense_mass(system, kin), system.angular_momentum(kin), system.motion(kin)[0]]
-        for system in (System((none,)), System((zero,)))
-        for kin in [system.kinematics(q, v)]
-    )
+    zero = eqx.tree_at(where, body, np.zeros(np.shape(where(body))))
+    found, expected = ([*by_system(body, q, v), acceleration(body, q, v)] for body in (none, zero))
     for a, b in zip(found, expected, strict=True):
         np.testing.assert_allclose(a, b, rtol=1e-12, atol=1e-12 * float(np.max(np.abs(b))))
 
@@ -124,46 +163,53 @@ BARS = {
 }
 
 
+@eqx.filter_jit
+def built(build):
+    """A builder's body, in one program in place of its many operations."""
+    return build()
+
+
+@eqx.filter_jit
+def momenta(particles, q, v):
+    return particles.momenta(q, v)
+
+
+def energy_with_tip(particles, spins, turning, q, v):
+    """The particles' kinetic energy, and that of an inertia that turns with the tip."""
+    return particles.kinetic_energy(q, v) + 0.5 * spins * jnp.sum(turning * v) ** 2
+
+
 @pytest.mark.parametrize("name", often(BARS, "free", "cantilever with a tip"))
 def test_bars_against_their_velocity_field(name, evidence):
     """Kinetic energy, momenta, mass matrix and velocity forces by quadrature over the bar."""
-    body = BARS[name]()
+    body = built(BARS[name])
     tip = name.endswith("tip")
     particles, size = bar_particles(body, TIP[0] if tip else 0.0), body.modes.size
     rng = np.random.default_rng(7)
-    q = jnp.asarray(np.append(rng.normal(size=3), 0.05 * rng.normal(size=size)))
-    v = jnp.asarray(rng.normal(size=3 + size))
+    q = np.append(rng.normal(size=3), 0.05 * rng.normal(size=size))
+    v = rng.normal(size=3 + size)
     turning = np.append(np.array([0.0, 0.0, 1.0]), np.asarray(body.end.rotation))
     spins = tip * TIP[1]  # kg m²: what the tip has besides its mass
-
-    def energy(q, v):
-        return particles.kinetic_energy(q, v) + 0.5 * spins * jnp.sum(turning * v) ** 2
-
-    system = System((FlexibleBody(body.modes),))
-    kin = system.kinematics(q, v)
+    found = by_system(FlexibleBody(body.modes), q, v)
+    energy, mass, force = by_lagrange(eqx.Partial(energy_with_tip, particles, spins, turning), body.modes, q, v)
     source, relative = "quadrature over the bar", 2e-11
-    mass = jax.hessian(energy, 1)(q, v)
+    mass = np.asarray(mass)
     scale = np.sqrt(np.outer(np.diag(mass), np.diag(mass)))
-    evidence(
-        TOPIC, "bars, kinetic energy", off(system.kinetic_energy(kin), energy(q, v)), relative, source, detail=name
-    )
-    evidence(
-        TOPIC, "bars, mass matrix", off(dense_mass(system, kin) / scale, mass / scale), relative, source, detail=name
-    )
-    elastic = np.append(np.zeros(3), np.asarray(body.modes.stiffness @ q[3:]))
-    found = np.asarray(system.generalised_force(kin)) + elastic
-    expected = np.asarray(lagrange(energy, body.modes, q, v)) + elastic
+    evidence(TOPIC, "bars, kinetic energy", off(found.energy, energy), relative, source, detail=name)
+    evidence(TOPIC, "bars, mass matrix", off(found.mass / scale, mass / scale), relative, source, detail=name)
+    elastic = np.append(np.zeros(3), np.asarray(body.modes.stiffness) @ q[3:])
+    ours, expected = np.asarray(found.force) + elastic, np.asarray(force) + elastic
     digits = 1e-15 * np.max(np.abs(elastic)) / np.max(np.abs(expected))  # rounding of the elastic forces
-    evidence(TOPIC, "bars, velocity forces", max(off(found, expected) - 4 * digits, 0.0), relative, source, detail=name)
-    linear, angular = particles.momenta(q, v)
-    angular = angular + spins * float(turning @ v)
-    evidence(TOPIC, "bars, momenta", off(system.linear_momentum(kin), linear), relative, source, detail=name)
-    evidence(TOPIC, "bars, momenta", off(system.angular_momentum(kin), angular), relative, source, detail=name)
+    evidence(TOPIC, "bars, velocity forces", max(off(ours, expected) - 4 * digits, 0.0), relative, source, detail=name)
+    linear, angular = momenta(particles, q, v)
+    angular = np.asarray(angular) + spins * (turning @ v)
+    evidence(TOPIC, "bars, momenta", off(found.linear, linear), relative, source, detail=name)
+    evidence(TOPIC, "bars, momenta", off(found.angular, angular), relative, source, detail=name)
 
 
-def test_power_of_the_terms_is_balanced(evidence):
-    """Without loads, kinetic and elastic energy lose what damping takes."""
-    body, (q, v) = random_body(5), random_motion(5)
+@eqx.filter_jit
+def balance(body, q, v):
+    """The rate of kinetic and elastic energy along the motion without loads, and what damping takes [W]."""
     system = System((body,))
 
     def energy(q, v):
@@ -171,11 +217,15 @@ def test_power_of_the_terms_is_balanced(evidence):
         return system.kinetic_energy(kin) + system.stored_energy(kin)
 
     kin = system.kinematics(q, v)
-    acceleration = system.motion(kin).acceleration
-    power = jax.jvp(energy, (q, v), (v, acceleration))[1]
-    lost = system.dissipation(kin)
-    assert float(lost) > 0.1
-    evidence(TOPIC, "power of damping, relative", abs(float(power / lost) + 1.0), 1e-11, "energy's rate")
+    power = jax.jvp(energy, (q, v), (v, system.motion(kin).acceleration))[1]
+    return power, system.dissipation(kin)
+
+
+def test_power_of_the_terms_is_balanced(evidence):
+    """Without loads, kinetic and elastic energy lose what damping takes."""
+    power, lost = map(float, balance(random_body(5), *random_motion(5)))
+    assert lost > 0.1
+    evidence(TOPIC, "power of damping, relative", abs(power / lost + 1.0), 1e-11, "energy's rate")
 
 
 @pytest.mark.quick
