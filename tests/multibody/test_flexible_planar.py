@@ -4,6 +4,7 @@ import builtins
 import importlib
 import sys
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -55,7 +56,7 @@ def test_shape_integrals_of_a_slender_rectangle(evidence):
     With 40 interior modes, of which some are along the bar. ψ = √2 cos πξ has ∫ (ξ - ½) ψ dξ = -2√2/π².
     """
     modes, markers = slender(0.01, 40, 0.0).body(**STEEL)
-    bar = free_bar(Bar.rectangle(1.0, 0.01, 0.01, 7850.0, 2.07e11), 12, 12)
+    bar = eqx.filter_jit(free_bar)(Bar.rectangle(1.0, 0.01, 0.01, 7850.0, 2.07e11), 12, 12)
     assert modes.mass == pytest.approx(0.785) and modes.translation is None and modes.rotation is None
     assert modes.inertia == pytest.approx(0.785 * (1.0 + 1e-4) / 12.0, rel=1e-12)
     axial = int(np.argmax(np.abs(np.asarray(modes.radial))))
@@ -73,7 +74,7 @@ def test_shape_integrals_of_a_slender_rectangle(evidence):
 
 def test_gyroscopic_coupling_of_slender_rectangles(evidence):
     """Of the first axial and the second bending mode: shear makes the difference from the bar, as (depth/length)²."""
-    bar = free_bar(Bar.rectangle(1.0, 0.01, 0.01, 7850.0, 2.07e11), 40, 40)
+    bar = eqx.filter_jit(free_bar)(Bar.rectangle(1.0, 0.01, 0.01, 7850.0, 2.07e11), 40, 40)
     expected = abs(float(bar.modes.gyroscopic[bar.lateral, 1])) / bar.modes.mass
     errors = []
     for depth in (0.04, 0.02):
@@ -175,22 +176,26 @@ def gauss_points(mesh, shape):
     return Particles(STEEL["density"] * STEEL["thickness"] * basis.dx.ravel(), place, shapes.transpose(0, 2, 1))
 
 
+@eqx.filter_jit
+def of_motion(system, particles, q, v):
+    """Energy and both momenta by the system and by particles; its kinematics; the particles' mass matrix."""
+    kin = system.kinematics(q, v)
+    found = system.kinetic_energy(kin), system.linear_momentum(kin), system.angular_momentum(kin)
+    expected = particles.kinetic_energy(q, v), *particles.momenta(q, v)
+    return found, expected, kin, jax.hessian(particles.kinetic_energy, 1)(q, v)
+
+
 def test_energy_and_momenta_of_an_l_that_moves_and_bends(evidence):
     """Kinetic energy, mass matrix and both momenta by quadrature of the velocity over the shape."""
     mesh, attachments = l_shape(0.7, (1.0, -2.0))
     shape = planar_modes(mesh, attachments, 4, 0.3)
     particles, system = gauss_points(mesh, shape), System((FlexibleBody(shape.body(**STEEL)[0]),))
     rng = np.random.default_rng(11)
-    q = jnp.asarray(np.append(rng.normal(size=3), 0.05 * rng.normal(size=7)))
-    v = jnp.asarray(rng.normal(size=10))
-    kin = system.kinematics(q, v)
-    pairs = {
-        "kinetic energy": (system.kinetic_energy(kin), particles.kinetic_energy(q, v)),
-        "mass matrix": (dense_mass(system, kin), jax.hessian(particles.kinetic_energy, 1)(q, v)),
-        "linear momentum": (system.linear_momentum(kin), particles.momenta(q, v)[0]),
-        "angular momentum": (system.angular_momentum(kin), particles.momenta(q, v)[1]),
-    }
-    for name, (found, expected) in pairs.items():
+    q, v = np.append(rng.normal(size=3), 0.05 * rng.normal(size=7)), rng.normal(size=10)
+    by_system, by_particles, kin, mass = of_motion(system, particles, q, v)
+    pairs = [*zip(by_system, by_particles, strict=True), (dense_mass(system, kin), mass)]
+    names = ("kinetic energy", "linear momentum", "angular momentum", "mass matrix")
+    for name, (found, expected) in zip(names, pairs, strict=True):
         off = np.max(np.abs(np.asarray(found) - np.asarray(expected))) / np.max(np.abs(np.asarray(expected)))
         evidence(TOPIC, f"an L in motion, {name}, relative", off, 1e-11, "quadrature over the shape")
 
@@ -199,14 +204,16 @@ def test_scales_flow_through(evidence):
     """Frequencies go with size⁻¹ ρ^-½ E^½ and not with the thickness; radial coupling with size³."""
     shape = planar_modes(*l_shape(), 2, 0.3)
 
-    def quantities(log):
+    @jax.jit
+    @jax.jacfwd
+    def slopes_of(log):
         modes, markers = shape.body(*jnp.exp(log))
         omega = 0.5 * jnp.log(modes.stiffness[1, 1] / modes.mass_matrix[1, 1])
         return jnp.stack(
             [omega, jnp.log(jnp.abs(modes.radial[0])), jnp.log(modes.inertia), jnp.log(jnp.abs(markers[1].rotation[0]))]
         )
 
-    slopes = jax.jacfwd(quantities)(jnp.log(jnp.array([0.01, 7850.0, 2e11, 1.3])))
+    slopes = slopes_of(np.log([0.01, 7850.0, 2e11, 1.3]))
     expected = np.array([[0, -0.5, 0.5, -1], [1, 1, 0, 3], [1, 1, 0, 4], [0, 0, 0, -1]])
     evidence(TOPIC, "derivatives to size, thickness, material", np.abs(slopes - expected).max(), 1e-9, "similarity")
 

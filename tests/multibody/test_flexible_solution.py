@@ -42,7 +42,7 @@ SYSTEMS = {"jointed": jointed, "bars": bars, "free": free}
 
 def random_motion(system, seed=1):
     rng = np.random.default_rng(seed)
-    return (jnp.asarray(0.3 * rng.normal(size=system.coordinates)) for _ in range(2))
+    return (0.3 * rng.normal(size=system.coordinates) for _ in range(2))
 
 
 @pytest.mark.quick
@@ -50,7 +50,7 @@ def random_motion(system, seed=1):
 def test_motion_solves_the_augmented_system(name, evidence):
     system = SYSTEMS[name]()
     q, v = random_motion(system)
-    kin = system.kinematics(q, v)
+    kin = system.kinematics(jnp.asarray(q), jnp.asarray(v))
     mass, found = dense_mass(system, kin), system.constraints(kin)
     jacobian, alpha, rows = np.asarray(found.jacobian), system.stabilisation, len(found.phi)
     matrix = np.block([[mass, jacobian.T], [jacobian, np.zeros((rows, rows))]])
@@ -64,11 +64,9 @@ def test_motion_solves_the_augmented_system(name, evidence):
         evidence(TOPIC, claim, error / bound, 1.0, "numpy.linalg.solve", detail=name)
 
 
-@pytest.mark.parametrize("name", ["jointed", "bars"])
-def test_constraint_errors_decay_as_baumgarte_asks(name):
-    """Φ̈ + 2α Φ̇ + α² Φ = 0 along the motion."""
-    system = SYSTEMS[name]()
-    q, v = random_motion(system, 2)
+@eqx.filter_jit
+def constraint_errors(system, q, v):
+    """Φ, Φ̇ and Φ̈ along the motion."""
     acceleration = system.motion(system.kinematics(q, v)).acceleration
 
     def phi(q):
@@ -77,29 +75,48 @@ def test_constraint_errors_decay_as_baumgarte_asks(name):
     def rate(q, v):
         return jax.jvp(phi, (q,), (v,))[1]
 
-    first, second = jax.jvp(rate, (q, v), (v, acceleration))
+    return phi(q), *jax.jvp(rate, (q, v), (v, acceleration))
+
+
+@pytest.mark.parametrize("name", ["jointed", "bars"])
+def test_constraint_errors_decay_as_baumgarte_asks(name):
+    """Φ̈ + 2α Φ̇ + α² Φ = 0 along the motion."""
+    system = eqx.filter_jit(SYSTEMS[name])()
+    phi, first, second = map(np.asarray, constraint_errors(system, *random_motion(system, 2)))
     alpha = system.stabilisation
-    left = second + 2 * alpha * first + alpha**2 * phi(q)
-    np.testing.assert_allclose(left, 0.0, atol=1e-11 * float(jnp.max(jnp.abs(second))))
+    left = second + 2 * alpha * first + alpha**2 * phi
+    np.testing.assert_allclose(left, 0.0, atol=1e-11 * np.max(np.abs(second)))
 
 
-@pytest.mark.parametrize("by", ["q", "v", "stiffness", "modal mass"])
-def test_derivatives_of_the_solution(by, evidence):
-    """The small change that solves the same system against central differences of fourth order."""
-    system = jointed()
-    q, v = random_motion(system, 3)
-    rng = np.random.default_rng(4)
-    along = jnp.asarray(rng.normal(size=q.size))
+CHANGES = ["q", "v", "stiffness", "modal mass"]
+
+
+@jax.jit
+def solution_and_tangent(s, change, q, v, along):
+    """Accelerations and multipliers where ``change``, one for that of `CHANGES`, goes by ``s``, and their slopes."""
 
     def solution(s):
-        changed = jointed(30.0 + 10.0 * s * (by == "stiffness"), 1.0 + s * (by == "modal mass"))
-        moved = system.kinematics(q + s * along * (by == "q"), v + s * along * (by == "v"))
-        return jnp.concatenate(changed.motion(moved))
+        of_q, of_v, of_stiffness, of_mass = s * change
+        changed = jointed(30.0 + 10.0 * of_stiffness, 1.0 + of_mass)
+        return jnp.concatenate(changed.motion(changed.kinematics(q + of_q * along, v + of_v * along)))
 
-    tangent = jax.jvp(solution, (jnp.zeros(()),), (jnp.ones(()),))[1]
+    return jax.jvp(solution, (s,), (jnp.ones(()),))
+
+
+@pytest.mark.parametrize("by", CHANGES)
+def test_derivatives_of_the_solution(by, evidence):
+    """The small change that solves the same system against central differences of fourth order."""
+    q, v = random_motion(jointed(), 3)
+    along = np.random.default_rng(4).normal(size=q.size)
+    change = np.array([float(by == one) for one in CHANGES])
+
+    def solution(s):
+        return np.asarray(solution_and_tangent(s, change, q, v, along)[0])
+
+    tangent = solution_and_tangent(0.0, change, q, v, along)[1]
     h = 1e-3
-    far, near = ((solution(s) - solution(-s)) / (2 * s) for s in (jnp.asarray(2 * h), jnp.asarray(h)))
-    differences = np.asarray((4 * near - far) / 3)
+    far, near = ((solution(s) - solution(-s)) / (2 * s) for s in (2 * h, h))
+    differences = (4 * near - far) / 3
     error = np.max(np.abs(np.asarray(tangent) - differences)) / np.max(np.abs(differences))
     evidence(TOPIC, "derivatives of the augmented solve, relative", error, 1e-7, "central differences", detail=by)
 
@@ -123,7 +140,8 @@ def test_springs_make_the_stiffness_matrix(proportional):
 
 
 def test_springs_of_orthogonal_modes_are_the_modes():
-    body = FlexibleBody(free_bar(Bar.rectangle(0.5, 0.02, 0.01, 2700.0, 7e6), 2, damping_ratio=0.02).modes)
+    bar = Bar.rectangle(0.5, 0.02, 0.01, 2700.0, 7e6)
+    body = FlexibleBody(eqx.filter_jit(free_bar)(bar, 2, damping_ratio=0.02).modes)
     assert body.modes.orthogonal
     for k, spring in enumerate(body.springs(0)):
         assert spring.blocks[0][3:] == tuple(float(j == k) for j in range(4))
@@ -140,7 +158,12 @@ def test_a_rigid_bodys_inverse_masses_beside_a_flexible_one():
 def test_the_kinetic_energy_of_a_flexible_body_that_moves_without_turning_or_bending():
     """Half its mass times 5² m²/s²."""
     body = random_body(0, 3)
-    speeds = jnp.zeros(6).at[0].set(3.0).at[1].set(-4.0)
-    frame = System((body,)).kinematics(jnp.zeros(6), speeds).frame(0)
-    found = body.kinetic_energy(frame, jnp.zeros(3), jnp.zeros(3))
+    speeds = np.array([3.0, -4.0, 0.0, 0.0, 0.0, 0.0])
+
+    @jax.jit
+    def kinetic_energy(speeds):
+        frame = System((body,)).kinematics(jnp.zeros(6), speeds).frame(0)
+        return body.kinetic_energy(frame, jnp.zeros(3), jnp.zeros(3))
+
+    found = kinetic_energy(speeds)
     np.testing.assert_allclose(found, 12.5 * float(body.mass), rtol=1e-14)

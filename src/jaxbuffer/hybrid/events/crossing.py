@@ -168,13 +168,15 @@ def _polynomial_root(
     b1 = jnp.where(quintic, after.acceleration * step**2, 2.0 * m0 + 4.0 * m1 - 6.0 * jump)
     c2, j, k, n = 0.5 * b0, jump - m0 - 0.5 * b0, m1 - m0 - b0, 0.5 * (b1 - b0)
     c3, c4, c5 = 10.0 * j - 4.0 * k + n, -15.0 * j + 7.0 * k - 2.0 * n, 6.0 * j - 3.0 * k + n
-    low, high = jnp.zeros_like(far), far
-    x = jnp.clip(-z0 / jnp.where(jump == 0.0, 1.0, jump), 0.0, 1.0) * far
-    # So many iterations, whatever they reach: this is a first guess, from which `bracketing` goes on.
-    for _ in range(7):
+
+    def nearer(_: Array, bracket: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
+        low, x, high = bracket
         z = z0 + x * (m0 + x * (c2 + x * (c3 + x * (c4 + x * c5))))
         slope = m0 + x * (2.0 * c2 + x * (3.0 * c3 + x * (4.0 * c4 + 5.0 * x * c5)))
         low, high = jnp.where(z < 0.0, x, low), jnp.where(z < 0.0, high, x)
         newton = x - z / jnp.where(slope == 0.0, 1.0, slope)
-        x = jnp.where((newton >= low) & (newton <= high), newton, 0.5 * (low + high))
-    return x
+        return low, jnp.where((newton >= low) & (newton <= high), newton, 0.5 * (low + high)), high
+
+    straight = jnp.clip(-z0 / jnp.where(jump == 0.0, 1.0, jump), 0.0, 1.0) * far
+    # So many iterations, whatever they reach: this is a first guess, from which `bracketing` goes on.
+    return lax.fori_loop(0, 7, nearer, (jnp.zeros_like(far), straight, far))[1]
