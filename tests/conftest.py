@@ -35,7 +35,7 @@ EVIDENCE = Evidence()
 PROGRAMS = pytest.StashKey[Path]()
 WITHOUT_QUICK = pytest.StashKey[set[str]]()  # files, of those collected, that `make test` leaves out as a whole
 # Bytes that a process may hold: at the end of a file, whose tests share programs, and of any test.
-MOST_AFTER_A_FILE, MOST_AFTER_A_TEST = 1.2e9, 1.3e9
+MOST_AFTER_A_FILE, MOST_AFTER_A_TEST = 1.1e9, 1.2e9
 RESOURCES: list[tuple[float, float]] = []  # processor time [s] and largest size [bytes] of each process
 # Tests here solve whole runs of a mechanism, mostly one of their own: they compile large programs or start processes.
 # Each may be quick by itself; all together they are too long for `make test`, which takes those marked `quick`: of each
