@@ -32,7 +32,7 @@ def assemble(
         return q + system.position_rate(q).of(system.solve(kin, none, -system.errors(kin)))
 
     # A fixed number of steps, through which derivatives pass in both modes.
-    q = lax.fori_loop(0, iterations, newton, q)
+    q = lax.fori_loop(0, iterations, newton, jnp.asarray(q, float))
     # Velocities last, since the rows that they are projected onto depend on the positions.
     kin = system.kinematics(q, v)
     constraints = system.constraints(kin)
