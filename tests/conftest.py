@@ -21,7 +21,7 @@ import jaxbuffer.cli.quick
 import jaxbuffer.programs.process
 
 jaxbuffer.cli.quick.prepare()
-jaxbuffer.programs.process.configure(cache=None)
+jaxbuffer.programs.process.configure(cache=None)  # the run's own folder, once it is known
 
 import jax  # noqa: E402
 

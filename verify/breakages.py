@@ -72,6 +72,7 @@ JUMPING = "tests/hybrid/test_jumping_guards.py::test_the_run_ends_where_both_jum
 TWO_SIDES = "tests/contact/test_two_sides.py"
 ANY_SIGN = "tests/hybrid/test_maxima.py::test_a_maximum_is_one_whatever_its_sign[loop-0.9]"
 DELAYED = "tests/run/test_moving_maxima.py::test_a_hinge_force_of_microseconds_by_what_delays_its_impact[explicit]"
+SOLVED_WRONGLY = "tests/docking/test_runs.py::test_a_touchdown_is_found_whatever_rounding_does_on_the_way"
 PUSHED_BACK = "tests/elements/test_reversing_force.py::test_a_body_that_is_pushed_back_swings_as_far_beyond[0.0001]"
 CHAINED = "tests/tuning/test_custom_quantity.py::test_slopes_are_those_of_the_function"
 
@@ -251,6 +252,12 @@ def _reversals_unseen() -> None:
     from jaxbuffer.hybrid.loop import decision
 
     decision.reversal_in_step = lambda before, after: jnp.ones(())
+
+
+def _every_step_narrows() -> None:
+    from jaxbuffer.hybrid.loop import decision
+
+    decision._narrows_bracket = lambda task, trial: trial.finite
 
 
 def _falling_ends_only() -> None:
@@ -652,6 +659,9 @@ BREAKAGES = (
     ),
     Breakage(
         "unseen reversals", "a step passes over the reversal of a force unseen", _reversals_unseen, (PUSHED_BACK,)
+    ),
+    Breakage(
+        "narrowed wrongly", "a step that is solved wrongly narrows a bracket", _every_step_narrows, (SOLVED_WRONGLY,)
     ),
     Breakage(
         "falling ends", "no maximum in a step at whose end the quantity rises", _falling_ends_only, (RISES_AGAIN,)

@@ -9,7 +9,7 @@ import numpy as np
 
 from jaxbuffer import Scenario, replace, table2
 from jaxbuffer.mechanisms.assembled import Assembled
-from jaxbuffer.mechanisms.probe_cone.assembly import assemble
+from mechanisms.states import capture
 
 LATCH = {
     "latch.stiffness": 2e4,
@@ -30,9 +30,6 @@ CURVES = {
     "buffer.spring_curve": [[0.005, 2.0], [0.01, 6.0], [0.02, 20.0]],
     "buffer.damper_curve": [[0.02, 0.2], [0.05, 0.4], [0.2, 0.9]],
 }
-
-
-capture = eqx.filter_jit(assemble)  # one program in place of its many operations
 
 
 @eqx.filter_jit  # once for all states of a mechanism

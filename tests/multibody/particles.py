@@ -87,10 +87,11 @@ def random_marker(seed, size=3) -> Marker:
 
 
 def dense_mass(system, kin):
-    """M as one matrix."""
-    matrix = np.diag(np.asarray(system.masses()))
+    """M as one matrix, also in a compiled function."""
+    matrix = jnp.diag(system.masses())
     for columns, rows in system.mass_matrix(kin).blocks():
-        for i, row in enumerate(rows):
-            for j, entry in enumerate(row):
-                matrix[columns[i], columns[j]] = matrix[columns[j], columns[i]] = float(entry)
+        lower = np.tril_indices(len(columns))
+        entries = jnp.stack([jnp.asarray(rows[i][j], float) for i, j in zip(*lower, strict=True)])
+        at, beside = (np.array(columns)[side] for side in lower)
+        matrix = matrix.at[at, beside].set(entries).at[beside, at].set(entries)
     return matrix

@@ -11,7 +11,7 @@ import pytest
 from in_short import often
 from jaxbuffer.multibody import FlexibleBody, System
 from jaxbuffer.multibody.flexible import Bar, cantilever_bar, free_bar, pinned_bar
-from multibody.particles import Particles, positive, random_body, random_particles
+from multibody.particles import Particles, dense_mass, positive, random_body, random_particles
 
 TOPIC = "Equations of flexible bodies"
 PARTICLES = "sums over particles"
@@ -47,22 +47,11 @@ def by_system(body, q, v):
     kin = system.kinematics(q, v)
     return Terms(
         energy=system.kinetic_energy(kin),
-        mass=mass_matrix(system, kin),
+        mass=dense_mass(system, kin),
         force=system.generalised_force(kin),
         linear=system.linear_momentum(kin),
         angular=system.angular_momentum(kin),
     )
-
-
-def mass_matrix(system, kin):
-    """M as one matrix, inside a compiled function."""
-    matrix = jnp.diag(system.masses())
-    for columns, rows in system.mass_matrix(kin).blocks():
-        lower = np.tril_indices(len(columns))
-        entries = jnp.stack([jnp.asarray(rows[i][j], float) for i, j in zip(*lower, strict=True)])
-        at, beside = (np.array(columns)[side] for side in lower)
-        matrix = matrix.at[at, beside].set(entries).at[beside, at].set(entries)
-    return matrix
 
 
 @eqx.filter_jit

@@ -33,7 +33,8 @@ def rigid_energy(system: System, kin: Kinematics, spins: Sequence[tuple[Scalar, 
 
     # All axes at once: one after the other, in space, they add 2000 equations to a docking's loop of 34 000.
     turns = jax.tree.map(lambda *entries: jnp.asarray(entries), *system.basis.unit_turns)
-    arms, turning_momenta = jax.vmap(momenta)(turns)  # M times axis × R, of the centre of mass R
+    # M times axis × R, of the centre of mass R; and the columns of the inertia about the origin
+    arms, about_origin = jax.vmap(momenta)(turns)
     mass = sum((body.mass for body in system.bodies), start=jnp.zeros(()))
     # A turn about z gives R's x and y, one about x its z, which is zero in the plane.
     centre = [arms[-1, 1] / mass, -arms[-1, 0] / mass, -arms[0, 1] / mass if len(arms) > 1 else 0.0]
@@ -41,8 +42,8 @@ def rigid_energy(system: System, kin: Kinematics, spins: Sequence[tuple[Scalar, 
     basis = system.basis
     orbital = components(basis.vector(*centre[: basis.dimensions]).cross(basis.vector(*linear)))
     own = [entry - other for entry, other in zip(_entries(angular), orbital, strict=True)]
-    columns = turning_momenta.reshape(len(arms), -1)
-    inertia = _central_inertia(columns, mass, centre, sum(inertia for inertia, _ in spins))
+    about_origin = about_origin.reshape(len(arms), -1)
+    inertia = _central_inertia(about_origin, mass, centre, sum(inertia for inertia, _ in spins))
     # H·J⁻¹H by J = L D Lᵀ.
     factors = Factors.of(inertia)
     turning = [0.5 * h**2 / pivot for h, pivot in zip(factors.forward(own), factors.pivot, strict=True)]
@@ -50,23 +51,23 @@ def rigid_energy(system: System, kin: Kinematics, spins: Sequence[tuple[Scalar, 
 
 
 def _central_inertia(
-    columns: Float[Array, "axes axes"], mass: Scalar, centre: Sequence[Scalar], balls: Scalar
+    about_origin: Float[Array, "axes axes"], mass: Scalar, centre: Sequence[Scalar], balls: Scalar
 ) -> list[list[Scalar]]:
     """Return the lower half of the inertia of the whole about its centre of mass [kg m²].
 
-    **Arguments:** ``columns``: the angular momentum of the whole turning about each axis through the origin, a row an
-    axis [kg m²]; ``centre``: of mass [m]; ``balls``: inertia of what turns by itself.
+    **Arguments:** ``about_origin``: the bodies' inertia about the origin [kg m²]; ``centre``: of mass [m]; ``balls``:
+    inertia of what turns by itself.
     """
-    axes = range(3 - len(columns), 3)  # those of space, or z
+    axes = range(3 - len(about_origin), 3)  # those of space, or z
     square = plus(centre[0] ** 2 + centre[1] ** 2, times(centre[2], centre[2]))
     rows = list[list[Scalar]]()
     for i, a in enumerate(axes):
         rows.append([])
         for j, b in enumerate(axes[: i + 1]):
-            about_origin = columns[j, i] + balls if i == j else columns[j, i]
+            entry = about_origin[j, i] + balls if i == j else about_origin[j, i]
             # Steiner: M (R² δ_ab - R_a R_b).
             away = less(square if i == j else 0.0, times(centre[a], centre[b]))
-            rows[i].append(about_origin - mass * away)
+            rows[i].append(entry - mass * away)
     return rows
 
 

@@ -88,17 +88,13 @@ def _shorter(task: Task, state: LoopState, trial: Trial, outcome: Int[Array, ""]
 def _outcome(task: Task, state: LoopState, trial: Trial, crossing: Crossing, refinement: Refinement) -> Int[Array, ""]:
     """Return the first outcome in the list whose condition holds."""
     locating, accurate, finite = state.locating, trial.accurate, trial.finite
-    implicit = task.options.solver.is_implicit(trial.method)
-    overshot = jnp.where(implicit, 1.0, OVERSHOT)
+    overshot = jnp.where(task.options.solver.is_implicit(trial.method), 1.0, OVERSHOT)
     from_step = ~locating & ~state.reevaluating & (trial.state_norm <= overshot)
     at_once = refinement.bracket.clear & refinement.bracket.is_closed(task.event_time)
     on_arrival = locating & refinement.finished & (state.bracket.tries < MAX_TRIES) & ~at_once
     holds_event = (from_step | on_arrival) & finite & crossing.exists
     only_maximum = holds_event & ~locating & accurate & crossing.alone & (crossing.guard >= task.rated)
     succeeds = accurate & finite & (~locating | refinement.finished) & (~holds_event | only_maximum)
-    # Of some lengths Newton's method solves a long implicit step wrongly. Its end says nothing of where the event is,
-    # and would spoil the bracket; shorter steps come near enough for one that is solved.
-    tells = finite & (~implicit | (trial.state_norm <= OVERSHOT))
     lacks_tangents = ~trial.with_tangents & bool(task.tangents.count)
     return _first(
         (succeeds & lacks_tangents, StepOutcome.RETAKE),
@@ -106,9 +102,19 @@ def _outcome(task: Task, state: LoopState, trial: Trial, crossing: Crossing, ref
         (holds_event, StepOutcome.LOCATE),
         (succeeds, StepOutcome.ACCEPT),
         (~locating, StepOutcome.REJECT),
-        (tells & ~refinement.finished, StepOutcome.REFINE),
+        (_narrows_bracket(task, trial) & ~refinement.finished, StepOutcome.REFINE),
         otherwise=StepOutcome.ABANDON,
     )
+
+
+def _narrows_bracket(task: Task, trial: Trial) -> Bool[Array, ""]:
+    """Return whether the end of a step says where the event lies that is being located.
+
+    Newton's method solves some long implicit steps wrongly, which their error shows: their ends say nothing of the
+    event, and would leave a bracket that does not hold it. A shorter step is solved again.
+    """
+    implicit = task.options.solver.is_implicit(trial.method)
+    return trial.finite & (~implicit | (trial.state_norm <= OVERSHOT))
 
 
 def _first(*cases: tuple[Bool[Array, ""], StepOutcome], otherwise: StepOutcome) -> Int[Array, ""]:
