@@ -9,6 +9,7 @@ import equinox as eqx
 import jax.numpy as jnp
 
 from .._types import Scalar, Values
+from ..duplication import evaluated_once
 from ..space.either import Frame, Vector
 from .friction import RegularisedCoulomb
 from .laws import ContactLaw
@@ -60,7 +61,9 @@ class BallPair(eqx.Module):
         **Arguments:** ``ball``: its centre, and how it turns; ``body``: the origin of the shape's axes, and how they
         turn.
         """
-        near = self.shape.nearest(body.unturn(ball.origin - body.origin), self.side, self.radius)
+        # Everything about a contact follows from these.
+        place = evaluated_once(body.unturn(ball.origin - body.origin))
+        near = evaluated_once(self.shape.nearest(place, self.side, self.radius))
         normal, foot = body.turn(near.normal), body.turn(near.foot)
         # Material points at the foot; seen from the ball's centre the foot lies at -distance · normal.
         turning = ball._replace(spin=ball.spin * -near.distance).rate_of(normal)

@@ -14,7 +14,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._types import Scalar, stacked
-from ..plane import Factors, evaluated_once, ldl_solve
+from ..plane import Cholesky, cholesky_solve
 
 Pattern = tuple[tuple[tuple[int, int], ...], ...]
 """For each row of Φ_q its entries that can differ from zero: (column, index into the values)."""
@@ -59,19 +59,16 @@ class MassMatrix(NamedTuple):
     - ``inverse``: (coordinates,) its diagonal's reciprocals [1/kg, 1/kg, 1/(kg m²), …]; unused in columns of blocks.
     - ``values``: (entries,) of the blocks [kg, kg m, kg m²].
     - ``layout``: where they stand.
-    - ``of_space``: whether the bodies are of space, whose rows have many entries.
     """
 
     inverse: Float[Array, " coordinates"]
     values: Float[Array, " entries"]
     layout: Layout = ()
-    of_space: bool = False
 
     @staticmethod
     def of(
         inverse: Float[Array, " coordinates"],
         blocks: Sequence[tuple[tuple[int, ...], Sequence[Sequence[Scalar]]]],
-        of_space: bool = False,
     ) -> "MassMatrix":
         """Collect the diagonal's reciprocals, and each block's columns and lower half; Python's 0 are left out."""
         values: list[Scalar] = []
@@ -84,7 +81,7 @@ class MassMatrix(NamedTuple):
                 indices.append(tuple(len(values) + sum(nonzero[:k]) if keep else -1 for k, keep in enumerate(nonzero)))
                 values += [entry for entry, keep in zip(row, nonzero, strict=True) if keep]
             layout.append((columns, tuple(indices)))
-        return MassMatrix(inverse, stacked(values) if values else jnp.zeros(0), tuple(layout), of_space)
+        return MassMatrix(inverse, stacked(values) if values else jnp.zeros(0), tuple(layout))
 
     def blocks(self) -> list[tuple[tuple[int, ...], list[list[Scalar]]]]:
         """Return the columns of each block, and its lower half."""
@@ -93,14 +90,14 @@ class MassMatrix(NamedTuple):
 
     def factored(self) -> "FactoredMass":
         """Factorise the blocks of M."""
-        return FactoredMass(self.inverse, [(columns, Factors.of(rows)) for columns, rows in self.blocks()])
+        return FactoredMass(self.inverse, [(columns, Cholesky.of(rows)) for columns, rows in self.blocks()])
 
 
 class FactoredMass(NamedTuple):
     """M, ready to be solved with: the diagonal's reciprocals, and the columns and factors of each block."""
 
     inverse: Float[Array, " coordinates"]
-    blocks: list[tuple[tuple[int, ...], Factors]]
+    blocks: list[tuple[tuple[int, ...], Cholesky]]
 
     def solve_row(self, row: Mapping[int, Scalar]) -> dict[int, Scalar]:
         """Return M⁻¹ times a vector given by its entries that can differ from zero."""
@@ -144,15 +141,15 @@ def solve_augmented(
 
     **Returns:** accelerations q̈, (coordinates,) [m/s², rad/s²], and multipliers λ, (rows,) [N, N m].
     """
-    static = (jacobian.pattern, mass.layout, mass.of_space)
+    static = (jacobian.pattern, mass.layout)
     return _solve(static, mass.inverse, mass.values, jacobian.values, force, rhs)
 
 
 @partial(jax.custom_jvp, nondiff_argnums=(0,))
 def _solve(
-    static: tuple[Pattern, Layout, bool], inverse: Array, masses: Array, values: Array, force: Array, rhs: Array
+    static: tuple[Pattern, Layout], inverse: Array, masses: Array, values: Array, force: Array, rhs: Array
 ) -> tuple[Float[Array, " coordinates"], Float[Array, " rows"]]:
-    pattern, layout, of_space = static
+    pattern, layout = static
     mass, jacobian = MassMatrix(inverse, masses, layout).factored(), SparseRows(values, pattern)
     if not pattern:
         return mass.solve(force), rhs
@@ -167,21 +164,15 @@ def _solve(
     unheld = [sum(entry * force[column] for column, entry in row.items()) for row in weighted]
     # Written out: a call of LAPACK would split the loop's kernel.
     sides: list[Scalar] = [unheld[i] - rhs[i] for i in range(len(pattern))]
-    if of_space:
-        # Every entry stands in many of the factors'.
-        once = iter(evaluated_once([entry for row in schur for entry in row]))
-        schur = [[next(once) for _ in row] for row in schur]
-        # The solution is linear in the sides, and is read as such where tangents are stepped.
-        sides = evaluated_once(sides, schur[0][0])
-    multipliers = ldl_solve(schur, sides)
+    multipliers = cholesky_solve(schur, sides)
     return mass.solve(force - _reaction(jacobian, multipliers, force.shape[0])), multipliers
 
 
 @_solve.defjvp
-def _solve_jvp(static: tuple[Pattern, Layout, bool], primals: tuple, tangents: tuple) -> tuple:
+def _solve_jvp(static: tuple[Pattern, Layout], primals: tuple, tangents: tuple) -> tuple:
     """Solve the same system for a small change, with another right-hand side (M18): that is far cheaper than
     differentiating the factorisation."""
-    pattern, layout, _ = static
+    pattern, layout = static
     inverse, masses, values, _, _ = primals
     d_inverse, d_masses, d_values, d_force, d_rhs = tangents
     acceleration, multipliers = _solve(static, *primals)

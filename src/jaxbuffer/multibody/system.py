@@ -171,7 +171,7 @@ class System(eqx.Module):
         for k, body in self.flexible:
             u, v, angle, *modal = self.columns(k)
             blocks.append(((*modal, u, v, angle), body.mass_block(kin.frame(k), kin.modal(k)[0])))
-        return MassMatrix.of(self.inverse_masses, blocks, of_space=self.basis.inertia_turns)
+        return MassMatrix.of(self.inverse_masses, blocks)
 
     def constraints(self, kin: Kinematics) -> ConstraintRows:
         """Return Φ, Φ_q and γ of all joints, in their order."""

@@ -8,82 +8,69 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from .._types import Scalar, stacked
-from ..basis import is_zero
+from ..basis import is_zero, less, times
 
 
-class Factors(NamedTuple):
-    """A symmetric positive definite matrix as L D Lᵀ: rows of L below its diagonal of ones, and the diagonal of D.
+class Cholesky(NamedTuple):
+    """A symmetric positive definite matrix as L Lᵀ: rows of L below its diagonal, and that diagonal.
 
-    What is Python's 0 costs nothing: order rows so that few entries fill in.
+    What is Python's 0 costs nothing: order rows so that few entries fill in. XLA evaluates cheap operations anew
+    wherever their result is used, and so whole chains of them, but never a division or a root: with these factors every
+    number that is used again is the result of one.
     """
 
     lower: list[list[Scalar]]
-    pivot: list[Scalar]
+    diagonal: list[Scalar]
 
     @staticmethod
-    def of(matrix: Float[Array, "m m"] | Sequence[Sequence[Scalar]]) -> "Factors":
+    def of(matrix: Float[Array, "m m"] | Sequence[Sequence[Scalar]]) -> "Cholesky":
         """Factorise a symmetric positive definite matrix. ``matrix``: (m, m), of which only the lower half is read."""
         lower: list[list[Scalar]] = []
-        pivot: list[Scalar] = []
+        diagonal: list[Scalar] = []
         for i in range(len(matrix)):
             lower.append([])
             for j in range(i):
-                entry = matrix[i][j]
-                for k in range(j):
-                    if not (is_zero(lower[i][k]) or is_zero(lower[j][k])):
-                        entry = entry - lower[i][k] * lower[j][k] * pivot[k]
-                lower[i].append(entry if is_zero(entry) else entry / pivot[j])
-            diagonal = matrix[i][i]
-            for k in range(i):
-                if not is_zero(lower[i][k]):
-                    diagonal = diagonal - lower[i][k] * lower[i][k] * pivot[k]
-            pivot.append(diagonal)
-        return Factors(lower, pivot)
+                lower[i].append(_divided(_less_products(matrix[i][j], lower[i][:j], lower[j]), diagonal[j]))
+            diagonal.append(jnp.sqrt(_less_products(matrix[i][i], lower[i], lower[i])))
+        return Cholesky(lower, diagonal)
 
     def forward(self, rhs: Sequence[Scalar] | Float[Array, "m *columns"]) -> list[Any]:
         """Return L⁻¹ times a right-hand side of m entries, each a number or a row of columns."""
-        x = list(rhs)
-        for i in range(len(x)):
-            for k in range(i):
-                if not (is_zero(self.lower[i][k]) or is_zero(x[k])):
-                    x[i] = x[i] - self.lower[i][k] * x[k]
+        x: list[Any] = []
+        for entry, row, diagonal in zip(rhs, self.lower, self.diagonal, strict=True):
+            x.append(_divided(_less_products(entry, row, x), diagonal))
         return x
 
     def solve(self, rhs: Sequence[Scalar] | Float[Array, "m *columns"]) -> list[Any]:
         """Return the solution for a right-hand side of m entries, each a number or a row of columns."""
-        n = len(self.pivot)
         x = self.forward(rhs)
-        x = [entry if is_zero(entry) else entry / self.pivot[i] for i, entry in enumerate(x)]
-        for i in reversed(range(n)):
-            for k in range(i + 1, n):
-                if not (is_zero(self.lower[k][i]) or is_zero(x[k])):
-                    x[i] = x[i] - self.lower[k][i] * x[k]
+        for i in reversed(range(len(x))):
+            column = [row[i] for row in self.lower[i + 1 :]]
+            x[i] = _divided(_less_products(x[i], column, x[i + 1 :]), self.diagonal[i])
         return x
 
 
-def evaluated_once(values: Sequence[Scalar], number: Scalar | None = None) -> list[Scalar]:
-    """Return the same numbers, each of which a compiled program computes once; Python's numbers stay as they are.
-
-    XLA evaluates cheap operations anew wherever they are used, but never a division. ``number``: any finite one that
-    the program computes, from which the divisor is made (default: from each value itself); of values that are to stay
-    linear in something, one that does not depend on it.
-    """
-    places = [k for k, value in enumerate(values) if not isinstance(value, float)]
-    array = stacked([values[k] for k in places])
-    array = array / (1.0 + 0.0 * (array if number is None else number))
-    traced = {place: array[k] for k, place in enumerate(places)}
-    return [traced.get(k, value) for k, value in enumerate(values)]
+def _less_products(entry: Any, factors: Sequence[Any], others: Sequence[Any]) -> Any:
+    """Return a number less the sum of products of ``factors`` and ``others``."""
+    for a, b in zip(factors, others, strict=True):
+        entry = less(entry, times(a, b))
+    return entry
 
 
-def ldl_solve(
+def _divided(entry: Any, divisor: Scalar) -> Any:
+    return entry if is_zero(entry) else entry / divisor
+
+
+def cholesky_solve(
     matrix: Float[Array, "m m"] | Sequence[Sequence[Scalar]], rhs: Float[Array, "m *columns"] | Sequence[Scalar]
 ) -> Float[Array, "m *columns"]:
-    """Solve a symmetric positive definite system by LDLᵀ, written out for the few rows that a mechanism has.
+    """Solve a symmetric positive definite system by Cholesky's factors, written out for the few rows that a
+    mechanism has.
 
     **Arguments:** ``matrix``: (m, m), of which only the lower half is read; ``rhs``: (m,) or (m, columns).
     **Returns:** the solution, the shape of ``rhs``.
     """
-    return jnp.stack(Factors.of(matrix).solve(rhs))
+    return jnp.stack(Cholesky.of(matrix).solve(rhs))
 
 
 def inverse(matrix: Float[Array, "m m"]) -> Float[Array, "m m"]:

@@ -15,6 +15,7 @@ from jax import lax
 from jaxtyping import Array, Bool, Float, Int
 
 from ..._types import Scalar
+from ...duplication import evaluated_once
 from ..hermite import cubic, maximum_of_cubic, state_within
 from ..system import Active, HybridSystem, State
 from .guards import Guards, SignedGuards, signed
@@ -72,6 +73,7 @@ def excursion_in_step(
     def guards_along(fraction: Array) -> Look:
         state_at = lambda x: state_within(system, start, end, step, x)  # noqa: E731
         state, motion = jax.jvp(state_at, (fraction,), (jnp.ones(()),))
+        state, motion = evaluated_once((state, motion))
         value, change = jax.linearize(guards_of, state)
         # the cubic lacks what the quintic knows of second derivatives: as much may be wrong with the quintic
         cruder = cubic(start[0], end[0], step * start[1], step * end[1], fraction)

@@ -4,6 +4,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..._types import stacked
+from ...duplication import evaluated_once
 from ...space import AXES, Frame, Vector
 from ..probe_cone.bodies import Masses
 from ..probe_cone.start import before_mouth, behind_tip, on_lower_flank
@@ -19,7 +20,7 @@ def start_motion(design: Design3D, scenario: Scenario3D, masses: Masses) -> Moti
     **Arguments:** ``design``; ``scenario``; ``masses``: of the probe. **Returns:** q, 28 entries, and v, 24.
     """
     free, zero = scenario.start == "free", Vector(0.0, 0.0, 0.0)
-    turned, cone = scenario.active_rotation, scenario.passive_rotation
+    turned, cone = evaluated_once((scenario.active_rotation, scenario.passive_rotation))
     frame = Frame(zero, turned, turned.axes(), zero, scenario.active_spin)
     tip = Frame(zero, cone, cone.axes(), zero, zero).turn(_tip_at_start(design, scenario))
     speeds = (scenario.lateral_speed_y, scenario.lateral_speed_z) if free else (0.0, 0.0)
