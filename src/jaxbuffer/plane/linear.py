@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from .._types import Scalar, stacked
+from .._types import Scalar
 from ..basis import is_zero, less, times
 
 

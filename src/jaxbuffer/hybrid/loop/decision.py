@@ -5,6 +5,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
+from ...duplication import evaluated_once
 from ..events.bracketing import MAX_TRIES, MAX_TRIES_MAXIMUM, Bracket, Refinement, refine
 from ..events.crossing import NEARLY, Crossing, first_crossing
 from ..events.excursion import excursion_in_step
@@ -57,7 +58,8 @@ def decide(task: Task, state: LoopState, trial: Trial) -> Decision:
     mine, extent = task.observable_of(bracket.guard), state.extremes.including(trial.guards.value).extent
     shortfall = task.shortfall * jnp.sum(jnp.where(mine, extent, 0.0))
     refinement = refine(bracket, trial.length, guards, task.rated, task.event_time, shortfall, trial.linear_time)
-    outcome = _evaluated_once(_outcome(task, state, trial, crossing, refinement), state.point.time)
+    # In most parts of the loop the outcome decides.
+    outcome = evaluated_once(_outcome(task, state, trial, crossing, refinement).astype(float)).astype(int)
     shorter = _shorter(task, state, trial, outcome, before)
     outcome = jnp.where(shorter < trial.length, int(StepOutcome.SHORTEN), outcome)
     return Decision(outcome, _next_bracket(state, outcome, crossing, refinement, before), refinement, shorter)
@@ -124,13 +126,6 @@ def _first(*cases: tuple[Bool[Array, ""], StepOutcome], otherwise: StepOutcome) 
     for condition, outcome in reversed(cases):
         chosen = jnp.where(condition, int(outcome), chosen)
     return chosen
-
-
-def _evaluated_once(outcome: Int[Array, ""], time: Float[Array, ""]) -> Int[Array, ""]:
-    """Return the outcome divided by one. XLA evaluates cheap operations anew wherever their result is used, here the
-    whole decision in most parts of the loop, but never a division by what it cannot know to be one (1 + 0 ·
-    ``time``)."""
-    return (outcome.astype(float) / (1.0 + 0.0 * time)).astype(int)
 
 
 def _next_bracket(
