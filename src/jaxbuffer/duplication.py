@@ -18,9 +18,9 @@ def evaluated_once(values: T) -> T:
     **Arguments:** ``values``: a tree of floating-point arrays; Python's numbers in it stay as they are. What is
     infinite becomes NaN.
     """
-    return jax.tree.map(_divided_by_one, values)
 
+    def divided_by_one(value: Any) -> Any:
+        # Held fixed, the divisor keeps what is linear in something linear.
+        return value / (1.0 + 0.0 * lax.stop_gradient(value)) if isinstance(value, jax.Array) else value
 
-def _divided_by_one(value: Any) -> Any:
-    # Held fixed, the divisor keeps what is linear in something linear.
-    return value / (1.0 + 0.0 * lax.stop_gradient(value)) if isinstance(value, jax.Array) else value
+    return jax.tree.map(divided_by_one, values)

@@ -185,14 +185,12 @@ class Prediction:
                 delay = self._value(f"{column}: delay", sensor.delay, at)
                 parts.append(_filtered(known, k, nodes, moments - delay, lag))
             else:
-                parts.append(_plain(known, k, place))
+                # As it is: it has no slope by a time constant.
+                parts.append(
+                    (*(of[k][place] for of in (known.values, known.slopes, known.rates)), np.zeros(len(place)))
+                )
         values, slopes, rates, lagging = (np.stack(them) for them in zip(*parts, strict=True))
         return values, slopes, rates, lagging
-
-
-def _plain(known: Signals, k: int, place: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Return value, slopes, rate and no slope by a time constant of a signal as it is, at some of the instants."""
-    return known.values[k][place], known.slopes[k][place], known.rates[k][place], np.zeros(len(place))
 
 
 def _filtered(known: Signals, k: int, nodes: np.ndarray, times: np.ndarray, lag: float) -> tuple[np.ndarray, ...]:

@@ -41,7 +41,7 @@ def rigid_energy(system: System, kin: Kinematics, spins: Sequence[tuple[Scalar, 
     # From the origin to the centre of mass (Steiner).
     basis = system.basis
     orbital = components(basis.vector(*centre[: basis.dimensions]).cross(basis.vector(*linear)))
-    own = [entry - other for entry, other in zip(_entries(angular), orbital, strict=True)]
+    own = [entry - other for entry, other in zip(jnp.atleast_1d(angular), orbital, strict=True)]
     about_origin = about_origin.reshape(len(arms), -1)
     inertia = _central_inertia(about_origin, mass, centre, sum(inertia for inertia, _ in spins))
     # H·J⁻¹H is the square of L⁻¹H, with J = L Lᵀ.
@@ -68,11 +68,6 @@ def _central_inertia(
             away = less(square if i == j else 0.0, times(centre[a], centre[b]))
             rows[i].append(entry - mass * away)
     return rows
-
-
-def _entries(angular: Float[Array, "..."]) -> list[Scalar]:
-    """Return the components of an angular momentum."""
-    return list(angular) if jnp.ndim(angular) else [angular]
 
 
 def _turning(system: System, kin: Kinematics, axis: Any) -> Float[Array, " velocities"]:

@@ -1,7 +1,5 @@
 """The files of a run and of its sensitivities: names, and what makes their contents."""
 
-from typing import Any
-
 from ..labelled.netcdf import SUFFIX, content
 from ..mechanisms.run import Run
 from ..run.trust import Trust
@@ -38,7 +36,8 @@ def run_files(
     name, label = run.mechanism.view.run_name, numbered(run.mechanism.view.label(run.scenario), number)
     files: Writers = {
         f"{name}.json": lambda: record_text(
-            {**records.run_record(run, constraints, trust, number), **_levers(levers)}, made
+            records.run_record(run, constraints, trust, number) | ({"levers": levers_record(levers)} if levers else {}),
+            made,
         ),
         "force.json": lambda: compact_json(force_record({name: run}, label)),
         "history.csv": lambda: csv_text(*records.run_history(run)),
@@ -53,10 +52,6 @@ def run_files(
     # All others draw or list values over time.
     without_history = (f"{name}.json", f"{name}.txt", f"{name}{SUFFIX}", f"{name}{matlab.SUFFIX}")
     return files if run.history is not None else {file: files[file] for file in without_history}
-
-
-def _levers(levers: Levers) -> dict[str, Any]:
-    return {"levers": levers_record(levers)} if levers else {}
 
 
 def run_text(run: Run, constraints: Constraints | None = None, number: str = "", levers: Levers = NO_LEVERS) -> str:

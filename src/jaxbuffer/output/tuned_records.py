@@ -81,7 +81,8 @@ def _variables(tuned: Tuned) -> list[dict[str, Any]]:
 
 def _scenarios(tuned: Tuned) -> list[dict[str, Any]]:
     """Return each load case, its lower bound, and its numbers before and after."""
-    before_and_after = (_cases(tuned, point) for point in (tuned.before, tuned.after))
+    points = (tuned.before, tuned.after)
+    before_and_after = (case_records(tuned.problem, point, tuned.reported(point)) for point in points)
     each = zip(tuned.problem.cases, _lower_bounds(tuned), *before_and_after, strict=True)
     return [
         {
@@ -174,10 +175,6 @@ def _lower_bounds(tuned: Tuned) -> list[dict[str, Any]]:
     units = {"lower_bound": "N", "closed_form_first_peak": "N", "T_c": "J"}
     rows = zip(lower_bound.simulated, lower_bound.closed_form, lower_bound.energy, strict=True)
     return [amounts(units, row) for row in rows]
-
-
-def _cases(tuned: Tuned, point: Evaluation) -> list[dict[str, Any]]:
-    return case_records(tuned.problem, point, tuned.reported(point))
 
 
 def case_records(

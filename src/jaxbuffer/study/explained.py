@@ -63,7 +63,9 @@ def explained(study: Config, name: str) -> str:
         "then": [] if problem is None else _then(study, problem),
         "parts": _parts(study),
         "roundings": [
-            f"{path} to {rule if isinstance(rule, str) else _step(study, path, rule)}"
+            f"{path} to {rule}"
+            if isinstance(rule, str)
+            else f"{path} to steps of {with_unit(rule, _unit(study.design, path))}"
             for path, rule in study.roundings.items()
         ],
         "fit": _fit(study),
@@ -164,10 +166,6 @@ def _fit(study: Config) -> list[str]:
                 f"  {name} in {interval_text(it.low, it.high, '-' if name.endswith('gain') else 's')}, unknown"
             )
     return lines
-
-
-def _step(study: Config, path: str, step: float) -> str:
-    return f"steps of {with_unit(step, _unit(study.design, path))}"
 
 
 def _differences(study: Config) -> list[str]:

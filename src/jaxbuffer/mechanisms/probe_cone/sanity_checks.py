@@ -73,16 +73,12 @@ def _table_values(design: Design) -> Iterator[str]:
     lines = [
         _line(design, entry, ratios.get(entry.vehicle, 1.0))
         for entry in TABLE_VALUES
-        if _same(get(design, entry.path), usual, entry)
+        if np.all(np.asarray(get(design, entry.path)) == get(usual, entry.path))
     ]
     if lines:
         masses = " and ".join(f"{float(get(usual, f'{name}.mass')):.3g} kg" for name in ratios)
         yield f"the vehicles are far from the laboratory model's {masses}, of which these numbers are kept:"
         yield from lines
-
-
-def _same(value: object, usual: Design, entry: TableValue) -> bool:
-    return bool(np.all(np.asarray(value) == get(usual, entry.path)))
 
 
 def _line(design: Design, entry: TableValue, ratio: float) -> str:
