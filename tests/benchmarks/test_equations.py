@@ -12,10 +12,10 @@ import jaxbuffer as jb
 from benchmarks.equations import Case, Size, cases, programs, size_of
 
 MOST = {  # outside of the loop: a run's two programs together, and one of jax.grad
-    "capture": (4_150, 7_750),
-    "docking": (5_500, 10_700),
-    "slider_crank": (3_150, 6_350),
-    "bar_drop": (1_920, 2_700),
+    "capture": (4_200, 7_800),
+    "docking": (5_550, 10_800),
+    "slider_crank": (3_200, 6_350),
+    "bar_drop": (2_000, 2_800),
 }
 
 
