@@ -439,7 +439,7 @@ def _no_back() -> None:
     from jaxbuffer.contact.shapes import Segment
 
     foot = Segment.foot
-    Segment.foot = lambda self, x, y, side: foot(self, x, y, 0.0)
+    Segment.foot = lambda self, x, y, side, radius: foot(self, x, y, 0.0, radius)
 
 
 def _no_ramp() -> None:
@@ -466,8 +466,8 @@ def _foot_on_pin() -> None:
 
     foot = Hole.foot
 
-    def broken(self, x, y, side):
-        contact = foot(self, x, y, side)
+    def broken(self, x, y, side, radius):
+        contact = foot(self, x, y, side, radius)
         off = 5e-4  # m, the default clearance
         return contact._replace(x=contact.x + off * contact.normal_x, y=contact.y + off * contact.normal_y)
 

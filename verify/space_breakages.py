@@ -99,7 +99,7 @@ def _meridian_of_the_plane() -> None:
     from jaxbuffer.contact import Revolved
 
     nearest = Revolved.nearest
-    Revolved.nearest = lambda self, place, side: nearest(self, place._replace(z=0.0), side)
+    Revolved.nearest = lambda self, place, side, radius: nearest(self, place._replace(z=0.0), side, radius)
 
 
 def _free_ball_without_moment() -> None:
@@ -139,8 +139,8 @@ def _inertia_about_the_origin() -> None:
     from jaxbuffer.mechanisms import relative_energy
 
     inertia = relative_energy._central_inertia
-    relative_energy._central_inertia = lambda system, turns, mass, centre, balls: inertia(
-        system, turns, 0.0 * mass, centre, balls
+    relative_energy._central_inertia = lambda about_origin, mass, centre, balls: inertia(
+        about_origin, 0.0 * mass, centre, balls
     )
 
 

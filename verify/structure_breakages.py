@@ -123,14 +123,14 @@ def _support_by_node() -> None:
 
     from jaxbuffer.mechanisms.tank_drop import assembly
 
-    support = assembly._support
+    pressed = assembly._pressed
 
-    def broken(design, parts, baffle):
-        contact = support(design, parts, baffle)
+    def broken(design, mesh, slaves, plane):
+        contact = pressed(design, mesh, slaves, plane)
         evenly = jnp.full_like(contact.stiffness, 0.02 * design.support.stiffness)  # strips of the coarsest mesh
         return eqx.tree_at(lambda c: c.stiffness, contact, evenly)
 
-    assembly._support = broken
+    assembly._pressed = broken
 
 
 def _late_energy() -> None:

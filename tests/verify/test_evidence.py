@@ -1,6 +1,8 @@
 """Evidence fails its test where it must and keeps the worst; the report sees what no breakage caught."""
 
 import json
+import subprocess
+import sys
 
 import pytest
 
@@ -98,3 +100,9 @@ def test_every_check_of_a_breakage_is_there():
         path = ROOT / file
         assert path.is_file() or (not test and path.is_dir()), check
         assert not test or f"def {test.partition('[')[0]}(" in path.read_text(encoding="utf-8"), check
+
+
+def test_every_breakage_replaces_what_there_is():
+    """One that patches what was renamed, or whose arguments changed, crashes its checks instead of failing them."""
+    done = subprocess.run([sys.executable, "-m", "verify.stale"], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (0, ""), done.stdout + done.stderr
