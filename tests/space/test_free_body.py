@@ -9,7 +9,7 @@ from scipy.integrate import quad, solve_ivp
 from scipy.spatial.transform import Rotation
 from scipy.special import ellipj, ellipk
 
-from jaxbuffer.plane import cholesky_solve
+from jaxbuffer.plane import ldl_solve
 from jaxbuffer.space import SPACE, Vector
 
 MOMENTS = (0.8, 1.3, 1.9)  # kg m², in ascending order
@@ -24,7 +24,7 @@ def motion(q, v, times, moments=MOMENTS):
     def field(_, y, __):
         q, v = y
         (frame,) = SPACE.frames(q, v, 1)
-        turned = cholesky_solve(SPACE.inertia_block(frame, moments), SPACE.gyroscopic_moment(frame, moments))
+        turned = ldl_solve(SPACE.inertia_block(frame, moments), SPACE.gyroscopic_moment(frame, moments))
         return SPACE.position_rate(q, 1).of(v), jnp.concatenate([jnp.zeros(3), turned])
 
     return diffrax.diffeqsolve(

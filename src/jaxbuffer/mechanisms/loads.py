@@ -12,7 +12,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from ..hybrid import Kind, Log
-from ..plane import cholesky_solve
+from ..plane import ldl_solve
 from ..programs.cache import Static, stored
 from .registry import mechanism_of
 from .system import ContactSystem
@@ -72,7 +72,7 @@ def effective_energy(
     # An open contact is a row and a column of the identity, with no speed.
     inverse = jnp.where(closed[:, None] & closed[None], system.inverse_masses_at(at), jnp.eye(closed.shape[0]))
     speeds = jnp.where(closed, system.gaps_at(at)[1][: closed.shape[0]], 0.0)
-    return 0.5 * jnp.sum(speeds * cholesky_solve(inverse, speeds))
+    return 0.5 * jnp.sum(speeds * ldl_solve(inverse, speeds))
 
 
 def _compression_end(

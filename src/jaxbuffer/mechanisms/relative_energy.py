@@ -14,7 +14,7 @@ from jaxtyping import Array, Float
 from .._types import Scalar, stacked
 from ..basis import components, less, plus, times, turn_array
 from ..multibody import Kinematics, System
-from ..plane import Cholesky
+from ..plane import Factors
 
 
 def rigid_energy(system: System, kin: Kinematics, spins: Sequence[tuple[Scalar, Any]] = ()) -> Scalar:
@@ -44,9 +44,10 @@ def rigid_energy(system: System, kin: Kinematics, spins: Sequence[tuple[Scalar, 
     own = [entry - other for entry, other in zip(jnp.atleast_1d(angular), orbital, strict=True)]
     about_origin = about_origin.reshape(len(arms), -1)
     inertia = _central_inertia(about_origin, mass, centre, sum(inertia for inertia, _ in spins))
-    # H·J⁻¹H is the square of L⁻¹H, with J = L Lᵀ.
-    turning = stacked(Cholesky.of(inertia).forward(own))
-    return 0.5 * jnp.sum(linear**2) / mass + 0.5 * jnp.sum(turning**2)
+    # H·J⁻¹H by J = L D Lᵀ.
+    factors = Factors.of(inertia)
+    turning = [0.5 * h**2 / pivot for h, pivot in zip(factors.forward(own), factors.pivot, strict=True)]
+    return 0.5 * jnp.sum(linear**2) / mass + sum(turning[1:], turning[0])
 
 
 def _central_inertia(

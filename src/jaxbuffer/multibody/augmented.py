@@ -14,7 +14,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._types import Scalar, stacked
-from ..plane import Cholesky, cholesky_solve
+from ..plane import Factors, ldl_solve
 
 Pattern = tuple[tuple[tuple[int, int], ...], ...]
 """For each row of Φ_q its entries that can differ from zero: (column, index into the values)."""
@@ -90,14 +90,14 @@ class MassMatrix(NamedTuple):
 
     def factored(self) -> "FactoredMass":
         """Factorise the blocks of M."""
-        return FactoredMass(self.inverse, [(columns, Cholesky.of(rows)) for columns, rows in self.blocks()])
+        return FactoredMass(self.inverse, [(columns, Factors.of(rows)) for columns, rows in self.blocks()])
 
 
 class FactoredMass(NamedTuple):
     """M, ready to be solved with: the diagonal's reciprocals, and the columns and factors of each block."""
 
     inverse: Float[Array, " coordinates"]
-    blocks: list[tuple[tuple[int, ...], Cholesky]]
+    blocks: list[tuple[tuple[int, ...], Factors]]
 
     def solve_row(self, row: Mapping[int, Scalar]) -> dict[int, Scalar]:
         """Return M⁻¹ times a vector given by its entries that can differ from zero."""
@@ -164,7 +164,7 @@ def _solve(
     unheld = [sum(entry * force[column] for column, entry in row.items()) for row in weighted]
     # Written out: a call of LAPACK would split the loop's kernel.
     sides: list[Scalar] = [unheld[i] - rhs[i] for i in range(len(pattern))]
-    multipliers = cholesky_solve(schur, sides)
+    multipliers = ldl_solve(schur, sides)
     return mass.solve(force - _reaction(jacobian, multipliers, force.shape[0])), multipliers
 
 

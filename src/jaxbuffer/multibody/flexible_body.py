@@ -3,7 +3,7 @@
 import jax.numpy as jnp
 
 from .._types import Scalar
-from ..plane import Cholesky, Frame, Vector
+from ..plane import Factors, Frame, Vector
 from .body import Body
 from .flexible.modes import ComponentModes, Marker, Modal, ModalMatrix
 from .forces import SpringDirection
@@ -110,7 +110,7 @@ class FlexibleBody(Body):
 
     def springs(self, body: int) -> tuple[SpringDirection, ...]:
         """Return the spring-dampers that stand for stiffness and damping in implicit steps: along the columns of L of K
-        = L Lᵀ.
+        = L D Lᵀ.
 
         The damping along one of these that another causes is left out; there is none if C is a multiple of K, or if the
         modes are orthogonal. ``body``: its index.
@@ -119,13 +119,12 @@ class FlexibleBody(Body):
         units: list[list[Scalar]] = [[float(k == j) for j in range(n)] for k in range(n)]
         numbers: list[tuple[Scalar, Scalar]] = [(stiffness[k, k], damping[k, k]) for k in range(n)]
         if not self.modes.orthogonal:
-            factors = Cholesky.of(stiffness)
-            # In the coordinates Lᵀ q the stiffness is the identity, so each of them is a spring by itself.
+            factors = Factors.of(stiffness)
+            # In the coordinates Lᵀ q the stiffness is diagonal, so each of them is a spring by itself.
             half = jnp.stack(factors.forward(damping))  # L⁻¹ C, and then L⁻¹ C L⁻ᵀ
             across = jnp.stack(factors.forward(half.T))
-            below = [[factors.lower[j][k] for j in range(k + 1, n)] for k in range(n)]
-            units = [[*[0.0] * k, factors.diagonal[k], *below[k]] for k in range(n)]
-            numbers = [(1.0, across[k, k]) for k in range(n)]
+            units = [[*[0.0] * k, 1.0, *(factors.lower[j][k] for j in range(k + 1, n))] for k in range(n)]
+            numbers = [(factors.pivot[k], across[k, k]) for k in range(n)]
         blocks = [{body: (0.0, 0.0, 0.0, *unit)} for unit in units]
         return tuple(SpringDirection(block, *pair) for block, pair in zip(blocks, numbers, strict=True))
 

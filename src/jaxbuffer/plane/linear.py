@@ -1,6 +1,6 @@
 """Small symmetric systems solved without LAPACK: a library call inside a loop would split XLA's single kernel."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 import jax.numpy as jnp
@@ -9,50 +9,54 @@ from jaxtyping import Array, Float
 
 from .._types import Scalar
 from ..basis import is_zero, less, times
+from ..duplication import evaluated_once
 
 
-class Cholesky(NamedTuple):
-    """A symmetric positive definite matrix as L Lᵀ: rows of L below its diagonal, and that diagonal.
+class Factors(NamedTuple):
+    """A symmetric matrix as L D Lᵀ: rows of L below its diagonal of ones, and the diagonal of D.
 
-    What is Python's 0 costs nothing: order rows so that few entries fill in. XLA evaluates cheap operations anew
-    wherever their result is used, and so whole chains of them, but never a division or a root: with these factors every
-    number that is used again is the result of one.
+    That diagonal may have either sign: a flexible body's mass alone may be indefinite, where joints hold it. What is
+    Python's 0 costs nothing: order rows so that few entries fill in. XLA evaluates cheap operations anew wherever their
+    result is used, and so whole chains of them, but never a division: every number here that is used again is the
+    result of one.
     """
 
     lower: list[list[Scalar]]
-    diagonal: list[Scalar]
+    pivot: list[Scalar]
 
     @staticmethod
-    def of(matrix: Float[Array, "m m"] | Sequence[Sequence[Scalar]]) -> "Cholesky":
-        """Factorise a symmetric positive definite matrix. ``matrix``: (m, m), of which only the lower half is read."""
+    def of(matrix: Float[Array, "m m"] | Sequence[Sequence[Scalar]]) -> "Factors":
+        """Factorise a symmetric matrix. ``matrix``: (m, m), of which only the lower half is read."""
         lower: list[list[Scalar]] = []
-        diagonal: list[Scalar] = []
+        pivot: list[Scalar] = []
         for i in range(len(matrix)):
             lower.append([])
             for j in range(i):
-                lower[i].append(_divided(_less_products(matrix[i][j], lower[i][:j], lower[j]), diagonal[j]))
-            diagonal.append(jnp.sqrt(_less_products(matrix[i][i], lower[i], lower[i])))
-        return Cholesky(lower, diagonal)
+                weighted = map(times, lower[j], pivot)
+                lower[i].append(_divided(_less_products(matrix[i][j], lower[i], weighted), pivot[j]))
+            pivot.append(evaluated_once(_less_products(matrix[i][i], lower[i], map(times, lower[i], pivot))))
+        return Factors(lower, pivot)
 
     def forward(self, rhs: Sequence[Scalar] | Float[Array, "m *columns"]) -> list[Any]:
         """Return L⁻¹ times a right-hand side of m entries, each a number or a row of columns."""
-        x: list[Any] = []
-        for entry, row, diagonal in zip(rhs, self.lower, self.diagonal, strict=True):
-            x.append(_divided(_less_products(entry, row, x), diagonal))
+        x, divided = list[Any](), list[Any]()
+        for entry, row, pivot in zip(rhs, self.lower, self.pivot, strict=True):
+            x.append(_less_products(entry, map(times, row, self.pivot), divided))
+            divided.append(_divided(x[-1], pivot))
         return x
 
     def solve(self, rhs: Sequence[Scalar] | Float[Array, "m *columns"]) -> list[Any]:
         """Return the solution for a right-hand side of m entries, each a number or a row of columns."""
         x = self.forward(rhs)
         for i in reversed(range(len(x))):
-            column = [row[i] for row in self.lower[i + 1 :]]
-            x[i] = _divided(_less_products(x[i], column, x[i + 1 :]), self.diagonal[i])
+            column = [times(row[i], self.pivot[i]) for row in self.lower[i + 1 :]]
+            x[i] = _divided(_less_products(x[i], column, x[i + 1 :]), self.pivot[i])
         return x
 
 
-def _less_products(entry: Any, factors: Sequence[Any], others: Sequence[Any]) -> Any:
-    """Return a number less the sum of products of ``factors`` and ``others``."""
-    for a, b in zip(factors, others, strict=True):
+def _less_products(entry: Any, factors: Iterable[Any], others: Iterable[Any]) -> Any:
+    """Return a number less the sum of products of ``factors`` and ``others``, as far as both go."""
+    for a, b in zip(factors, others, strict=False):
         entry = less(entry, times(a, b))
     return entry
 
@@ -61,16 +65,15 @@ def _divided(entry: Any, divisor: Scalar) -> Any:
     return entry if is_zero(entry) else entry / divisor
 
 
-def cholesky_solve(
+def ldl_solve(
     matrix: Float[Array, "m m"] | Sequence[Sequence[Scalar]], rhs: Float[Array, "m *columns"] | Sequence[Scalar]
 ) -> Float[Array, "m *columns"]:
-    """Solve a symmetric positive definite system by Cholesky's factors, written out for the few rows that a
-    mechanism has.
+    """Solve a symmetric system by its `Factors`, written out for the few rows that a mechanism has.
 
     **Arguments:** ``matrix``: (m, m), of which only the lower half is read; ``rhs``: (m,) or (m, columns).
     **Returns:** the solution, the shape of ``rhs``.
     """
-    return jnp.stack(Cholesky.of(matrix).solve(rhs))
+    return jnp.stack(Factors.of(matrix).solve(rhs))
 
 
 def inverse(matrix: Float[Array, "m m"]) -> Float[Array, "m m"]:
