@@ -23,9 +23,9 @@ PYTEST := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 
 	--durations-min 5 $(if $(PROGRAMS),--programs=$(PROGRAMS))
 SLOW := slow or whole or long
 # Nearly all of the tests' time is compilation. Without LLVM's optimisations the 447 quick ones of tests/docking, run,
-# sensitivities and elements take 127 instead of 187 s of processor; without notes for these, which array is no part of
-# which other, a docking's loop compiles in 3.0 instead of 3.6 s. The comparisons with references in tests/verification,
-# and the longest tests, run what users run.
+# sensitivities and elements take 127 instead of 187 s of processor; without XLA's alias metadata, which only these read,
+# a docking's loop compiles in 3.0 instead of 3.6 s. The comparisons with references in tests/verification, and the
+# longest tests, run what users run.
 AS_USERS_RUN := tests/verification
 UNOPTIMISED := XLA_FLAGS="$$XLA_FLAGS --xla_backend_optimization_level=0 --xla_llvm_enable_noalias_metadata=false \
 	--xla_llvm_enable_alias_scope_metadata=false"

@@ -61,7 +61,7 @@ class BallPair(eqx.Module):
         **Arguments:** ``ball``: its centre, and how it turns; ``body``: the origin of the shape's axes, and how they
         turn.
         """
-        # Everything about a contact follows from these.
+        # All that is known of a contact is computed from these two, in many loops of the compiled program.
         place = evaluated_once(body.unturn(ball.origin - body.origin))
         near = evaluated_once(self.shape.nearest(place, self.side, self.radius))
         normal, foot = body.turn(near.normal), body.turn(near.foot)

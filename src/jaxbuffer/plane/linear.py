@@ -17,7 +17,7 @@ class Factors(NamedTuple):
 
     That diagonal may have either sign: a flexible body's mass alone may be indefinite, where joints hold it. What is
     Python's 0 costs nothing: order rows so that few entries fill in. XLA evaluates cheap operations anew wherever their
-    result is used, and so whole chains of them, but never a division: every number here that is used again is the
+    result is used, and so whole chains of them, but never a division: what is used many times here is the
     result of one.
     """
 
