@@ -50,9 +50,15 @@ def test_a_swinging_force_is_moved_no_farther_than_it_is_even(shortfall):
     """cos ωt at √(2 s)/ω from its top is 1 - s: a step that ends there may be moved onto the top. Moved along its slope
     from as far as any may be, the force is too high by a few s."""
     linear_time = jax.jit(_linear_time)
-    time = float(linear_time(of_spring(2.0, 800.0, 1.0), shortfall))
+    time = float(linear_time(of_spring(2.0, 800.0, 1.0), shortfall, jnp.inf))
     assert (2.0 * shortfall) ** 0.5 / 20.0 < time
     phase = 20.0 * time
     moved = float(np.cos(phase) + phase * np.sin(phase))
     assert 0.0 <= moved - 1.0 < 5.0 * max(shortfall, 1e-6)
-    assert np.isfinite(linear_time(Linearisation.none(3, 2), shortfall))
+
+
+def test_in_free_flight_a_state_is_moved_by_little_of_a_step():
+    """Along a circle, to second order, from as far as that: by a thousandth of a tenth of a radian."""
+    time = float(jax.jit(_linear_time)(Linearisation.none(3, 2), 1e-9, 0.1))
+    assert 0.0 < time < 1e-3
+    assert abs(np.exp(1j * time) - (1.0 + 1j * time - 0.5 * time**2)) < 1e-12

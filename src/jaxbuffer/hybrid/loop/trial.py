@@ -21,7 +21,7 @@ P = TypeVar("P")
 BEFORE_RELEASE = 0.6  # of the predicted time to a release: near it only a step that ends on it is accurate
 ADDED, LEAST_SHARE = 0.3, 1e-4  # see `_allowed_change`
 LINEAR, LEAST_SHORTFALL = 3.0, 1e-6  # see `_linear_time`
-SPACING = 1e-3  # of a step as accuracy allows: how far beside its end the second derivative is taken from
+SPACING = 1e-3  # of a step as accuracy allows: how far beside its end the state is taken to be even
 
 
 class Trial(NamedTuple):
@@ -89,19 +89,21 @@ def take_trial(task: Task[P], state: LoopState) -> Trial:
     norm = jnp.where(length > task.event_time, jnp.maximum(state_norm, jnp.max(norms)), state_norm)
     # The last norm too, since the invariant is in it and not in the others.
     finite = jnp.all(jnp.isfinite(norms)) & jnp.isfinite(norm) & jnp.all(jnp.isfinite(step.rate))
-    linear = _linear_time(stiff, task.shortfall)
+    linear = _linear_time(stiff, task.shortfall, jnp.min(state.step_sizes.steps))
     return Trial(method, length, with_tangents, step, guards, change, state_norm, norm, finite, linear)
 
 
-def _linear_time(stiff: Linearisation, shortfall: Scalar) -> Float[Array, ""]:
+def _linear_time(stiff: Linearisation, shortfall: Scalar, step: Scalar) -> Float[Array, ""]:
     """Return for how long a state changes evenly, at its rate, to some ``shortfall`` of a force that swings [s].
 
     With ω the fastest rate of the stiff forces, a force at its top is moved over a time t too high by (ωt)²/2 of it. A
     step that falls short of its own maximum by just the shortfall, (ωt)²/2 of that too, is well within this time.
-    Tighter tolerances make it no shorter: the times of a struck beam's maxima are then less exact, not more.
+    Tighter tolerances make it no shorter: the times of a struck beam's maxima are then less exact, not more. Where no
+    stiff force acts, a small part of a ``step`` as accuracy allows is all that the state is known to be even over.
     """
     allowed = jnp.maximum(shortfall, LEAST_SHORTFALL)
-    return LINEAR * jnp.sqrt(allowed) / jnp.maximum(stiff.fastest(), 1e-150)  # no stiff force may act at all
+    # no stiff force may act at all
+    return jnp.minimum(LINEAR * jnp.sqrt(allowed) / jnp.maximum(stiff.fastest(), 1e-150), SPACING * step)
 
 
 def _allowed_change(change: Scalar, share: Scalar, rtol: Scalar) -> Float[Array, ""]:
