@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
+from typing import Any
 
 from .figures import Part
 
@@ -32,12 +33,23 @@ def fallen(now: Mapping[str, float], before: Mapping[str, float], allowed: float
 
 
 def load(mode: str, file: Path = FILE) -> dict[str, float]:
-    """The baseline of ``mode``, "quick" or "full"; empty where there is none."""
-    return json.loads(file.read_text()).get(mode, {}) if file.exists() else {}
+    """The ratios of a baseline of ``mode``, "quick" or "full"; empty where there is none."""
+    return _stored(file).get(mode, {}).get("ratios", {})
 
 
-def store(mode: str, now: Mapping[str, float], file: Path = FILE) -> None:
-    """Put the ratios in place of their baselines; others stay."""
-    stored = json.loads(file.read_text()) if file.exists() else {}
-    merged = {**stored.get(mode, {}), **{key: float(f"{value:.3g}") for key, value in now.items()}}
-    file.write_text(json.dumps({**stored, mode: merged}, indent=1, sort_keys=True) + "\n")
+def where(mode: str, file: Path = FILE) -> str:
+    """On which machine the baseline of ``mode`` was measured last, and when: a ratio may differ between processors."""
+    taken = _stored(file).get(mode, {})
+    return f"{taken['cores']} cores of {taken['processor']}, {taken['date']}" if taken else "no machine yet"
+
+
+def store(mode: str, now: Mapping[str, float], about: Mapping[str, Any], file: Path = FILE) -> None:
+    """Put the ratios in place of their baselines, with what `report.about` says of the run; other ratios stay."""
+    ratios = {**load(mode, file), **{key: float(f"{value:.3g}") for key, value in now.items()}}
+    machine = about["machine"]
+    taken = {"processor": machine["processor"], "cores": machine["cores"], "date": about["date"], "ratios": ratios}
+    file.write_text(json.dumps({**_stored(file), mode: taken}, indent=1, sort_keys=True) + "\n")
+
+
+def _stored(file: Path) -> dict[str, Any]:
+    return json.loads(file.read_text()) if file.exists() else {}

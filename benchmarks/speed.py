@@ -57,7 +57,7 @@ def main(
         out.print(f"wrote {os.path.relpath(file)}", highlight=False)
     now = baseline.ratios(parts)
     if store_baseline:
-        baseline.store(mode, now)
+        baseline.store(mode, now, run)
         out.print(f"stored {len(now)} ratios in {os.path.relpath(baseline.FILE)}", highlight=False)
     slower = False
     if check_baseline:
@@ -65,6 +65,7 @@ def main(
         lines = baseline.fallen(now, before)
         for line in lines:
             out.print(f"SLOWER {line}", highlight=False)
-        out.print(f"{len(before) - len(lines)} of {len(before)} ratios are at their {mode} baseline", highlight=False)
+        kept = f"{len(before) - len(lines)} of {len(before)} ratios are at their {mode} baseline"
+        out.print(f"{kept} ({baseline.where(mode)})", highlight=False)
         slower = bool(lines) or not before
     return 1 if slower or failed else 0

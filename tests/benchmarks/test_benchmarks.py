@@ -103,11 +103,14 @@ def test_a_ratio_that_fell_or_was_lost_is_told():
 def test_baselines_of_modes_and_parts_are_kept_apart(tmp_path):
     file = tmp_path / "baseline.json"
     assert baseline.load("quick", file) == {}
-    baseline.store("quick", baseline.ratios([part(), part(name="gradient")]), file)
-    baseline.store("full", {"capture/best-peer": 9.0}, file)
-    baseline.store("quick", {"gradient/best-peer": 33.333}, file)
+    baseline.store("quick", baseline.ratios([part(), part(name="gradient")]), RUN, file)
+    baseline.store("full", {"capture/best-peer": 9.0}, RUN, file)
+    later = RUN | {"date": "2025-03-04", "machine": RUN["machine"] | {"processor": "astrolabe"}}
+    baseline.store("quick", {"gradient/best-peer": 33.333}, later, file)
     assert baseline.load("quick", file) == {"capture/best-peer": 5.0, "gradient/best-peer": 33.3}
     assert baseline.load("full", file) == {"capture/best-peer": 9.0}
+    assert baseline.where("quick", file) == "2 cores of astrolabe, 2025-03-04"
+    assert baseline.where("full", file) == "2 cores of abacus, 2025-01-02"
 
 
 @pytest.fixture
@@ -127,10 +130,11 @@ def measured(monkeypatch, tmp_path):
     for name in result:
         monkeypatch.setitem(sys.modules, f"benchmarks.{name}", Stub(name))
     file = tmp_path / "baseline.json"
-    load, store = baseline.load, baseline.store
+    load, store, where = baseline.load, baseline.store, baseline.where
     monkeypatch.setattr(baseline, "FILE", file)
     monkeypatch.setattr(baseline, "load", lambda mode: load(mode, file))
-    monkeypatch.setattr(baseline, "store", lambda mode, now: store(mode, now, file))
+    monkeypatch.setattr(baseline, "where", lambda mode: where(mode, file))
+    monkeypatch.setattr(baseline, "store", lambda mode, now, about: store(mode, now, about, file))
     return result
 
 
