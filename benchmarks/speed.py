@@ -56,9 +56,6 @@ def main(
     for file in report.write(parts, run, output):
         out.print(f"wrote {os.path.relpath(file)}", highlight=False)
     now = baseline.ratios(parts)
-    if store_baseline:
-        baseline.store(mode, now, run)
-        out.print(f"stored {len(now)} ratios in {os.path.relpath(baseline.FILE)}", highlight=False)
     slower = False
     if check_baseline:
         before = baseline.due(baseline.load(mode), names)
@@ -68,4 +65,7 @@ def main(
         kept = f"{len(before) - len(lines)} of {len(before)} ratios are at their {mode} baseline"
         out.print(f"{kept} ({baseline.where(mode)})", highlight=False)
         slower = bool(lines) or not before
+    if store_baseline:
+        baseline.store(mode, now, run)
+        out.print(f"stored {len(now)} ratios in {os.path.relpath(baseline.FILE)}", highlight=False)
     return 1 if slower or failed else 0
