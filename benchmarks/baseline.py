@@ -45,7 +45,10 @@ def where(mode: str, file: Path = FILE) -> str:
 
 def store(mode: str, now: Mapping[str, float], about: Mapping[str, Any], file: Path = FILE) -> None:
     """Put the ratios in place of their baselines, with what `report.about` says of the run; other ratios stay."""
-    ratios = {**_stored(file).get(mode, {}).get("ratios", {}), **{key: float(f"{value:.3g}") for key, value in now.items()}}
+    ratios = {
+        **_stored(file).get(mode, {}).get("ratios", {}),
+        **{key: float(f"{value:.3g}") for key, value in now.items()},
+    }
     machine = about["machine"]
     taken = {"processor": machine["processor"], "cores": machine["cores"], "date": about["date"], "ratios": ratios}
     file.write_text(json.dumps({**_stored(file), mode: taken}, indent=1, sort_keys=True) + "\n")
