@@ -73,6 +73,7 @@ TWO_SIDES = "tests/contact/test_two_sides.py"
 ANY_SIGN = "tests/hybrid/test_maxima.py::test_a_maximum_is_one_whatever_its_sign[loop-0.9]"
 DELAYED = "tests/run/test_moving_maxima.py::test_a_hinge_force_of_microseconds_by_what_delays_its_impact[explicit]"
 SOLVED_WRONGLY = "tests/docking/test_runs.py::test_a_touchdown_is_found_whatever_rounding_does_on_the_way"
+ROUNDED_GAP = "tests/hybrid/test_rounded_gap.py"
 PUSHED_BACK = "tests/elements/test_reversing_force.py::test_a_body_that_is_pushed_back_swings_as_far_beyond[0.0001]"
 CHAINED = "tests/tuning/test_custom_quantity.py::test_slopes_are_those_of_the_function"
 
@@ -258,6 +259,12 @@ def _every_step_narrows() -> None:
     from jaxbuffer.hybrid.loop import decision
 
     decision._narrows_bracket = lambda task, trial: trial.finite
+
+
+def _nearer_than_rounding() -> None:
+    from jaxbuffer.hybrid.loop import decision
+
+    decision.ROUNDING = 0.0
 
 
 def _falling_ends_only() -> None:
@@ -662,6 +669,12 @@ BREAKAGES = (
     ),
     Breakage(
         "narrowed wrongly", "a step that is solved wrongly narrows a bracket", _every_step_narrows, (SOLVED_WRONGLY,)
+    ),
+    Breakage(
+        "nearer than rounding",
+        "a gap is to come nearer to zero than rounding lets it",
+        _nearer_than_rounding,
+        (ROUNDED_GAP,),
     ),
     Breakage(
         "falling ends", "no maximum in a step at whose end the quantity rises", _falling_ends_only, (RISES_AGAIN,)

@@ -16,8 +16,8 @@ around, around_release = jax.jit(Bracket.around), jax.jit(Bracket.around_release
 
 
 @jax.jit
-def shown(bracket, step, guards, shortfall, linear_time):
-    return refine(bracket, step, guards, 1, CLOSE, shortfall, linear_time)
+def shown(bracket, step, guards, shortfall, linear_time, rounding=0.0):
+    return refine(bracket, step, guards, 1, CLOSE, shortfall, linear_time, rounding)
 
 
 def begun(guard, first, value):
@@ -27,12 +27,12 @@ def begun(guard, first, value):
     return around(crossing, before, np.asarray(0))
 
 
-def refined(bracket, value, rate, acceleration=0.0, shortfall=0.0, step=None, linear_time=LENGTH):
+def refined(bracket, value, rate, acceleration=0.0, shortfall=0.0, step=None, linear_time=LENGTH, rounding=0.0):
     """What a step of the bracket's length shows."""
     both = lambda number: np.array([number] * 2)  # noqa: E731
     guards = SignedGuards(both(value), both(rate), both(acceleration))
     step = bracket.step if step is None else np.asarray(step)
-    return shown(bracket, step, guards, np.asarray(shortfall), np.asarray(linear_time))
+    return shown(bracket, step, guards, np.asarray(shortfall), np.asarray(linear_time), np.asarray(rounding))
 
 
 def located(guard, first, value, rate, acceleration=lambda x: 0.0, shortfall=0.0):
@@ -167,3 +167,13 @@ def test_a_step_retaken_on_its_event_ends_on_it():
     assert retaken.finished
     assert retaken.occurred
     np.testing.assert_allclose(float(retaken.offset), -10.0 * CLOSE, rtol=1e-12)
+
+
+@pytest.mark.parametrize(("value", "known"), [(-3e-17, True), (3e-17, True), (-1e-15, False)])
+def test_no_step_ends_nearer_than_rounding_lets_it(value, known):
+    """A gap of a rounding error, at 1e-8 m/s, is three tolerances before its event, whichever step is tried."""
+    bracket = begun(GUARD, 0.5 * LENGTH, lambda x: 1e-8 * (x - 0.5 * LENGTH))
+    found = refined(bracket, value=value, rate=1e-8, rounding=1e-16)
+    assert abs(value / 1e-8) > CLOSE
+    assert bool(found.finished) == bool(found.occurred) == known
+    assert float(found.offset) == 0.0, "where rounding puts it says no time"

@@ -110,6 +110,7 @@ def refine(
     tolerance: Float[Array, ""] | float,
     shortfall: Float[Array, ""] | float,
     linear_time: Float[Array, ""] | float,
+    rounding: Float[Array, ""] | float,
 ) -> Refinement:
     """Say how far the end of a step is from the event, and which length to try next.
 
@@ -121,7 +122,7 @@ def refine(
     **Arguments:** ``bracket``; ``step`` tried [s]; ``guards`` at its end: the first ``rated`` have exact rates, the
     others get theirs from the parabola through both ends of the bracket and this point; ``tolerance`` [s];
     ``shortfall``: by how much an observable may be below its maximum where the step ends; ``linear_time`` [s]: over
-    how long the state there can be moved along its rate.
+    how long the state there can be moved along its rate; ``rounding``: what of a guard's value is rounding.
     """
     exact = bracket.guard < rated
     z = guards.value[bracket.guard]
@@ -141,7 +142,10 @@ def refine(
     # Farther than the state can be moved along its rate, a step's end stands for the maximum as it is.
     near = exact | (jnp.abs(offset) <= jnp.maximum(linear_time, tolerance))
     beside = ~exact & inside & (0.5 * jnp.abs(z * offset) <= shortfall)
-    close = (jnp.abs(offset) <= tolerance) | beside
+    # No step ends nearer than rounding lets a guard come to zero, and where it then lies says no time: where a contact
+    # closes slowly, the tolerance may ask for more.
+    rounded = exact & (jnp.abs(z) <= rounding)
+    close = (jnp.abs(offset) <= tolerance) | beside | rounded
     # With tangents the same step may end a little beside: it stays on its event.
     converged = close | bracket.converged & rising
     out_of_tries = bracket.tries >= jnp.where(exact, MAX_TRIES, MAX_TRIES_MAXIMUM)
@@ -162,7 +166,7 @@ def refine(
         finished=finished,
         converged=converged,
         occurred=finished & (converged | ~below),
-        offset=jnp.where(converged & inside & near, offset, 0.0),
+        offset=jnp.where(converged & inside & near & ~rounded, offset, 0.0),
         guard_rate=rate,
         bracket=reached,
     )

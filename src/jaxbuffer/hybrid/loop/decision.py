@@ -17,6 +17,7 @@ from .state import LoopState
 from .task import Task
 from .trial import Trial
 
+ROUNDING = 1e-15  # of the largest coordinate: by so much rounding may change a gap
 OVERSHOT = 5.0  # times the allowed error: a step beyond an event may miss by that and still say where the event is
 
 
@@ -57,7 +58,10 @@ def decide(task: Task, state: LoopState, trial: Trial) -> Decision:
     # How far below its maximum an observable may be where a step onto that maximum ends.
     mine, extent = task.observable_of(bracket.guard), state.extremes.including(trial.guards.value).extent
     shortfall = task.shortfall * jnp.sum(jnp.where(mine, extent, 0.0))
-    refinement = refine(bracket, trial.length, guards, task.rated, task.event_time, shortfall, trial.linear_time)
+    rounding = ROUNDING * jnp.max(jnp.abs(trial.step.end[0, : task.system.coordinates]), initial=0.0)
+    refinement = refine(
+        bracket, trial.length, guards, task.rated, task.event_time, shortfall, trial.linear_time, rounding
+    )
     # In most parts of the loop the outcome decides.
     outcome = evaluated_once(_outcome(task, state, trial, crossing, refinement).astype(float)).astype(int)
     shorter = _shorter(task, state, trial, outcome, before)
