@@ -21,7 +21,8 @@ P = TypeVar("P")
 BEFORE_RELEASE = 0.6  # of the predicted time to a release: near it only a step that ends on it is accurate
 ADDED, LEAST_SHARE = 0.3, 1e-4  # see `_allowed_change`
 LINEAR, LEAST_SHORTFALL = 3.0, 1e-6  # see `_linear_time`
-SPACING = 1e-3  # of a step as accuracy allows: how far beside its end the state is taken to be even
+EVEN = 0.01  # of a step as accuracy allows: how far beside its end a state in free flight is taken to change evenly
+SPACING = 1e-3  # of a step as accuracy allows: how far beside its end the second derivative is taken from
 
 
 class Trial(NamedTuple):
@@ -101,9 +102,9 @@ def _linear_time(stiff: Linearisation, shortfall: Scalar, step: Scalar) -> Float
     Tighter tolerances make it no shorter: the times of a struck beam's maxima are then less exact, not more. Where no
     stiff force acts, a small part of a ``step`` as accuracy allows is all that the state is known to be even over.
     """
-    allowed = jnp.maximum(shortfall, LEAST_SHORTFALL)
-    # no stiff force may act at all
-    return jnp.minimum(LINEAR * jnp.sqrt(allowed) / jnp.maximum(stiff.fastest(), 1e-150), SPACING * step)
+    fastest, allowed = stiff.fastest(), jnp.maximum(shortfall, LEAST_SHORTFALL)
+    acts = fastest > 0.0
+    return jnp.where(acts, LINEAR * jnp.sqrt(allowed) / jnp.where(acts, fastest, 1.0), EVEN * step)
 
 
 def _allowed_change(change: Scalar, share: Scalar, rtol: Scalar) -> Float[Array, ""]:
