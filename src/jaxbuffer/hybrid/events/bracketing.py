@@ -90,8 +90,8 @@ class Refinement(NamedTuple):
 
     ``finished``: no further try; ``converged``: the step ends on the event; ``occurred``: it does, or a little beyond,
     and not before one that could not be found; ``offset``: time from the step's end to the event [s], zero unless
-    converged, and where a maximum is too far to move the state there; ``guard_rate``: the guard's rate [1/s times its
-    unit]; ``bracket``: what to try next if not finished.
+    converged, where a maximum is too far to move the state there, and where rounding hides it; ``guard_rate``: the
+    guard's rate [1/s times its unit]; ``bracket``: what to try next if not finished.
     """
 
     finished: Bool[Array, ""]
