@@ -32,27 +32,25 @@ def fallen(now: Mapping[str, float], before: Mapping[str, float], allowed: float
     ]
 
 
-def load(mode: str, file: Path = FILE) -> dict[str, float]:
-    """The ratios of a baseline of ``mode``, "quick" or "full"; empty where there is none."""
+def load(mode: str, file: Path | None = None) -> dict[str, float]:
+    """The ratios of a baseline of ``mode``, "quick" or "full"; empty where there is none. ``file``: default `FILE`."""
     return _stored(file).get(mode, {}).get("ratios", {})
 
 
-def where(mode: str, file: Path = FILE) -> str:
-    """On which machine the baseline of ``mode`` was measured last, and when: a ratio may differ between processors."""
-    taken = _stored(file).get(mode, {})
-    return f"{taken['cores']} cores of {taken['processor']}, {taken['date']}" if taken else "no machine yet"
+def machine_of(mode: str, file: Path | None = None) -> str:
+    """On which machine a baseline was stored last, and when: a ratio may differ between processors."""
+    last = _stored(file).get(mode)
+    return f"stored last on {last['cores']} cores of {last['processor']}, {last['date']}" if last else "none stored"
 
 
-def store(mode: str, now: Mapping[str, float], about: Mapping[str, Any], file: Path = FILE) -> None:
+def store(mode: str, now: Mapping[str, float], about: Mapping[str, Any], file: Path | None = None) -> None:
     """Put the ratios in place of their baselines, with what `report.about` says of the run; other ratios stay."""
-    ratios = {
-        **_stored(file).get(mode, {}).get("ratios", {}),
-        **{key: float(f"{value:.3g}") for key, value in now.items()},
-    }
+    ratios = {**load(mode, file), **{key: float(f"{value:.3g}") for key, value in now.items()}}
     machine = about["machine"]
-    taken = {"processor": machine["processor"], "cores": machine["cores"], "date": about["date"], "ratios": ratios}
-    file.write_text(json.dumps({**_stored(file), mode: taken}, indent=1, sort_keys=True) + "\n")
+    last = {"processor": machine["processor"], "cores": machine["cores"], "date": about["date"], "ratios": ratios}
+    (file or FILE).write_text(json.dumps({**_stored(file), mode: last}, indent=1, sort_keys=True) + "\n")
 
 
-def _stored(file: Path) -> dict[str, Any]:
+def _stored(file: Path | None) -> dict[str, Any]:
+    file = file or FILE
     return json.loads(file.read_text()) if file.exists() else {}

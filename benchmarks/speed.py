@@ -63,7 +63,7 @@ def main(
         for line in lines:
             out.print(f"SLOWER {line}", highlight=False)
         kept = f"{len(before) - len(lines)} of {len(before)} ratios are at their {mode} baseline"
-        out.print(f"{kept} ({baseline.where(mode)})", highlight=False)
+        out.print(f"{kept} ({baseline.machine_of(mode)})", highlight=False)
         slower = bool(lines) or not before
     if store_baseline:
         baseline.store(mode, now, run)

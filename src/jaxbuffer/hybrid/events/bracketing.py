@@ -142,8 +142,8 @@ def refine(
     # Farther than the state can be moved along its rate, a step's end stands for the maximum as it is.
     near = exact | (jnp.abs(offset) <= jnp.maximum(linear_time, tolerance))
     beside = ~exact & inside & (0.5 * jnp.abs(z * offset) <= shortfall)
-    # No step ends nearer than rounding lets a guard come to zero, and where it then lies says no time: where a contact
-    # closes slowly, the tolerance may ask for more.
+    # A guard that is beside zero by rounding alone does not say when its event is, and no step comes nearer. Where a
+    # contact closes slowly, the tolerance would ask for that.
     rounded = exact & (jnp.abs(z) <= rounding)
     close = (jnp.abs(offset) <= tolerance) | beside | rounded
     # With tangents the same step may end a little beside: it stays on its event.
